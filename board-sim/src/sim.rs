@@ -18,7 +18,7 @@ use leadscrew_core::bus::{FdFrame, Frame, Periods};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::{Motion, Setpoint};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Call;
+use leadscrew_core::call::Call;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Rpm, Turns};

@@ -8,8 +8,8 @@
 use std::hint::black_box;
 
 use leadscrew_core::alarm::{At, Span};
+use leadscrew_core::call::{CutIn, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
 use leadscrew_core::cycle::ThreadMoves;
-use leadscrew_core::program::{CutIn, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
 use leadscrew_core::units::{Angle, Diameter, Lead, Length, Remainder, Rpm};
 
 fn main() {

@@ -10,8 +10,9 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
 
+use leadscrew_core::call::CallKind;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{CallKind, Event, Events, Options};
+use leadscrew_core::program::{Event, Events, Options};
 
 fn main() {
     let mut args = std::env::args().skip(1);

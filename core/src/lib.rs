@@ -12,10 +12,10 @@
 //! Data goes one way. Each arrow is one type, each type has one home, and each stage can be run, printed and tested
 //! alone.
 //!
-//! - [`program`] turns text into [calls](program::Call): blocks with all their modal meaning resolved, in machine units,
+//! - [`program`] turns text into [calls](crate::call::Call): blocks with all their modal meaning resolved, in machine units,
 //!   each with the place it came from. Its memory is bounded by a line, not by the program.
 //! - [`feasible`] asks whether a call can be done: speeds, lead-in, run-out, travel. Arithmetic without state.
-//! - [`cycle`] turns a call into [moves](cycle::Move), lazily and in constant memory, after refusing what its geometry
+//! - [`cycle`] turns a call into [moves](crate::moves::Move), lazily and in constant memory, after refusing what its geometry
 //!   forbids.
 //! - [`motion`] plans a move into a [segment](motion::Segment) and executes one segment after another into a
 //!   [setpoint](motion::Setpoint) a tick.
@@ -55,14 +55,17 @@
 pub mod alarm;
 pub mod board;
 pub mod bus;
+pub mod call;
 pub mod checksum;
 pub mod cycle;
-pub mod feasible;
+mod feasible;
 pub mod journal;
 pub mod link;
 pub mod motion;
+pub mod moves;
 pub mod params;
 pub mod program;
 pub mod signals;
 pub mod spindle;
+mod text;
 pub mod units;

@@ -3,7 +3,7 @@
 //! commands.
 
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::program::{Hand, HandChoice, Selection, SpindleChoice, TapSpindle};
+use crate::call::{Hand, HandChoice, Selection, SpindleChoice, TapSpindle};
 
 /// One input, named as the makers' manuals name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

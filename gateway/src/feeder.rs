@@ -1,7 +1,8 @@
 //! Reads the calls of a checked program in order, for any machine.
 
 use leadscrew_core::alarm::{Alarm, Span};
-use leadscrew_core::program::{Call, CallKind, Event, Position};
+use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::program::Event;
 
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Doing, Failure, Outcome};

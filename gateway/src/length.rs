@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use leadscrew_core::cycle::{Move, MoveKind};
-use leadscrew_core::program::Position;
+use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_core::call::Position;
 
 /// The length of a move that begins at `from`, in nanometres.
 pub fn nanometres(from: &Position, step: &Move) -> f64 {
@@ -41,7 +41,7 @@ pub fn sweep(from: (f64, f64), to: (f64, f64), centre: (f64, f64), clockwise: bo
 #[cfg(test)]
 mod tests {
     use leadscrew_core::alarm::Span;
-    use leadscrew_core::program::FeedRate;
+    use leadscrew_core::call::FeedRate;
     use leadscrew_core::units::{Feed, Length};
 
     use super::*;

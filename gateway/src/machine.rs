@@ -4,7 +4,7 @@ use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::{FdFrame, Frame};
-use leadscrew_core::program::Call;
+use leadscrew_core::call::Call;
 use leadscrew_core::units::Turns;
 
 use crate::cli::Drive;

@@ -9,7 +9,8 @@ use leadscrew_core::cycle::Context;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Dialect, Options, Position};
+use leadscrew_core::program::{Dialect, Options};
+use leadscrew_core::call::Position;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 

@@ -2,7 +2,7 @@
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::program::{Hand, LengthUnit, TapAxis};
+use leadscrew_core::call::{Hand, LengthUnit, TapAxis};
 use leadscrew_core::units::Length;
 
 use crate::json::Json;
@@ -105,7 +105,7 @@ pub fn fields(record: Option<&TapRecord>, json: &mut Json) {
 #[cfg(test)]
 mod tests {
     use leadscrew_core::journal::TapHole;
-    use leadscrew_core::program::{TapNotes, TapSpindle};
+    use leadscrew_core::call::{TapNotes, TapSpindle};
     use leadscrew_core::units::{CentiRpm, Lead, Turns};
 
     use super::*;

@@ -9,7 +9,7 @@ use leadscrew_board_sim::{Row, Sim};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Event, State};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, Position};
+use leadscrew_core::call::{Call, Position};
 
 use crate::machine::{calls, machine};
 

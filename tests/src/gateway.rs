@@ -8,7 +8,7 @@ use leadscrew_core::bus::{
     SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, encode_call};
-use leadscrew_core::program::Call;
+use leadscrew_core::call::Call;
 
 use crate::transfer::Transfer;
 

@@ -10,7 +10,8 @@ use leadscrew_core::board::Event;
 use leadscrew_core::bus::{Object, Order, SdoProtocol};
 use leadscrew_core::link::{Certificate, SetpointHash};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{self, Call, Options, Position, Reader, TapSpindle};
+use leadscrew_core::program::{self, Options, Reader};
+use leadscrew_core::call::{Call, Position, TapSpindle};
 
 use crate::gateway::{Gateway, Upload};
 use crate::machine::{STANDING_TICKS, machine};

@@ -9,7 +9,7 @@ use leadscrew_core::board::{Board, Command, Event, Output, State};
 use leadscrew_core::bus::{
     CobId, DriveCommand, FdFrame, Frame, Mapped, NmtCommand, NodeId, Service, Setpoints,
 };
-use leadscrew_core::program::{Call, Position};
+use leadscrew_core::call::{Call, Position};
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_tests::machine::calls;
 use leadscrew_tests::params::with;

@@ -6,7 +6,7 @@ use leadscrew_board_sim::line::{self, Faults, Intruder, Noise, Way};
 use leadscrew_board_sim::plant::{Order, Tear};
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::NodeId;
-use leadscrew_core::program::TapSpindle;
+use leadscrew_core::call::TapSpindle;
 use leadscrew_core::units::Axis;
 
 /// A span of ticks on the command line: `4000` (from there on), `4000..4500`.

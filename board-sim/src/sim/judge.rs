@@ -4,7 +4,7 @@
 
 use leadscrew_core::motion::{Helix, TapLine};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{TapAxis, TapSpindle};
+use leadscrew_core::call::{TapAxis, TapSpindle};
 use leadscrew_core::units::{Axis, Turns};
 
 use super::{Row, Sim, TapPoint};

@@ -25,10 +25,10 @@ use super::ticker::Notice;
 use crate::alarm::Alarm;
 use crate::bus::FdFrame;
 use crate::bus::{Controller, Frame, NodeId, Periods};
+use crate::call::{Call, Position};
 use crate::journal::TapRecord;
 use crate::motion::{Epoch, Limits};
 use crate::params::Params;
-use crate::program::{Call, Position};
 use crate::signals::Signals;
 
 /// Requests of the background to the tick side. Each acts in the next tick, in the order of the requests.

@@ -3,8 +3,8 @@
 //! The tick knows the targets, and the background plans the way. The tick asks with a [`Route`]. The background answers
 //! with segments in a queue of their own; the last of them is a mark ([`Action::End`](crate::motion::Action)).
 
+use crate::call::Position;
 use crate::motion::Epoch;
-use crate::program::Position;
 
 /// Straight rapids from the present position through up to two points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

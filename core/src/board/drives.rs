@@ -12,8 +12,8 @@ use crate::bus::{
     SyncProducer, Told,
 };
 use crate::bus::{Phase, Service, Setpoints, Step};
+use crate::call::{Position, TapSpindle};
 use crate::params::Params;
-use crate::program::{Position, TapSpindle};
 use crate::units::{Angle, Axis, Length};
 
 /// The most frames that a board sends in one period: SYNC, a start and an RPDO1 for each of three axes, and a start, an

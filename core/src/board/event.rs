@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::trouble::BusTrouble;
 use crate::alarm::{Alarm, Code};
-use crate::program::Aux;
+use crate::call::Aux;
 use crate::units::Rpm;
 
 /// An event.

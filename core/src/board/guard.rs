@@ -6,9 +6,10 @@
 //! refuses the same calls by word and line; but a board need not get its calls from such a reader.
 
 use crate::alarm::{Alarm, Arg, Code};
-use crate::cycle::{MoveKind, Moves};
+use crate::call::{Call, CallKind};
+use crate::cycle::Moves;
 use crate::journal::{TapHole, TapRecord};
-use crate::program::{Call, CallKind};
+use crate::moves::MoveKind;
 
 /// The guarded hole, if there is one.
 #[derive(Clone, Copy, Debug)]

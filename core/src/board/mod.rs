@@ -58,10 +58,10 @@ pub use trouble::{BusTrouble, Intrusion, Victim};
 
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::Frame;
+use crate::call::{Call, Position};
 use crate::journal::TapRecord;
 use crate::motion::{Epoch, Helix, Law, Limits, Setpoint, TapLine};
 use crate::params::Params;
-use crate::program::{Call, Position};
 use crate::signals::Signals;
 use crate::spindle::EncoderSample;
 pub use queue::{Calls, DetourIn, DetourOut, Detours, Events, SegmentIn, SegmentOut, Segments};

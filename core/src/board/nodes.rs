@@ -2,8 +2,8 @@
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::NodeId;
+use crate::call::TapSpindle;
 use crate::params::Params;
-use crate::program::TapSpindle;
 use crate::units::Axis;
 
 /// The node numbers of a machine's drives: one for each axis, and consecutive numbers for its spindles.

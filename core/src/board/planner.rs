@@ -19,11 +19,12 @@ use super::guard::Guard;
 use super::queue::{CallOut, DetourIn, SegmentIn, take};
 use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
-use crate::cycle::{Move, MoveKind, Moves, Stage};
+use crate::call::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
+use crate::cycle::Moves;
 use crate::journal::TapRecord;
 use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
+use crate::moves::{Move, MoveKind, Stage};
 use crate::params::Params;
-use crate::program::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::signals::Signals;
 use crate::units::CentiRpm;
 

@@ -8,8 +8,8 @@
 use heapless::spsc::{Consumer, Producer, Queue};
 
 use super::event::Event;
+use crate::call::Call;
 use crate::motion::{Action, Plan, Segment, Task};
-use crate::program::Call;
 
 /// Calls in the queue of a board. One place of a ring stays empty.
 pub const CALLS: usize = 4;

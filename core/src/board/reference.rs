@@ -1,9 +1,9 @@
 //! The error of an axis that is held to the spindle. It is found one tick later, from the angle measured since.
 
 use super::ticker::Ticker;
+use crate::call::{Position, TapAxis, TapSpindle};
 use crate::link::ThreadKind;
 use crate::motion::{Cut, Law, Setpoint, Task};
-use crate::program::{Position, TapAxis, TapSpindle};
 use crate::units::Length;
 
 /// The data for judging the next measured angle. At first there are none.

@@ -4,9 +4,9 @@ use super::operator::Operator;
 use super::ticker::{Outcome, State, Ticker};
 use crate::alarm::{Alarm, Code};
 use crate::bus::BoardState;
+use crate::call::TapSpindle;
 use crate::journal::TapRecord;
 use crate::motion::{Cut, Motion, Setpoint};
-use crate::program::TapSpindle;
 use crate::signals::Signals;
 use crate::units::{Rpm, TurnRate, Turns};
 

@@ -9,7 +9,7 @@ use crate::bus::{
     DriveConfig, DriveMaster, Frame, Increments, MilliRpm, NodeId, Periods, SpindleDemand,
     SpindleMaster,
 };
-use crate::program::TapSpindle;
+use crate::call::TapSpindle;
 use crate::units::{Divisor, Turns, signed_product};
 
 /// The command to the spindle for the next SYNC.

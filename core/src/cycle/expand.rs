@@ -1,35 +1,12 @@
 //! Turns any call into its moves.
 
-use super::refuse::{refuse_groove, refuse_tap};
-use super::tap_return::tap_return;
-use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves};
+use super::Context;
+use super::groove::{GrooveMoves, refuse_groove};
+use super::tap::{TapMoves, refuse_tap, way_out};
+use super::thread::ThreadMoves;
 use crate::alarm::Alarm;
-use crate::journal::TapRecord;
-use crate::program::{Aux, Call, CallKind, Position, SpindleChoice, SpindleMode};
-use crate::signals::Signals;
-
-/// Everything that the moves of a call depend on in addition to its words.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Context<'a> {
-    /// Where the tool stands.
-    pub at: Position,
-    /// The inputs at the moment when the call begins.
-    pub signals: Signals,
-    /// The newest entry of the tap journal, if there is one.
-    pub tap: Option<&'a TapRecord>,
-}
-
-impl Context<'_> {
-    /// A tool that stands at `at`, all inputs as at power-up, nothing in the tap journal.
-    #[must_use]
-    pub fn standing(at: Position) -> Self {
-        Self {
-            at,
-            signals: Signals::default(),
-            tap: None,
-        }
-    }
-}
+use crate::call::{Aux, Call, CallKind, SpindleChoice, SpindleMode};
+use crate::moves::{Move, MoveKind};
 
 /// The moves of one call. Their memory is constant for every call. Nothing can fail after they are made.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +46,7 @@ fn single(next: &mut Move, call: &Call, context: &Context<'_>) -> Result<bool, A
         CallKind::Over | CallKind::Thread(_) | CallKind::Groove(_) | CallKind::Tap(_) => {
             return Ok(false);
         }
-        CallKind::TapReturn(out) => return tap_return(next, out, context),
+        CallKind::TapReturn(out) => return way_out(next, out, context),
         CallKind::Rapid(to) => {
             next.to = *to;
             MoveKind::Rapid

@@ -1,28 +1,32 @@
-//! Calls in, moves out: each cycle turns its words into single moves.
+//! The cycles: a room for each family.
 //!
-//! Each family of cycles has a file with a lazy iterator of [`Move`]s in constant memory. [`expand`] makes all of these
-//! iterators. A call with an impossible geometry is refused before the first move. Knows nothing of program text, motion
-//! or the bus.
+//! A room has all that a cycle is: how its words are read, what its geometry forbids, its moves, and what the machine cannot
+//! do. Only its call type is elsewhere ([`call`](crate::call)), since the board gets that. The interpreter hands a block to
+//! its room and gets a call; [`expand`] gives a call to its room and gets a lazy iterator of [moves](crate::moves) in
+//! constant memory. Nothing in a room is known to another.
+//!
+//! It must not know program flow, the bus or the board.
 
 mod check;
-mod depth;
+mod context;
 mod expand;
 mod groove;
-mod groove_count;
-mod helix;
-mod moves;
-mod refuse;
-mod shape;
-mod slope;
+mod limits;
 mod tap;
-mod tap_return;
-mod taper;
+#[cfg(test)]
+mod tests;
 mod thread;
 
-pub use expand::{Context, Moves, expand};
-pub use groove::GrooveMoves;
-pub use groove_count::GrooveCount;
-pub use moves::*;
-pub(crate) use refuse::refuse_tap;
-pub use tap::TapMoves;
-pub use thread::{ThreadMoves, ThreadSummary};
+pub use context::Context;
+pub use expand::{Moves, expand};
+pub use groove::{GrooveCount, GrooveMoves, groove_warning};
+pub use limits::{time, within_limits};
+pub use tap::{TapJoin, TapMoves, TapReport, tap, tap_return, tap_spindle};
+pub use thread::{
+    FINDINGS, ThreadFindings, ThreadMoves, ThreadReport, ThreadSummary, rpm_max, thread,
+    thread_can_run, thread_findings,
+};
+
+pub(crate) use groove::GrooveWords;
+pub(crate) use tap::{TapPart, Tapping, rigid_code, tap_can_begin, tap_strokes};
+pub(crate) use thread::ThreadWords;

@@ -9,7 +9,7 @@ use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed};
 /// # Errors
 /// The noise exceeds the axis' acceleration ([`Code::LeadForEncoder`]); the spindle is so slow that the observer cannot
 /// know its speed ([`Code::SpeedForEncoder`]).
-pub(super) fn can_follow(
+pub(crate) fn can_follow(
     lead: At<Lead>,
     axis: Axis,
     rpm: Rpm,

@@ -1,27 +1,17 @@
 //! Travel limits (parameters 1320 and 1321): every end of a move, and the bulge of an arc.
 
-use super::groove::groove_within_limits;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::{Move, MoveKind, Moves};
+use crate::call::Position;
+use crate::moves::{Move, MoveKind};
 use crate::params::Params;
-use crate::program::Position;
 use crate::units::plane::{self, Vector, ahead, side};
 use crate::units::{Angle, Axis, Diameter, Length, signed};
 
-/// Checks that no move of `moves` leaves the travel of an axis. The first move begins at `from`. The check of a groove
-/// takes the same time for any number of columns and infeeds.
+/// Checks that no move of `moves` leaves the travel of an axis. The first move begins at `from`.
 ///
 /// # Errors
 /// [`Code::SoftLimit`] with the axis, its target and its limit (machine coordinates).
-pub fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(), Alarm> {
-    match moves {
-        Moves::Groove(groove) => groove_within_limits(groove, params),
-        _ => each_within_limits(*moves, from, params),
-    }
-}
-
-/// The same check, move by move.
-pub(super) fn each_within_limits(
+pub(crate) fn each_within_limits(
     moves: impl Iterator<Item = Move>,
     from: Position,
     params: &Params,
@@ -50,7 +40,7 @@ pub(super) fn each_within_limits(
 }
 
 #[inline(never)]
-pub(super) fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
+pub(crate) fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
     for axis in Axis::ALL {
         let value = match axis {
             Axis::X => at.x.nm(),

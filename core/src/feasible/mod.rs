@@ -1,27 +1,15 @@
-//! Feasibility checks before anything moves: speeds, lead-in, run-out and travel limits of calls and moves.
+//! What the machine can do, whatever the cycle: travel of the axes, encoder, time.
 //!
-//! This is arithmetic on figures, without state. `cycle` has already decided what the geometry allows; here only the
-//! limits of the machine count. The command line prints the reports. The board asks the same functions before it starts
-//! a block, and plans with the same planner, so both see the same numbers. This module knows nothing of the bus or the
+//! This is arithmetic on moves, without state; the same planner counts here and on the board, so both see the same
+//! numbers. A [`cycle`](crate::cycle) asks these functions about its own moves. The module knows no cycle, no bus and no
 //! board.
 
 mod encoder;
-mod float;
-mod groove;
 mod limits;
 mod pass;
-mod tap;
-#[cfg(test)]
-mod tests;
-mod thread;
 mod time;
 
-pub use float::TapJoin;
-pub use groove::groove_warning;
-pub use limits::within_limits;
-pub use tap::{TapReport, tap, tap_return, tap_spindle};
-pub(crate) use tap::{tap_can_begin, tap_strokes};
-pub use thread::{
-    FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_can_run, thread_findings,
-};
-pub use time::time;
+pub(crate) use encoder::can_follow;
+pub(crate) use limits::{each_within_limits, inside};
+pub(crate) use pass::{Gather, Pass};
+pub(crate) use time::time_of_each;

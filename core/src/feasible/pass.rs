@@ -2,12 +2,12 @@
 
 use heapless::Vec;
 
-use crate::cycle::{Move, MoveKind};
-use crate::program::Position;
+use crate::call::Position;
+use crate::moves::{Move, MoveKind};
 
 /// A pass: its start position, and its one to three moves in order.
 #[derive(Clone, Debug)]
-pub(super) struct Pass {
+pub(crate) struct Pass {
     pub from: Position,
     pub moves: Vec<Move, 3>,
 }
@@ -15,7 +15,7 @@ pub(super) struct Pass {
 /// Gathers passes from a stream of moves. It takes each move with the position at which the move begins, and returns a
 /// pass after the pass's last move.
 #[derive(Clone, Debug)]
-pub(super) struct Gather(Pass);
+pub(crate) struct Gather(Pass);
 
 impl Gather {
     pub const fn new() -> Self {

@@ -4,10 +4,10 @@ use core::time::Duration;
 
 use super::pass::Gather;
 use crate::alarm::Alarm;
-use crate::cycle::{Move, MoveKind, Moves};
+use crate::call::{Position, TapMode};
 use crate::motion::{Limits, ThreadPlan, float_ticks, plan, stroke};
+use crate::moves::{Move, MoveKind};
 use crate::params::Params;
-use crate::program::{Position, TapMode};
 use crate::units::{TurnRate, mul_div};
 
 /// Ticks in which nothing moves: a finished pass stands for two ticks, and a waiting pass waits for at least one.
@@ -16,27 +16,6 @@ const BETWEEN_PASSES: u64 = 3;
 /// In 2⁻³² turns.
 const HALF_TURN: u64 = 1 << 31;
 
-/// The time of the moves of a call at full override. The first move begins at `from`. For a groove each kind of move is
-/// planned only once, so the computation takes no longer for many columns and infeeds than for few.
-///
-/// # Errors
-/// The errors of the planner.
-pub fn time(moves: &Moves, from: Position, params: &Params) -> Result<Duration, Alarm> {
-    let Moves::Groove(groove) = moves else {
-        return time_of_each(*moves, from, params);
-    };
-    let limits = Limits::from_params(params);
-    let tick = u64::from(limits.tick_us());
-    let mut ticks = 0_u64;
-    groove.tally(&mut |from, step, times| {
-        let timed = plan::timed(*from, step, &limits)?;
-        let each = timed.map_or(0, |timed| timed.duration_ticks());
-        ticks = ticks.saturating_add(each.saturating_mul(times));
-        Ok(())
-    })?;
-    Ok(Duration::from_micros(ticks.saturating_mul(tick)))
-}
-
 /// The time of `moves` at full override. The first move begins at `from`. The time is exact for moves driven by time. A
 /// thread counts its turns at the commanded speed and the wait for its start angle; the first pass waits half a turn,
 /// the wait of each later pass follows from the pass before. An ordinary tap counts the ramps for which its spindle is
@@ -44,7 +23,7 @@ pub fn time(moves: &Moves, from: Position, params: &Params) -> Result<Duration, 
 ///
 /// # Errors
 /// The errors of the planner.
-pub(super) fn time_of_each(
+pub(crate) fn time_of_each(
     moves: impl Iterator<Item = Move>,
     from: Position,
     params: &Params,

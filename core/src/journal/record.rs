@@ -19,8 +19,8 @@
 
 use super::bytes::{Reader, Writer};
 use crate::alarm::Arg;
+use crate::call::{Extraction, Hand, LengthUnit, Plane, TapAxis, TapNotes, TapSpindle};
 use crate::checksum::crc32;
-use crate::program::{Extraction, Hand, LengthUnit, Plane, TapAxis, TapNotes, TapSpindle};
 use crate::units::{CentiRpm, Diameter, Lead, Length, Turns};
 
 const IN_HOLE: u8 = 1 << 0;

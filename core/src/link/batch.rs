@@ -11,7 +11,7 @@ use heapless::Vec;
 
 use super::reader::{Reader, Take};
 use super::{LinkError, VERSION, Version, bounds};
-use crate::program::Call;
+use crate::call::Call;
 
 /// Size of the longest batch.
 pub const BATCH_BYTES: usize = 512;

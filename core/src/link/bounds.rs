@@ -2,7 +2,7 @@
 //!
 //! This module does not check geometry and physics: the board checks them for every call.
 
-use crate::program::{
+use crate::call::{
     ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, TapCall, TapForm, TapMode, TapPeck,
     TapReturn, ThreadCall,
 };

@@ -4,7 +4,7 @@
 use super::reader::{Reader, Take};
 use super::version::Version;
 use crate::alarm::{At, Span};
-use crate::program::{
+use crate::call::{
     ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
     Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
     SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat,

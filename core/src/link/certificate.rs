@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::writer::{Put, Writer};
 use super::{LinkError, VERSION, Version};
-use crate::program::{Position, TapSpindle};
+use crate::call::{Position, TapSpindle};
 use crate::units::{Length, Turns};
 
 /// CRC-64/XZ by half bytes, with a table of 128 bytes. A table for whole bytes takes 2 KiB of a board's flash; a step

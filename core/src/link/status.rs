@@ -7,7 +7,7 @@ use super::writer::{Put, Writer};
 use super::{LinkError, Version};
 use crate::alarm::Alarm;
 use crate::bus::BoardState;
-use crate::program::Position;
+use crate::call::Position;
 use crate::units::{Length, Rpm, TurnRate, Turns};
 
 /// The status record.

@@ -8,13 +8,13 @@ use super::*;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::board::Event;
 use crate::bus::BoardState;
-use crate::params::Params;
-use crate::program::{
+use crate::call::{
     ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
     Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice, TapAxis,
     TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapReturn, TapSpindle,
     ThreadCall, ThreadCycle,
 };
+use crate::params::Params;
 use crate::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, TurnRate, Turns,
 };

@@ -6,7 +6,7 @@ use super::{Certificate, Status, Tally, ThreadKind, ThreadRecord, ThreadState, V
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::Event;
 use crate::bus::BoardState;
-use crate::program::{Aux, Position};
+use crate::call::{Aux, Position};
 use crate::units::{Angle, Length, Rpm, TurnRate, Turns};
 
 /// Quantities, encoded as their number.

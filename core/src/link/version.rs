@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Certificate, Logged, Status, ThreadCertificate};
 use crate::alarm::Code;
-use crate::program::Call;
+use crate::call::Call;
 use crate::signals::Signals;
 
 /// The version of a link. Both sides must have the same version.

@@ -2,7 +2,7 @@
 //! little.
 
 use super::rate::Travel;
-use crate::program::Position;
+use crate::call::Position;
 use crate::units::{Direction, Length, mul_div, mul_high, narrow_div, plane};
 
 /// The largest distance of the end from the circle through the start; see [`Arc::new`].

@@ -16,7 +16,7 @@ use super::segment::{Action, Plan, Stops, Task};
 use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
 use crate::alarm::{Alarm, Code, Span};
-use crate::program::{FeedRate, Position};
+use crate::call::{FeedRate, Position};
 use crate::spindle::Observer;
 use crate::units::{Length, Rpm, Ticks, TurnRate, Turns};
 use pass::Waited;

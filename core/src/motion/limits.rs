@@ -238,7 +238,7 @@ fn per_tick(value: i64, tick_us: u32, power: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::Position;
+    use crate::call::Position;
     use crate::units::{Angle, Length};
 
     #[test]

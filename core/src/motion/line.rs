@@ -1,7 +1,7 @@
 //! Straight paths: three axes move in proportion to one distance.
 
 use super::rate::Travel;
-use crate::program::Position;
+use crate::call::Position;
 use crate::units::{Angle, Length, mul_high, narrow_div, plane};
 
 /// A straight path in X, Z and C.

@@ -3,7 +3,7 @@
 use super::arc::Arc;
 use super::line::Line;
 use super::rate::Travel;
-use crate::program::Position;
+use crate::call::Position;
 use crate::units::Length;
 
 /// A path in space, driven by the distance covered.

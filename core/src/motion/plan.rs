@@ -10,8 +10,8 @@ use super::profile::{CAPACITY, Ramp};
 use super::rate::{PathRate, Rate};
 use super::shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::{Move, MoveKind};
-use crate::program::{FeedRate, Position};
+use crate::call::{FeedRate, Position};
+use crate::moves::{Move, MoveKind};
 use crate::units::{Feed, Length, Rpm, mul_div};
 
 /// The highest feed override for which the ramp of a feed has room.

@@ -5,7 +5,7 @@
 use super::plan::Timed;
 use super::profile::{Profile, Progress, Ramp};
 use super::rate::{PathRate, Rate, Travel};
-use crate::program::Position;
+use crate::call::Position;
 use crate::units::Length;
 
 /// The result of one tick of a [`Run`].

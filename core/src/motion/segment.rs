@@ -4,7 +4,7 @@ use super::plan::Timed;
 use super::tap::{FloatPlan, Tap};
 use super::thread::ThreadPlan;
 use crate::alarm::{Alarm, Span};
-use crate::program::{Aux, Position, TapSpindle};
+use crate::call::{Aux, Position, TapSpindle};
 use crate::units::{Length, Rpm};
 
 /// Counts how often a board has forgotten its queued segments. A segment with an older epoch is left over in a queue;

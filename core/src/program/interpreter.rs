@@ -1,27 +1,11 @@
 //! Lines in, events out: the sans-IO driver of lexer, block and modal state.
 
-use super::block::Block;
-use super::call::{Call, Position};
-use super::lexer::{Comment, Cursor, Ended};
-use super::options::Options;
-use super::plan::Plan;
 use super::state::State;
-use super::tap_mode::rigid_code;
 use crate::alarm::{Alarm, Code};
+use crate::call::Position;
+use crate::cycle::rigid_code;
 use crate::params::Params;
-
-/// The output of a program, in the order in which the machine acts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "nearly every event is a call, and the core has no heap to put one on"
-)]
-pub enum Event {
-    /// One action of the machine.
-    Call(Call),
-    /// A message to the operator, in its place in the order; the program goes on.
-    Warning(Alarm),
-}
+use crate::text::{Block, Comment, Cursor, Ended, Event, Options, Plan};
 
 /// Reads a program line by line and resolves all of its modal meaning. Memory is bounded by one line.
 ///
@@ -109,7 +93,7 @@ impl<'p> Interpreter<'p> {
 
     #[inline]
     fn try_block(&mut self, cursor: &mut Cursor<'_>) -> Result<bool, Alarm> {
-        let skip = self.state.options.skip;
+        let skip = self.state.modal.options.skip;
         let start = !self.state.started;
         let ended = cursor.block(&mut self.block, &mut self.comment, skip, start)?;
         if !self.block.is_empty() {
@@ -149,13 +133,13 @@ impl<'p> Interpreter<'p> {
     /// Where the machine stands after the blocks so far.
     #[must_use]
     pub const fn position(&self) -> Position {
-        self.state.position
+        self.state.modal.position
     }
 
     /// True after G20: the program's lengths are inches.
     #[must_use]
     pub const fn is_inch(&self) -> bool {
-        self.state.scale.is_inch()
+        self.state.modal.scale.is_inch()
     }
 
     /// The program's O-number, if it has one.

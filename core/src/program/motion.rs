@@ -1,41 +1,16 @@
 //! Straight and circular motion: axis words to a target, G00 to G03 and G53.
 
 use super::arc::{Way, centre_by_radius, end_error};
-use super::block::{Block, Letters, Word, g_arg};
-use super::call::{ArcCall, CallKind, Position};
-use super::plan::Plan;
-use super::state::{AXES, Motion, PLANE_AXES, State, needs_words};
+use super::state::{Motion, State, needs_words};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::units::{Angle, Diameter, Length};
+use crate::call::{ArcCall, CallKind, Position};
+use crate::text::{AXES, Block, Letters, PLANE_AXES, Plan, Word, g_arg};
+use crate::units::Length;
 
 /// Words of an arc in addition to the end point.
 const CENTRE: Letters = Letters::of(b"IK");
 
 impl State<'_> {
-    /// Where the axis words send the machine, with the work zero at `origin`.
-    #[inline]
-    pub(super) fn target(&self, block: &Block, origin: Position) -> Result<Position, Alarm> {
-        let mut to = self.position;
-        if let Some(word) = block.find(b'X') {
-            to.x = within(origin.x + self.scale.radius(&word)?, &word)?;
-        } else if let Some(word) = block.find(b'U') {
-            to.x = within(to.x + self.scale.radius(&word)?, &word)?;
-        }
-        if let Some(word) = block.find(b'Z') {
-            to.z = within(origin.z + self.scale.length(&word)?, &word)?;
-        } else if let Some(word) = block.find(b'W') {
-            to.z = within(to.z + self.scale.length(&word)?, &word)?;
-        }
-        if block.has_any(Letters::of(b"CH")) {
-            if let Some(word) = block.find(b'C') {
-                to.c = within_turns(origin.c + self.scale.angle(&word)?, &word)?;
-            } else if let Some(word) = block.find(b'H') {
-                to.c = within_turns(to.c + self.scale.angle(&word)?, &word)?;
-            }
-        }
-        Ok(to)
-    }
-
     /// G00 to G03, written or modal; `used` are words of the block that something else has taken.
     #[inline]
     pub(super) fn travel(
@@ -47,18 +22,18 @@ impl State<'_> {
     ) -> Result<(), Alarm> {
         let clockwise = match self.motion {
             Motion::Rapid | Motion::Line => {
-                self.only(block, AXES.and(used))?;
+                block.only(AXES.and(used))?;
                 if !block.has_any(AXES) {
                     return Ok(());
                 }
                 let span = word.map_or(block.lead(), |word| word.span);
-                let to = self.target(block, self.origin)?;
+                let to = self.modal.target(block, self.modal.origin)?;
                 let kind = if self.motion == Motion::Rapid {
                     CallKind::Rapid(to)
                 } else {
-                    CallKind::Line(to, self.feed(span, 1)?)
+                    CallKind::Line(to, self.modal.feed(span, 1)?)
                 };
-                self.position = to;
+                self.modal.position = to;
                 plan.motion(span, kind);
                 return Ok(());
             }
@@ -66,7 +41,7 @@ impl State<'_> {
             Motion::CounterClockwise => false,
         };
         let shape = CENTRE.and(Letters::of(b"R"));
-        self.only(block, PLANE_AXES.and(shape).and(used))?;
+        block.only(PLANE_AXES.and(shape).and(used))?;
         if !block.has_any(PLANE_AXES.and(shape)) {
             return Ok(());
         }
@@ -85,20 +60,20 @@ impl State<'_> {
             let name = g_arg(self.motion.code());
             Alarm::new(code, span).with([name, arg])
         };
-        if self.plane != 18 {
-            return Err(named(Code::ArcPlane, g_arg(i64::from(self.plane))));
+        if self.modal.plane != 18 {
+            return Err(named(Code::ArcPlane, g_arg(i64::from(self.modal.plane))));
         }
-        let end = self.target(block, self.origin)?;
+        let end = self.modal.target(block, self.modal.origin)?;
         let way = Way {
-            x: end.x - self.position.x,
-            z: end.z - self.position.z,
+            x: end.x - self.modal.position.x,
+            z: end.z - self.modal.position.z,
         };
         let centre = match block.find(b'R') {
             Some(radius) => {
                 if let Some(word) = block.leftmost(block.letters().common(CENTRE)) {
                     return Err(word.alarm(Code::ArcTwoCentres));
                 }
-                let value = self.scale.length(&radius)?;
+                let value = self.modal.scale.length(&radius)?;
                 if value == Length::ZERO {
                     return Err(radius.alarm(Code::ArcWithoutRadius));
                 }
@@ -117,7 +92,7 @@ impl State<'_> {
                     return Err(named(Code::ArcCentreMissing, Arg::None));
                 }
                 let length = |word: &Option<Word>| match word {
-                    Some(word) => self.scale.length(word),
+                    Some(word) => self.modal.scale.length(word),
                     None => Ok(Length::ZERO),
                 };
                 let centre = Way {
@@ -144,9 +119,9 @@ impl State<'_> {
             i: centre.x,
             k: centre.z,
             clockwise,
-            feed: self.feed(span, self.motion.code())?,
+            feed: self.modal.feed(span, self.motion.code())?,
         };
-        self.position = end;
+        self.modal.position = end;
         plan.motion(span, CallKind::Arc(call));
         Ok(())
     }
@@ -162,56 +137,13 @@ impl State<'_> {
         if let Some(word) = block.leftmost(block.letters().common(increments)) {
             return Err(word.alarm(Code::IncrementInMachineCoordinates));
         }
-        self.only(block, AXES)?;
+        block.only(AXES)?;
         if !block.has_any(AXES) {
             return Err(needs_words(word));
         }
-        let to = self.target(block, Position::ZERO)?;
-        self.position = to;
+        let to = self.modal.target(block, Position::ZERO)?;
+        self.modal.position = to;
         plan.motion(word.span, CallKind::Rapid(to));
         Ok(())
     }
-
-    /// The end point of a cycle on X and Z and the words to blame for it: nowhere where they are missing.
-    pub(super) fn cycle_end(&self, block: &Block) -> Result<(Position, Span, Span), Alarm> {
-        let end = self.target(block, self.origin)?;
-        let place = |absolute, increment| {
-            block
-                .find(absolute)
-                .or_else(|| block.find(increment))
-                .map_or(Span::default(), |word| word.span)
-        };
-        Ok((end, place(b'X', b'U'), place(b'Z', b'W')))
-    }
-}
-
-/// The same for a rotary axis.
-fn within_turns(angle: Angle, word: &Word) -> Result<Angle, Alarm> {
-    let limit = Length::INPUT_LIMIT.nm();
-    if angle.udeg().unsigned_abs() <= limit.unsigned_abs() {
-        return Ok(angle);
-    }
-    let limit = Arg::Angle(Angle::from_udeg(limit));
-    Err(word.alarm(Code::PositionOutOfRange).with([limit]))
-}
-
-/// A coordinate that the machine arithmetic can carry.
-#[inline]
-fn within(coordinate: Length, word: &Word) -> Result<Length, Alarm> {
-    if coordinate.is_in_range() {
-        return Ok(coordinate);
-    }
-    Err(out_of_range(word))
-}
-
-/// The alarm of a word that leads beyond what the machine arithmetic can carry.
-#[cold]
-pub(super) fn out_of_range(word: &Word) -> Alarm {
-    let limit = if matches!(word.letter, b'X' | b'U') {
-        Arg::Diameter(Diameter::of_radius(Length::INPUT_LIMIT))
-    } else {
-        Arg::Length(Length::INPUT_LIMIT)
-    };
-    let args = [limit, Arg::None, Arg::None, Arg::None];
-    word.alarm(Code::PositionOutOfRange).with(args)
 }

@@ -1,10 +1,9 @@
 //! Whole programs: from a buffer ([`Events`]), or piece by piece in bounded memory ([`Reader`]).
 
-use super::interpreter::{Event, Interpreter, without_mark};
-use super::lexer::{Cursor, MAX_LINE};
-use super::options::Options;
+use super::interpreter::{Interpreter, without_mark};
 use crate::alarm::Alarm;
 use crate::params::Params;
+use crate::text::{Cursor, Event, MAX_LINE, Options};
 
 /// The events of a program that is in memory as a whole. Ends after the first alarm.
 #[derive(Clone, Debug)]

@@ -1,23 +1,16 @@
-//! The modal state and what a block does to it: units, coordinate systems, tool offsets, dwell.
-//!
-//! `tap_mode` handles the blocks that belong to tapping.
+//! What a block does: modes, coordinate systems, tool offsets, dwell, and which cycle reads its words.
 //!
 //! Power-on: G00 G18 G21 G40 G54 G64 G80 G97 G98, no feed, spindle standing, no shift, no tool offset. G17–G19 matter to
 //! arcs alone; G40, G61, G64, G80 and G97 are accepted and change nothing, since nothing they would end exists.
 
-use super::block::{Block, Letters, Word, g_arg};
-use super::call::Position;
-use super::codes::Group;
-use super::groove::GrooveWords;
-use super::options::Options;
-use super::plan::Plan;
-use super::scale::{Scale, seconds};
-use super::speeds::ModalFeed;
-use super::tap_mode::Tapping;
-use super::tap_notes::LengthUnit;
-use super::thread::ThreadWords;
 use crate::alarm::{Alarm, Arg, Code};
+use crate::call::ThreadCycle;
+use crate::cycle::{GrooveWords, TapPart, Tapping, ThreadWords};
 use crate::params::Params;
+use crate::text::{
+    AXES, Block, Group, Letters, Modal, ModalFeed, Options, PLANE_AXES, Plan, Scale, Word, g_arg,
+    seconds,
+};
 use crate::units::{Length, Millis};
 
 /// How axis words move (group 01).
@@ -47,27 +40,8 @@ impl Motion {
 /// What a program has set so far.
 #[derive(Clone, Debug)]
 pub(super) struct State<'p> {
-    pub(super) params: &'p Params,
-    pub(super) options: Options,
-    pub(super) scale: Scale,
+    pub(super) modal: Modal<'p>,
     pub(super) motion: Motion,
-    /// 17, 18 or 19.
-    pub(super) plane: u8,
-    /// Index of the work coordinate system: 0 is G54.
-    system: u8,
-    /// Offset number in force, 0 for none.
-    offset: u8,
-    /// What G50 has added to every coordinate system.
-    shift: Position,
-    /// Machine coordinates of the work zero in force: coordinate system + G50 + tool offset.
-    pub(super) origin: Position,
-    /// Where the machine stands after the blocks so far.
-    pub(super) position: Position,
-    pub(super) per_turn: bool,
-    pub(super) feed: ModalFeed,
-    pub(super) speed: u32,
-    /// −1, 0 or +1.
-    pub(super) direction: i32,
     pub(super) speed_limit: Option<u32>,
     pub(super) thread: ThreadWords,
     pub(super) groove: GrooveWords,
@@ -82,32 +56,14 @@ pub(super) struct State<'p> {
     pub(super) started: bool,
 }
 
-/// Words that do not depend on the G codes.
-const ALWAYS: Letters = Letters::of(b"NOSTF");
-/// Words that place an axis.
-pub(super) const AXES: Letters = Letters::of(b"XUZWCH");
-/// Words that place X or Z.
-pub(super) const PLANE_AXES: Letters = Letters::of(b"XUZW");
 const MODES: u16 =
     Group::Plane.bit() | Group::Unit.bit() | Group::System.bit() | Group::FeedMode.bit();
 
 impl<'p> State<'p> {
     pub(super) fn new(params: &'p Params, options: Options) -> Self {
-        let mut state = Self {
-            params,
-            options,
-            scale: Scale::new(false, params.increment_is_c()),
+        Self {
+            modal: Modal::new(params, options),
             motion: Motion::Rapid,
-            plane: 18,
-            system: 0,
-            offset: 0,
-            shift: Position::ZERO,
-            origin: Position::ZERO,
-            position: options.position,
-            per_turn: false,
-            feed: ModalFeed::None,
-            speed: 0,
-            direction: 0,
             speed_limit: None,
             thread: ThreadWords::new(),
             groove: GrooveWords::new(),
@@ -116,9 +72,7 @@ impl<'p> State<'p> {
             sequence: None,
             ended: false,
             started: false,
-        };
-        state.place_origin();
-        state
+        }
     }
 
     /// Takes in one block and writes what it does into `plan`. After an alarm the plan means nothing.
@@ -134,19 +88,19 @@ impl<'p> State<'p> {
         if self.tapping.concerns(block) {
             self.around_taps(block, plan)?;
         } else {
-            let motion_word = self.modal(block, plan)?;
+            let motion_word = self.set_modes(block, plan)?;
             self.act(block, motion_word, plan)?;
         }
         if block.has_m() {
             self.after_motion(block, plan);
         }
-        plan.set_origin(self.origin);
+        plan.set_origin(self.modal.origin);
         Ok(())
     }
 
     /// What a block changes before it does anything: modes, the kind of motion, the tool.
     #[inline]
-    pub(super) fn modal(&mut self, block: &Block, plan: &mut Plan) -> Result<Option<Word>, Alarm> {
+    fn set_modes(&mut self, block: &Block, plan: &mut Plan) -> Result<Option<Word>, Alarm> {
         if block.has_groups(MODES) {
             self.modes(block);
         }
@@ -165,9 +119,41 @@ impl<'p> State<'p> {
         Ok(motion_word)
     }
 
+    /// A block in rigid mode or with a cycle in force, and one with G80, G84, G88, the rigid M code or an M code without a
+    /// meaning of its own.
+    #[inline(never)]
+    fn around_taps(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
+        let part = self.tapping.begin(&mut self.modal, block, plan)?;
+        let motion_word = self.set_modes(block, plan)?;
+        match part {
+            TapPart::Return(word) => {
+                self.tapping
+                    .tap_return(&mut self.modal, block, &word, plan)?;
+                self.before_motion_codes(block, plan, None);
+                return Ok(());
+            }
+            TapPart::Cycle(word, rigid) => {
+                if rigid {
+                    self.before_motion_codes(block, plan, None);
+                } else {
+                    // The spindle is in speed mode, and S is its own.
+                    self.before_motion(block, plan)?;
+                }
+                self.tapping
+                    .tap(&mut self.modal, block, word.as_ref(), plan)?;
+            }
+            TapPart::RigidCode => {
+                block.only(Letters::default())?;
+                self.before_motion_codes(block, plan, None);
+            }
+            TapPart::Other => self.act(block, motion_word, plan)?,
+        }
+        self.tapping.end(&mut self.modal, block, plan)
+    }
+
     /// What a block does up to its motion.
     #[inline]
-    pub(super) fn act(
+    fn act(
         &mut self,
         block: &Block,
         motion_word: Option<Word>,
@@ -176,7 +162,7 @@ impl<'p> State<'p> {
         match block.g(Group::OneShot) {
             None => {
                 if let Some(word) = block.find(b'F') {
-                    self.set_feed(&word)?;
+                    self.modal.set_feed(&word)?;
                 }
                 if block.has_m() || block.has_any(Letters::of(b"S")) {
                     self.before_motion(block, plan)?;
@@ -204,49 +190,30 @@ impl<'p> State<'p> {
         Ok(())
     }
 
-    /// G20 or G21.
-    pub(super) const fn length_unit(&self) -> LengthUnit {
-        if self.scale.is_inch() {
-            LengthUnit::Inch
-        } else {
-            LengthUnit::Metric
-        }
-    }
-
     /// G17–G21, G54–G59, G98, G99.
     fn modes(&mut self, block: &Block) {
         if let Some(word) = block.g(Group::Plane) {
-            self.plane = word.value.mantissa() as u8;
+            self.modal.plane = word.value.mantissa() as u8;
         }
         if let Some(word) = block.g(Group::Unit) {
-            self.scale = Scale::new(word.value.mantissa() == 20, self.params.increment_is_c());
+            self.modal.scale = Scale::new(
+                word.value.mantissa() == 20,
+                self.modal.params.increment_is_c(),
+            );
         }
         if let Some(word) = block.g(Group::System) {
-            self.system = word.value.mantissa().saturating_sub(54) as u8;
-            self.place_origin();
+            self.modal.system = word.value.mantissa().saturating_sub(54) as u8;
+            self.modal.place_origin();
         }
         if let Some(word) = block.g(Group::FeedMode) {
             let per_turn = word.value.mantissa() == 99;
-            if per_turn != self.per_turn {
+            if per_turn != self.modal.per_turn {
                 // A feed in millimetres a minute must not be read as millimetres a turn.
-                self.per_turn = per_turn;
-                self.feed = ModalFeed::None;
+                self.modal.per_turn = per_turn;
+                self.modal.feed = ModalFeed::None;
                 self.tapping.forget_feed();
             }
         }
-    }
-
-    fn place_origin(&mut self) {
-        let [x, z] = self.params.work_offset(self.system);
-        let [tool_x, tool_z] = match self.offset {
-            0 => [Length::ZERO; 2],
-            number => self.params.tool_offset(number),
-        };
-        self.origin = Position {
-            x: x + self.shift.x + tool_x,
-            z: z + self.shift.z + tool_z,
-            c: self.shift.c,
-        };
     }
 
     /// `Txxyy`: tool xx with offset yy.
@@ -263,8 +230,8 @@ impl<'p> State<'p> {
             ];
             return Err(word.alarm(Code::ToolOffset).with(args));
         }
-        self.offset = offset as u8;
-        self.place_origin();
+        self.modal.offset = offset as u8;
+        self.modal.place_origin();
         plan.tool(word.span, number as u16);
         Ok(())
     }
@@ -279,7 +246,10 @@ impl<'p> State<'p> {
     ) -> Result<(), Alarm> {
         let code = word.value.mantissa();
         if code == 30 {
-            return self.tap_return(block, word, plan);
+            self.tapping
+                .tap_return(&mut self.modal, block, word, plan)?;
+            self.before_motion_codes(block, plan, None);
+            return Ok(());
         }
         if let Some(other) = motion_word {
             let harmless = match code {
@@ -304,7 +274,7 @@ impl<'p> State<'p> {
         }
         let is_thread = matches!(code, 76 | 78);
         if !is_thread && let Some(word) = block.find(b'F') {
-            self.set_feed(&word)?;
+            self.modal.set_feed(&word)?;
         }
         let sets_limit = code == 50 && !block.has_any(PLANE_AXES);
         if !sets_limit {
@@ -320,9 +290,13 @@ impl<'p> State<'p> {
                 self.set_coordinates(block, word)
             }
             53 => self.machine_coordinates(block, word, plan),
-            75 => self.groove(block, word, plan),
-            76 => self.thread_g76(block, word, plan),
-            78 => self.thread_g78(block, word, plan),
+            75 => self.groove.read(&self.modal, block, word, plan),
+            76 => self
+                .thread
+                .read(ThreadCycle::G76, &self.modal, block, word, plan),
+            78 => self
+                .thread
+                .read(ThreadCycle::G78, &self.modal, block, word, plan),
             // A code of this group needs an arm of its own.
             _ => Err(word.alarm(Code::GNotAvailable).with([
                 g_arg(code),
@@ -331,19 +305,6 @@ impl<'p> State<'p> {
                 Arg::None,
             ])),
         }
-    }
-
-    /// Refuses the leftmost word that nothing in the block uses.
-    #[inline]
-    pub(super) fn only(&self, block: &Block, used: Letters) -> Result<(), Alarm> {
-        let unused = block.letters().without(used.and(ALWAYS));
-        if unused.is_empty() {
-            return Ok(());
-        }
-        Err(match block.leftmost(unused) {
-            Some(word) => word.alarm(Code::WordWithoutUse),
-            None => Alarm::new(Code::WordWithoutUse, block.lead()),
-        })
     }
 
     fn dwell(
@@ -365,10 +326,10 @@ impl<'p> State<'p> {
                 if motion_word.is_some() {
                     return self.travel(block, motion_word, time, plan);
                 }
-                self.only(block, time)
+                block.only(time)
             }
             (None, Some(time)) => {
-                self.only(block, Letters::of(b"XU"))?;
+                block.only(Letters::of(b"XU"))?;
                 plan.dwell(word.span, seconds(&time)?);
                 Ok(())
             }
@@ -381,14 +342,14 @@ impl<'p> State<'p> {
         if !block.has_any(AXES) && !block.has_any(Letters::of(b"S")) {
             return Err(needs_words(word));
         }
-        self.only(block, AXES)?;
-        let wanted = self.target(block, self.origin)?;
+        block.only(AXES)?;
+        let wanted = self.modal.target(block, self.modal.origin)?;
         // `wanted` is where the words would send the machine; the zero moves instead.
-        self.shift.x += self.position.x - wanted.x;
-        self.shift.z += self.position.z - wanted.z;
-        self.shift.c += self.position.c - wanted.c;
-        self.place_origin();
-        let zero = self.origin;
+        self.modal.shift.x += self.modal.position.x - wanted.x;
+        self.modal.shift.z += self.modal.position.z - wanted.z;
+        self.modal.shift.c += self.modal.position.c - wanted.c;
+        self.modal.place_origin();
+        let zero = self.modal.origin;
         if !zero.x.is_in_range() || !zero.z.is_in_range() {
             let args = [
                 Arg::Length(Length::INPUT_LIMIT),

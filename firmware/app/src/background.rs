@@ -11,7 +11,7 @@ use leadscrew_core::bus::{Controller, Frame, Periods};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::{Epoch, Setpoint};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Call;
+use leadscrew_core::call::Call;
 use leadscrew_core::signals::Signals;
 
 use crate::queues::PowerUp;

@@ -10,7 +10,7 @@ use leadscrew_core::board::{
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Setpoint;
-use leadscrew_core::program::Position;
+use leadscrew_core::call::Position;
 
 use crate::background::{BackgroundSide, Ends as BackgroundEnds};
 use crate::failure::Failure;

@@ -5,7 +5,8 @@ use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::board;
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, Event, Events, Options, TapSpindle};
+use leadscrew_core::call::{Call, TapSpindle};
+use leadscrew_core::program::{Event, Events, Options};
 
 /// Ticks after which a run counts as hanging.
 const LONGEST: u64 = 1_000_000;

@@ -7,7 +7,7 @@
 use embedded_hal::digital::{InputPin, OutputPin};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Snapshot, State, Switching};
-use leadscrew_core::program::Aux;
+use leadscrew_core::call::Aux;
 
 /// Samples that have to agree.
 const LOOKS: u8 = 3;

@@ -2,7 +2,8 @@
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::cycle;
-use leadscrew_core::program::{Call, Event, Position};
+use leadscrew_core::call::{Call, Position};
+use leadscrew_core::program::Event;
 
 use crate::cli::{Expand, Format};
 use crate::diagnostics::{self, Diagnostic};

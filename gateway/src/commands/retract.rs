@@ -2,7 +2,7 @@
 
 use leadscrew_can::Address;
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::program::LengthUnit;
+use leadscrew_core::call::LengthUnit;
 use leadscrew_store::{Region, Store};
 
 use super::{board, expand, run};

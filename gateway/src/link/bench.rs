@@ -8,7 +8,7 @@ use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
 use leadscrew_core::bus::{BoardState, FdFrame, Frame, NodeId};
 use leadscrew_core::link::{Status, VERSION};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Position;
+use leadscrew_core::call::Position;
 use leadscrew_core::units::{Rpm, TurnRate, Turns};
 
 use super::{Inside, Link};

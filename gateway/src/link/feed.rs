@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use leadscrew_core::board::device::objects::{BATCH, CREDIT};
 use leadscrew_core::bus::Abort;
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, CallBytes, encode_call};
-use leadscrew_core::program::Call;
+use leadscrew_core::call::Call;
 
 use super::{Link, LinkResult};
 

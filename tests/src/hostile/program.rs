@@ -5,7 +5,8 @@ use leadscrew_core::alarm::Alarm;
 use leadscrew_core::cycle::{Context, Moves, expand};
 use leadscrew_core::feasible;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, CallKind, Dialect, Event, Events, Options, Position, Reader};
+use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::program::{Dialect, Event, Events, Options, Reader};
 use leadscrew_core::signals::Signals;
 
 /// The most moves of one program that are checked; a few bytes can ask for millions.
@@ -118,8 +119,8 @@ fn look_at(calls: impl Iterator<Item = Call>, text: &[u8], params: &Params, from
     let mut left = MOVES;
     for call in calls {
         let judged = match &call.kind {
-            CallKind::Thread(thread) => feasible::thread(thread, call.span, params).err(),
-            CallKind::Tap(tap) => feasible::tap(tap, Signals::default(), call.span, params).err(),
+            CallKind::Thread(thread) => leadscrew_core::cycle::thread(thread, call.span, params).err(),
+            CallKind::Tap(tap) => leadscrew_core::cycle::tap(tap, Signals::default(), call.span, params).err(),
             _ => None,
         };
         let moves = match expand(&call, &Context::standing(at)) {

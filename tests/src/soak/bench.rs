@@ -16,7 +16,7 @@ use leadscrew_core::bus::{
     Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Position;
+use leadscrew_core::call::Position;
 
 use super::alarms::Latch;
 use super::operator::{Mood, Operator};

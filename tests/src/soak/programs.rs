@@ -4,7 +4,8 @@ use core::fmt::Write as _;
 
 use leadscrew_core::feasible;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, CallKind, Event, Events, Options, Position};
+use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::program::{Event, Events, Options};
 use leadscrew_core::signals::Signals;
 
 use super::script::Draws;
@@ -127,8 +128,8 @@ pub fn read(text: &str, params: &Params, from: Position) -> Vec<Call> {
 fn fitting(text: &str, params: &Params, from: Position) -> Option<Vec<Call>> {
     let calls = read(text, params, from);
     let possible = calls.iter().all(|call| match &call.kind {
-        CallKind::Thread(thread) => feasible::thread(thread, call.span, params).is_ok(),
-        CallKind::Tap(tap) => feasible::tap(tap, Signals::default(), call.span, params).is_ok(),
+        CallKind::Thread(thread) => leadscrew_core::cycle::thread(thread, call.span, params).is_ok(),
+        CallKind::Tap(tap) => leadscrew_core::cycle::tap(tap, Signals::default(), call.span, params).is_ok(),
         _ => true,
     });
     possible.then_some(calls)

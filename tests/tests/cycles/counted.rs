@@ -41,10 +41,10 @@ fn walk(groove: GrooveMoves, from: Position, params: &Params) -> Walked {
     for step in groove {
         *walked.ways.entry(way(&at, &step)).or_default() += 1;
         let one = Moves::One(Some(step));
-        walked.time += feasible::time(&one, at, params).unwrap();
+        walked.time += leadscrew_core::cycle::time(&one, at, params).unwrap();
         walked.limits = walked
             .limits
-            .and_then(|()| feasible::within_limits(&one, at, params));
+            .and_then(|()| leadscrew_core::cycle::within_limits(&one, at, params));
         at = step.to;
     }
     walked
@@ -95,9 +95,9 @@ fn a_groove_counted_is_the_groove_walked() {
         let walked = walk(groove, call.start, &params);
         assert_eq!(counted(&groove).0, walked.ways, "{call:?}");
         let moves = Moves::Groove(groove);
-        let time = feasible::time(&moves, call.start, &params).unwrap();
+        let time = leadscrew_core::cycle::time(&moves, call.start, &params).unwrap();
         assert_eq!(time, walked.time, "{call:?}");
-        let limits = feasible::within_limits(&moves, call.start, &params);
+        let limits = leadscrew_core::cycle::within_limits(&moves, call.start, &params);
         assert_eq!(limits, walked.limits, "{call:?}");
         match limits {
             Ok(()) => inside += 1,

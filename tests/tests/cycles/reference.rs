@@ -1,7 +1,7 @@
 //! A thread cycle once more, slowly and straight from the text: floating-point geometry as displacements from A and D,
 //! depths by long integer roots. Shares no arithmetic with the core.
 
-use leadscrew_core::cycle::Stage;
+use leadscrew_core::moves::Stage;
 use leadscrew_core::program::*;
 
 /// One move as the text has it: X and Z as displacements from D's X and A's Z in nanometres, not rounded.

@@ -13,7 +13,8 @@ use leadscrew_core::link::{
     Certificate, EventReader, SetpointHash, Status, VERSION, Version, encode_call,
 };
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{self, Call, CallKind, Options, TapSpindle};
+use leadscrew_core::program::{self, Options};
+use leadscrew_core::call::{Call, CallKind, TapSpindle};
 use leadscrew_tests::gateway::{BATCH, Gateway, NODE, Upload};
 use leadscrew_tests::machine::{Ran, STANDING_TICKS, calls, machine, run_calls};
 

@@ -13,7 +13,7 @@ use leadscrew_core::link::{
     Certificate, ImageWriter, ThreadCertificate, ThreadReader, ThreadRecord,
 };
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::{Call, CallKind};
+use leadscrew_core::call::{Call, CallKind};
 use leadscrew_core::units::Length;
 use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::{STANDING_TICKS, calls, machine};

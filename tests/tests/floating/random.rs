@@ -2,7 +2,7 @@
 
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_core::feasible;
-use leadscrew_core::program::CallKind;
+use leadscrew_core::call::CallKind;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Turns;
 use leadscrew_tests::machine::{calls, run};
@@ -64,7 +64,7 @@ fn random_holes() {
                 .iter()
                 .all(|call| match &call.kind {
                     CallKind::Tap(tap) => {
-                        feasible::tap(tap, Signals::default(), call.span, &params).is_ok()
+                        leadscrew_core::cycle::tap(tap, Signals::default(), call.span, &params).is_ok()
                     }
                     _ => true,
                 });

@@ -2,7 +2,7 @@
 
 use leadscrew_board_sim::plant::{Flash, Tear};
 use leadscrew_core::journal::{TapHole, TapRecord};
-use leadscrew_core::program::{Hand, TapAxis, TapNotes, TapSpindle};
+use leadscrew_core::call::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Region, Store, StoreError};
 use leadscrew_tests::random::Random;

@@ -6,7 +6,7 @@ use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::journal::TapHole;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, Hand, Position};
+use leadscrew_core::call::{Call, Hand, Position};
 use leadscrew_core::units::{Length, Turns};
 use leadscrew_tests::machine::{calls, machine};
 use leadscrew_tests::params::with;

@@ -5,7 +5,7 @@ use leadscrew_core::board::{Found, PowerUp, Region, StoreError};
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::{Hand, TapAxis, TapNotes, TapSpindle};
+use leadscrew_core::call::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Store};
 use leadscrew_tests::params::with;

@@ -1,7 +1,7 @@
 //! The three forms, both axes, both hands: the line, the bottom, the turns.
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::program::{Hand, HandChoice, Position, TapAxis, TapCall, TapCycle};
+use leadscrew_core::call::{Hand, HandChoice, Position, TapAxis, TapCall, TapCycle};
 use leadscrew_core::units::{Lead, Millis, Turns};
 
 use super::hole::{bottom, deep, high_speed, nm, sheet};
@@ -170,7 +170,7 @@ fn several_holes_begin_where_the_spindle_stands() {
             ..Position::ZERO
         },
         level: At::new(nm(-2_000_000), Span::default()),
-        repeat: leadscrew_core::program::TapRepeat::Holes(3.try_into().expect("three")),
+        repeat: leadscrew_core::call::TapRepeat::Holes(3.try_into().expect("three")),
         ..bottom(sheet(), -10_000)
     };
     let ran = tap(&hole, &with(&[]));

@@ -4,7 +4,7 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Position, TapCall, TapRepeat};
+use leadscrew_core::call::{Position, TapCall, TapRepeat};
 use leadscrew_core::units::Millis;
 use leadscrew_tests::machine::{Ran, run_calls};
 use leadscrew_tests::params::with;
@@ -267,7 +267,7 @@ fn an_override_stays_below_5241() {
 #[test]
 fn a_turning_spindle_is_brought_to_a_stand_first() {
     use leadscrew_core::alarm::Span;
-    use leadscrew_core::program::{Call, CallKind, SpindleCall};
+    use leadscrew_core::call::{Call, CallKind, SpindleCall};
     use leadscrew_core::units::Rpm;
     let params = with(&[]);
     let hole = hole();
@@ -303,7 +303,7 @@ fn a_turning_spindle_is_brought_to_a_stand_first() {
 #[test]
 fn speed_mode_comes_back() {
     use leadscrew_core::alarm::Span;
-    use leadscrew_core::program::{Call, CallKind, SpindleCall};
+    use leadscrew_core::call::{Call, CallKind, SpindleCall};
     use leadscrew_core::units::Rpm;
     let params = with(&[]);
     let call = |kind| Call {

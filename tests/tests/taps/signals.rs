@@ -5,7 +5,7 @@ use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, Selection, SpindleChoice, TapCall, TapRepeat, TapSpindle};
+use leadscrew_core::call::{Call, Selection, SpindleChoice, TapCall, TapRepeat, TapSpindle};
 use leadscrew_core::signals::{Signal, Signals};
 use leadscrew_tests::machine::{Ran, machine as power_up, run_calls_on};
 use leadscrew_tests::params::with;

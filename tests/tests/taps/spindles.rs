@@ -5,7 +5,7 @@ use leadscrew_board_sim::{Direction, Row};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Command;
 use leadscrew_core::bus::{NodeId, Service};
-use leadscrew_core::program::{SpindleChoice, TapAxis, TapCall, TapCycle, TapSpindle};
+use leadscrew_core::call::{SpindleChoice, TapAxis, TapCall, TapCycle, TapSpindle};
 use leadscrew_tests::machine::{machine as power_up, run_calls, run_calls_on};
 use leadscrew_tests::params::with;
 

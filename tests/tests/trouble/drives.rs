@@ -6,7 +6,7 @@ use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{Command, Event, Outcome, State};
 use leadscrew_core::bus::{NmtCommand, NodeId};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Position;
+use leadscrew_core::call::Position;
 use leadscrew_core::units::{Angle, Axis, Length};
 use leadscrew_seed::amount;
 use leadscrew_tests::bench::{Bench, Lathe, PATIENCE, WORK};

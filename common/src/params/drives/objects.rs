@@ -4,7 +4,7 @@ use std::fmt;
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, NodeId, Object};
-use leadscrew_core::program::TapSpindle;
+use leadscrew_core::call::TapSpindle;
 use leadscrew_core::units::Axis;
 
 /// A drive of the machine.

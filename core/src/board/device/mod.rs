@@ -62,9 +62,9 @@ use crate::bus::{
     BlockSize, CobId, Controller, Cycle, Frame, HeartbeatEvent, HeartbeatWatch, NmtSlave, NmtState,
     NodeId, OrderGate, Periods, SdoServer, Service,
 };
+use crate::call::Call;
 use crate::link::ThreadCertificate;
 use crate::params::Params;
-use crate::program::Call;
 use crate::signals::Signals;
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.

@@ -13,8 +13,8 @@
 
 use super::ring::Ring;
 use crate::bus::Abort;
+use crate::call::{Call, CallKind};
 use crate::link::{Batch, BatchError, CALL_BYTES, decode_call};
-use crate::program::{Call, CallKind};
 
 /// Bytes of program that a board keeps ahead of its planner: four of the longest batches, or more than a hundred short
 /// moves.
@@ -202,8 +202,8 @@ mod tests {
 
     use super::*;
     use crate::alarm::Span;
+    use crate::call::Position;
     use crate::link::{BatchWriter, encode_call};
-    use crate::program::Position;
     use crate::units::Millis;
 
     fn call(number: u32) -> Call {

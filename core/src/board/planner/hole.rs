@@ -2,11 +2,12 @@
 
 use super::{Collecting, Planner, Settings};
 use crate::alarm::{Alarm, Code};
-use crate::cycle::{Cycle, Move, MoveKind, Moves, Tag, TapMove};
+use crate::call::TapMode;
+use crate::cycle::Moves;
 use crate::journal::TapHole;
 use crate::motion::{Action, Cut, Gear, Plan, Stops, Tap, TapStep, stroke};
+use crate::moves::{Cycle, Move, MoveKind, Tag, TapMove};
 use crate::params::Params;
-use crate::program::TapMode;
 
 impl Planner {
     /// True for a stroke of an ordinary tap and for the dwell between two strokes. The whole hole is one segment, which was

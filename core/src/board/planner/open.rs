@@ -3,14 +3,14 @@
 use super::{Planner, Settings};
 use crate::alarm::{Alarm, Span};
 use crate::board::operator::overridden;
-use crate::cycle::{Context, Move, MoveKind, Moves, TapMoves};
-use crate::feasible::{self, TapReport};
-use crate::motion::{Action, FloatPlan, Plan, Stops};
-use crate::params::Params;
-use crate::program::{
+use crate::call::{
     Call, CallKind, Hand, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
     TapMode, ThreadCall,
 };
+use crate::cycle::{self, Context, Moves, TapMoves, TapReport};
+use crate::motion::{Action, FloatPlan, Plan, Stops};
+use crate::moves::{Move, MoveKind};
+use crate::params::Params;
 use crate::signals::Signals;
 
 impl Planner {
@@ -32,7 +32,7 @@ impl Planner {
             CallKind::Tap(tap) => {
                 self.prepare_tap(tap, signals, call.span, settings, warning)?;
             }
-            _ => feasible::tap_spindle(call, signals, settings.params)?,
+            _ => cycle::tap_spindle(call, signals, settings.params)?,
         }
         self.expand(call, signals, settings)?;
         if let CallKind::TapReturn(_) = call.kind {
@@ -85,7 +85,7 @@ impl Planner {
     ) -> Result<(), Alarm> {
         (self.infeed, self.notes) = (tap.speed, tap.notes);
         let params = settings.params;
-        let spindle = feasible::tap_can_begin(tap, signals, span, params)?;
+        let spindle = cycle::tap_can_begin(tap, signals, span, params)?;
         let hand = signals.hand(tap.hand);
         if tap.mode == TapMode::Floating {
             self.plan_float(tap, hand, span, params)?;
@@ -96,7 +96,7 @@ impl Planner {
         };
         let moves = &mut TapMoves::of(tap, hand, spindle, span);
         let report = &mut TapReport::default();
-        feasible::tap_strokes(moves, tap, plan, params, settings.limits, report)?;
+        cycle::tap_strokes(moves, tap, plan, params, settings.limits, report)?;
         *warning = report.first_warning().copied();
         Ok(())
     }
@@ -124,7 +124,7 @@ impl Planner {
             Some(Moves::One(Some(Move {
                 kind: MoveKind::Tap(out),
                 ..
-            }))) => feasible::tap_return(out, call.span, settings.params)?,
+            }))) => cycle::tap_return(out, call.span, settings.params)?,
             // The tap was stopped where it is out of the hole.
             _ => self.put(self.number, call.span, Stops::default(), Action::TapOut),
         }
@@ -147,16 +147,16 @@ impl Planner {
 #[inline(never)]
 fn can_cut(thread: &ThreadCall, span: Span, settings: &Settings<'_>) -> Result<(), Alarm> {
     let (rpm, percent) = (thread.rpm, settings.spindle_percent);
-    feasible::thread_can_run(thread, rpm, span, settings.params)?;
+    cycle::thread_can_run(thread, rpm, span, settings.params)?;
     if percent <= 100 {
         return Ok(());
     }
-    feasible::thread_can_run(thread, overridden(rpm, percent), span, settings.params)
+    cycle::thread_can_run(thread, overridden(rpm, percent), span, settings.params)
 }
 
 #[inline(never)]
 fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(), Alarm> {
-    feasible::within_limits(moves, from, params)
+    cycle::within_limits(moves, from, params)
 }
 
 /// The most segments that may be left in the queue when a call is opened. The override of a thread cycle is the override at

@@ -3,9 +3,10 @@
 use super::{Planner, Settings};
 use crate::alarm::Alarm;
 use crate::board::operator::overridden;
-use crate::cycle::{Move, MoveKind, Moves};
+use crate::call::Position;
+use crate::cycle::Moves;
 use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
-use crate::program::Position;
+use crate::moves::{Move, MoveKind};
 use crate::units::{Length, Rpm, TurnRate};
 
 impl Planner {

@@ -3,8 +3,8 @@
 use crate::alarm::Span;
 use crate::board::detour::Route;
 use crate::board::queue::{DetourIn, put};
-use crate::cycle::{Move, MoveKind};
 use crate::motion::{Action, Cut, Limits, Segment, Stops, plan};
+use crate::moves::{Move, MoveKind};
 
 /// Plans a detour into its own queue, with a mark after the last leg. A leg that cannot be planned ends the detour before
 /// it: the tool stands there.

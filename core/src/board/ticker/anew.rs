@@ -7,8 +7,8 @@ use crate::board::drives::Figures;
 use crate::board::event::Switching;
 use crate::board::kept::Found;
 use crate::board::operator::Operator;
+use crate::call::Position;
 use crate::params::Params;
-use crate::program::Position;
 
 impl Ticker {
     /// Starts again with `params`: the drives are enabled again, and the knowledge of taps in holes stays. Returns the last

@@ -7,8 +7,8 @@ use super::super::queue::take;
 use super::course::Source;
 use super::{Ends, Notice, State, Ticker};
 use crate::alarm::Span;
+use crate::call::Position;
 use crate::motion::{Action, Epoch, Phase, Retract, Task, WaysOut};
-use crate::program::Position;
 
 /// The data of a pass that its ways out need, also after the pass.
 #[derive(Clone, Copy, Debug)]

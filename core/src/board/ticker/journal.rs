@@ -9,9 +9,9 @@ use super::super::event::Event;
 use super::super::store::StoreError;
 use super::{Ends, Output, State, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code};
+use crate::call::Position;
 use crate::journal::{TapHole, TapRecord};
 use crate::motion::{Motion, Tap, TapPart, Task};
-use crate::program::Position;
 use crate::units::Turns;
 
 /// The journal's state in the tick.

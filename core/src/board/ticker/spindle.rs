@@ -7,8 +7,8 @@ use super::{Ends, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::operator::overridden;
 use crate::bus::MilliRpm;
+use crate::call::TapSpindle;
 use crate::motion::{Action, Motion};
-use crate::program::TapSpindle;
 use crate::units::Rpm;
 
 /// Position mode of a spindle.

@@ -3,8 +3,8 @@
 use super::{Notice, Ticker};
 use crate::alarm::{Alarm, Code};
 use crate::board::operator::Operator;
+use crate::call::TapSpindle;
 use crate::motion::{Cut, Executor, Law, Task};
-use crate::program::TapSpindle;
 use crate::spindle::Observer;
 use crate::units::{Rpm, Turns};
 

@@ -2,8 +2,8 @@
 
 use super::{Ends, Outcome, State, Ticker};
 use crate::alarm::Alarm;
+use crate::call::Position;
 use crate::motion::Phase;
-use crate::program::Position;
 use crate::units::Length;
 
 impl Ticker {

@@ -13,7 +13,7 @@ use super::{Ends, Notice, Outcome, State, Ticker, emit};
 use crate::alarm::Alarm;
 use crate::board::event::{Event, Switching};
 use crate::board::queue::EventIn;
-use crate::program::Position;
+use crate::call::Position;
 
 impl Ticker {
     /// Nothing moves until the drives are enabled, which they are asked for from now on.

@@ -2,8 +2,8 @@
 
 use super::{Active, Conditions, Executor, Setpoint};
 use crate::alarm::Alarm;
+use crate::call::TapAxis;
 use crate::motion::tap::{FloatPlan, FloatTick};
-use crate::program::TapAxis;
 use crate::units::TurnRate;
 
 impl Executor {

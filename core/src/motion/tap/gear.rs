@@ -2,8 +2,8 @@
 //!
 //! This module knows a lead, a hand and a level; it knows nothing of time.
 
+use crate::call::{Hand, Position, TapAxis};
 use crate::motion::wide::mul_div_up;
-use crate::program::{Hand, Position, TapAxis};
 use crate::units::{Lead, Length, Turns, mul_high, narrow_div, product, signed, signed_product};
 
 /// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`. The sign is plus

@@ -4,15 +4,15 @@
 
 use super::gear::Gear;
 use crate::alarm::{Alarm, Span};
-use crate::cycle::TapMove;
+use crate::call::{Position, TapAxis};
 use crate::journal::TapHole;
 use crate::motion::limits::{Limits, Pace, PathLimits};
 use crate::motion::plan::{FEED_OVERRIDE_MAX, Refusal};
 use crate::motion::profile::Ramp;
 use crate::motion::rate::{PathRate, Rate};
 use crate::motion::shape;
+use crate::moves::TapMove;
 use crate::params::Params;
-use crate::program::{Position, TapAxis};
 use crate::units::{
     Axis, CentiRpm, Feed, Lead, Length, Millis, div_wide, mul_div, mul_wide, narrow_div, signed,
 };

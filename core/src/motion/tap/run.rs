@@ -2,10 +2,10 @@
 
 use super::gear::TapLine;
 use super::plan::{Stroke, Tap, TapStep};
+use crate::call::Position;
 use crate::motion::executor::Motion;
 use crate::motion::rate::{Rate, Travel};
 use crate::motion::run::Run;
-use crate::program::Position;
 use crate::units::{Length, Turns};
 
 /// The result of one tick of a tap.

@@ -1,8 +1,8 @@
 extern crate std;
 
 use super::*;
+use crate::call::{Hand, Position, TapAxis, TapNotes, TapSpindle};
 use crate::journal::TapHole;
-use crate::program::{Hand, Position, TapAxis, TapNotes, TapSpindle};
 use crate::units::{CentiRpm, Lead, Length, Turns};
 
 fn z(nm: i64) -> Position {

@@ -3,8 +3,8 @@
 use super::helix::Helix;
 use super::plan::ThreadPlan;
 use super::ramp::{Slope, along};
+use crate::call::Position;
 use crate::motion::ease::{Fine, whole};
-use crate::program::Position;
 use crate::units::{Length, Turns};
 
 /// The short axis' way out in mid-thread: a corner into the slope and, `apart` further on, a corner out of it.

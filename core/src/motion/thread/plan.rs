@@ -6,11 +6,11 @@ use super::pace::Pace;
 use super::ramp::{Ramp, Slope, inverse};
 use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::Move;
+use crate::call::Position;
 use crate::motion::ease::{Ease, Fine, Fraction, whole};
 use crate::motion::lead::turns_of;
+use crate::moves::Move;
 use crate::params::Params;
-use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate, Turns, mul_div};
 
 /// One threading pass, ready for [`ThreadRun`](super::ThreadRun).

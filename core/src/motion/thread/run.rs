@@ -5,8 +5,8 @@ use super::path::Out;
 use super::plan::ThreadPlan;
 use super::ramp::along;
 use crate::alarm::{Alarm, Code};
+use crate::call::Position;
 use crate::motion::ease::{Ease, Fine};
-use crate::program::Position;
 use crate::units::{Length, TurnRate, Turns, signed_product};
 
 /// The phase of a pass.

@@ -2,9 +2,9 @@
 
 use super::ramp::{Slope, along, slope};
 use crate::alarm::{Alarm, Code, Span};
-use crate::cycle::{Move, MoveKind, Stage, ThreadMove};
+use crate::call::Position;
 use crate::motion::ease::Fine;
-use crate::program::Position;
+use crate::moves::{Move, MoveKind, Stage, ThreadMove};
 use crate::units::Length;
 
 /// A pass without a speed. Ways are magnitudes; steps of the short axis carry their sign.

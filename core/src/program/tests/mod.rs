@@ -18,6 +18,7 @@ mod rigid;
 mod taps;
 
 use super::*;
+use crate::call::*;
 use crate::alarm::{Alarm, Span};
 use crate::params::Params;
 use crate::units::{CentiRpm, Length, Remainder, Rpm};

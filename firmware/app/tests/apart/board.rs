@@ -16,7 +16,8 @@ use leadscrew_core::link::{
     SetpointHash, ThreadCertificate, ThreadKind, ThreadReader, ThreadRecord, ThreadState,
 };
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{self, Call, Options};
+use leadscrew_core::program::{self, Options};
+use leadscrew_core::call::Call;
 
 use crate::bench::Bench;
 

@@ -8,7 +8,7 @@ use leadscrew_core::board::{Event, State};
 use leadscrew_core::bus::Order;
 use leadscrew_core::link::{ThreadKind, ThreadState};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Call;
+use leadscrew_core::call::Call;
 
 use crate::board::{Apart, calls};
 

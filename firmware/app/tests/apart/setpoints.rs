@@ -6,7 +6,8 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Sim};
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::{self, Call};
+use leadscrew_core::program::{self};
+use leadscrew_core::call::Call;
 
 use crate::board::{Apart, calls};
 
@@ -15,7 +16,7 @@ pub fn whole(sim: &mut Sim, text: &str, params: &Params) -> u64 {
     let mut calls: VecDeque<Call> = calls(text, params).into();
     let mut hash = SetpointHash::new();
     let push = |hash: &mut SetpointHash, row: leadscrew_board_sim::Row| {
-        let spindle = program::TapSpindle::ALL
+        let spindle = leadscrew_core::call::TapSpindle::ALL
             .iter()
             .find_map(|spindle| Some((*spindle, row.angle(*spindle).set?)));
         hash.push(row.position, spindle, row.doing == Doing::Run);

@@ -5,7 +5,8 @@ use leadscrew_core::board::{self, Board, Command, Output};
 use leadscrew_core::bus::{Frame, SyncProducer};
 use leadscrew_core::motion::Motion;
 use leadscrew_core::params::{Entry, Params, Part};
-use leadscrew_core::program::{Call, Event, Events, Options};
+use leadscrew_core::call::Call;
+use leadscrew_core::program::{Event, Events, Options};
 use leadscrew_core::spindle::EncoderSample;
 
 use super::{Work, until};

@@ -1,7 +1,7 @@
 //! The legs of a hole, in order and one at a time. They are the same strokes as the cycle's moves, computed from the
 //! same few lengths.
 
-use crate::program::TapForm;
+use crate::call::TapForm;
 use crate::units::Length;
 
 /// One leg: a stroke, or the dwell at the bottom.

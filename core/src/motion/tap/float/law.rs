@@ -1,11 +1,11 @@
 //! The tap axis' position at a spindle angle: a pure function of the angle, without any state.
 
+use crate::call::{Hand, Position};
 use crate::motion::ease::whole;
 use crate::motion::ease::{Ease, Fine};
 use crate::motion::lead::turns_of;
 use crate::motion::tap::Gear;
 use crate::motion::thread::HelixTravel;
-use crate::program::{Hand, Position};
 use crate::units::{Lead, Length, Turns};
 
 /// The part of the law to which an angle belongs.

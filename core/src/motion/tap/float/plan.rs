@@ -5,14 +5,14 @@ use super::course::Course;
 use super::law::Law;
 use super::turner::Turner;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::TapMove;
+use crate::call::{Hand, TapAxis, TapCall, TapCycle};
 use crate::motion::ease::{Bounds, Ease};
 use crate::motion::lead::{speed_of, turns_of};
 use crate::motion::limits::bounds;
 use crate::motion::tap::{Gear, dwell_ticks};
 use crate::motion::wide::mul_div_up;
+use crate::moves::TapMove;
 use crate::params::Params;
-use crate::program::{Hand, TapAxis, TapCall, TapCycle};
 use crate::units::{Axis, CentiRpm, Lead, Length, Ticks, TurnRate, mul_div, signed};
 
 /// The spindle's ramps may take one part in this many of the axis' acceleration.

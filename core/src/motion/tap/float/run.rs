@@ -5,10 +5,10 @@ use super::course::{Leg, Place};
 use super::law::Region;
 use super::plan::FloatPlan;
 use crate::alarm::{Alarm, Arg, Code};
+use crate::call::Position;
 use crate::motion::ease::Fine;
 use crate::motion::executor::{Arrival, Motion};
 use crate::motion::tap::TapLine;
-use crate::program::Position;
 use crate::spindle::Observer;
 use crate::units::{Length, Ticks, TurnRate, Turns};
 

@@ -8,15 +8,17 @@ use super::plan::{FloatPlan, float_ticks};
 use super::run::{FloatRun, FloatTick};
 use super::turner::Turner;
 use crate::alarm::{At, Code, Span};
-use crate::cycle::{MoveKind, TapMoves};
-use crate::motion::executor::Arrival;
-use crate::params::Params;
-use crate::program::{
-    Call, CallKind, Events, Hand, HandChoice, Options, Position, TapAxis, TapCall, TapForm,
-    TapMode, TapPeck,
+use crate::call::{
+    Call, CallKind, Hand, HandChoice, Position, TapAxis, TapCall, TapForm, TapMode, TapPeck,
 };
+use crate::cycle::TapMoves;
+use crate::motion::executor::Arrival;
+use crate::moves::MoveKind;
+use crate::params::Params;
+use crate::program::Events;
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer};
+use crate::text::Options;
 use crate::units::{CentiRpm, Lead, Length, Rpm, Ticks, Turns};
 use std::vec::Vec;
 
@@ -28,7 +30,7 @@ fn nm(nm: i64) -> Length {
 fn tap(text: &str) -> TapCall {
     let params = Params::slant_bed();
     let call = |event| match event {
-        Ok(crate::program::Event::Call(Call {
+        Ok(crate::text::Event::Call(Call {
             kind: CallKind::Tap(call),
             ..
         })) => Some(call),

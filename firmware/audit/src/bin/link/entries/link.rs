@@ -8,7 +8,7 @@ use leadscrew_core::link::{
     encode_event, identity,
 };
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Call;
+use leadscrew_core::call::Call;
 
 /// Calls all entries of this module.
 pub fn all() {

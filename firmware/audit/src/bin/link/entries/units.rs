@@ -1,7 +1,7 @@
 //! Quantities.
 
 use audit::any::{any, sink};
-use leadscrew_core::program::{FeedRate, start_angle};
+use leadscrew_core::call::{FeedRate, start_angle};
 use leadscrew_core::units::{
     Angle, Diameter, Direction, Divisor, Lead, Length, StartAngle, Turns, mul_div,
 };

@@ -1,0 +1,201 @@
+//! Counts the work of a G75 cycle without making its moves: the columns, the infeeds, and each different move once with
+//! its number of repeats. So a check takes as long for a thousand columns as for three.
+
+use core::num::NonZero;
+
+use super::moves::{GrooveMoves, clip};
+use crate::alarm::{Alarm, At, Span};
+use crate::call::{GrooveCall, Position};
+use crate::moves::{Move, MoveKind};
+use crate::units::Length;
+
+/// Columns and infeeds of a groove.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GrooveCount {
+    /// Infeeds of a column.
+    pub infeeds: u64,
+    /// Columns.
+    pub columns: u64,
+}
+
+impl GrooveCount {
+    /// The columns and infeeds of a call that has its steps.
+    pub(crate) fn of(call: &GrooveCall) -> Self {
+        let steps = |way, step: &Option<At<Length>>| step.map_or(0, |step| steps(way, step.value));
+        Self {
+            infeeds: steps(call.end_x.value - call.start.x, &call.peck),
+            columns: steps(call.end_z.value - call.start.z, &call.step).saturating_add(1),
+        }
+    }
+}
+
+/// The number of steps that cover a distance. The last step may be shorter.
+fn steps(way: Length, step: Length) -> u64 {
+    let way = way.nm().unsigned_abs();
+    match NonZero::new(step.nm().unsigned_abs()) {
+        None => 0,
+        Some(step) => way.wrapping_add(step.get().wrapping_sub(1)) / step,
+    }
+}
+
+/// The tool's position, one move from this position, and how often such a move comes.
+type Each<'a> = &'a mut dyn FnMut(&Position, &Move, u64) -> Result<(), Alarm>;
+
+impl GrooveMoves {
+    /// How many columns and infeeds there are.
+    #[must_use]
+    pub fn totals(&self) -> GrooveCount {
+        GrooveCount::of(&self.call)
+    }
+
+    /// Hands each move that differs in kind or length to `each`, with its start and how often such a move comes. The order
+    /// is that of first appearance. Together these are all moves of the cycle. There are never more than a few dozen of
+    /// them, however many infeeds and columns there are: a retract takes back ten infeeds at most.
+    ///
+    /// # Errors
+    /// The first error that `each` returns.
+    pub fn tally(&self, each: Each<'_>) -> Result<(), Alarm> {
+        let mut tally = Tally {
+            groove: self,
+            at: self.call.start,
+            each,
+        };
+        tally.all()
+    }
+
+    /// Its words.
+    pub(crate) const fn call(&self) -> &GrooveCall {
+        &self.call
+    }
+
+    /// The G word.
+    pub(crate) const fn span(&self) -> Span {
+        self.made.span
+    }
+
+    /// Where the relief of a column at `z` ends.
+    pub(crate) fn relief_end(&self, z: Length) -> Length {
+        z + self.relief
+    }
+
+    /// Where infeed `n` of a column ends. Beyond the last infeed this is the bottom.
+    pub(crate) fn infeed_end(&self, n: u64) -> Length {
+        let end = self.call.start.x + self.peck.times(n as i64);
+        clip(end, self.call.end_x.value, self.peck)
+    }
+
+    /// Where the retract from X ends.
+    pub(crate) fn retract_end(&self, x: Length) -> Length {
+        clip(x - self.retract, self.call.start.x, -self.peck)
+    }
+
+    /// The position of column `n`, from 0. Beyond the last column this is the last column's position.
+    pub(crate) fn column_at(&self, n: u64) -> Length {
+        let z = self.call.start.z + self.step.times(n as i64);
+        clip(z, self.call.end_z.value, self.step)
+    }
+
+    /// The number, from 1, of the first infeed that goes beyond `bound`.
+    pub(crate) fn infeed_beyond(&self, bound: Length) -> u64 {
+        beyond(self.call.start.x, bound, self.peck)
+    }
+
+    /// The number, from 1, of the first column beyond `bound`.
+    pub(crate) fn column_beyond(&self, bound: Length) -> u64 {
+        beyond(self.call.start.z, bound, self.step)
+    }
+}
+
+/// The number of the first step from `start` that ends beyond `bound`, which lies at `start` or before it in the
+/// direction of the steps.
+fn beyond(start: Length, bound: Length, step: Length) -> u64 {
+    let way = (bound - start).nm().unsigned_abs();
+    match NonZero::new(step.nm().unsigned_abs()) {
+        None => 0,
+        Some(step) => (way / step).wrapping_add(1),
+    }
+}
+
+/// A tally that is still being counted.
+struct Tally<'g, 'e> {
+    groove: &'g GrooveMoves,
+    at: Position,
+    each: Each<'e>,
+}
+
+impl Tally<'_, '_> {
+    fn all(&mut self) -> Result<(), Alarm> {
+        let groove = self.groove;
+        let GrooveCount { infeeds, columns } = groove.totals();
+        self.column(infeeds, columns)?;
+        if columns > 2 {
+            self.shift(1, columns.wrapping_sub(2))?;
+        }
+        if columns > 1 {
+            self.at.z = groove.column_at(columns.wrapping_sub(2)) + groove.relief;
+            self.shift(columns.wrapping_sub(1), 1)?;
+        }
+        self.at.z = groove.call.end_z.value + groove.relief;
+        self.rapid(groove.call.start.x, groove.call.start.z, 1)
+    }
+
+    /// From the start level to the bottom, aside and back to the start level. All columns are alike here.
+    fn column(&mut self, infeeds: u64, columns: u64) -> Result<(), Alarm> {
+        let groove = self.groove;
+        let level = groove.call.start.x;
+        let mut n = 1;
+        loop {
+            self.infeed(n, columns)?;
+            if n >= infeeds {
+                break;
+            }
+            self.back(columns)?;
+            let whole = (groove.infeed_end(n) - level).abs() >= groove.retract.abs();
+            n = n.wrapping_add(1);
+            if whole && n < infeeds {
+                // From here on no retract ends at the start level, so the infeeds are alike up to the last but one.
+                let alike = columns.saturating_mul(infeeds.wrapping_sub(n));
+                self.infeed(n, alike)?;
+                self.back(alike)?;
+                n = infeeds;
+                self.at.x = groove.retract_end(groove.infeed_end(n.wrapping_sub(1)));
+            }
+        }
+        self.rapid(self.at.x, self.at.z + groove.relief, columns)?;
+        self.rapid(level, self.at.z, columns)
+    }
+
+    fn infeed(&mut self, n: u64, times: u64) -> Result<(), Alarm> {
+        let feed = MoveKind::Feed(self.groove.call.feed);
+        self.go(self.groove.infeed_end(n), self.at.z, feed, times)
+    }
+
+    fn back(&mut self, times: u64) -> Result<(), Alarm> {
+        self.rapid(self.groove.retract_end(self.at.x), self.at.z, times)
+    }
+
+    /// To column `n`, from 0.
+    fn shift(&mut self, n: u64, times: u64) -> Result<(), Alarm> {
+        self.rapid(self.groove.call.start.x, self.groove.column_at(n), times)
+    }
+
+    /// A rapid, unless the tool is there.
+    fn rapid(&mut self, x: Length, z: Length, times: u64) -> Result<(), Alarm> {
+        if (x, z) == (self.at.x, self.at.z) {
+            return Ok(());
+        }
+        self.go(x, z, MoveKind::Rapid, times)
+    }
+
+    fn go(&mut self, x: Length, z: Length, kind: MoveKind, times: u64) -> Result<(), Alarm> {
+        let from = self.at;
+        (self.at.x, self.at.z) = (x, z);
+        let step = Move {
+            span: self.groove.span(),
+            to: self.at,
+            kind,
+            tag: None,
+        };
+        (self.each)(&from, &step, times)
+    }
+}

@@ -1,0 +1,77 @@
+//! Grooves that geometry forbids, and those that are longer than anybody waits for.
+
+use super::count::GrooveCount;
+use crate::alarm::{Alarm, Arg, At, Code, Span};
+use crate::call::GrooveCall;
+use crate::cycle::check::{Sign, Words, blame};
+use crate::units::Length;
+
+/// The most infeeds of a groove, counted over all its columns.
+const GROOVE_INFEEDS: u64 = 99_999;
+
+/// The most infeeds that a retract of a groove takes back.
+const RETRACT_INFEEDS: i64 = 10;
+
+/// Refuses an impossible groove.
+#[inline(never)]
+pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> {
+    groove_ranges(call, span)?;
+    if call.end_x.value == call.start.x {
+        let word = &call.end_x.span;
+        return Err(blame(Code::GrooveWithoutDepth, span, word, b'X'));
+    }
+    step(&call.peck, b'P', span)?;
+    if call.end_z.value != call.start.z {
+        step(&call.step, b'Q', span)?;
+    }
+    let count = GrooveCount::of(call);
+    let (infeeds, columns) = (count.infeeds, count.columns);
+    if infeeds.saturating_mul(columns) > GROOVE_INFEEDS {
+        let (word, letter) = if infeeds >= columns {
+            (&call.peck, b'P')
+        } else {
+            (&call.step, b'Q')
+        };
+        let word = word.map_or_else(Span::default, |word| word.span);
+        let figures = [infeeds, columns, GROOVE_INFEEDS].map(|count| Arg::Int(count as i64));
+        return Err(blame(Code::TooManyGrooveInfeeds, span, &word, letter).with(figures));
+    }
+    let (Some(peck), retract) = (&call.peck, call.retract.value) else {
+        return Ok(());
+    };
+    if infeeds > 1 && retract > peck.value.times(RETRACT_INFEEDS) {
+        let figures = [
+            Arg::Length(peck.value),
+            Arg::Length(retract),
+            Arg::Int(RETRACT_INFEEDS),
+        ];
+        return Err(blame(Code::GrooveRetractTooLong, span, &peck.span, b'P').with(figures));
+    }
+    Ok(())
+}
+
+/// Refuses a missing peck or step.
+fn step(written: &Option<At<Length>>, letter: u8, span: Span) -> Result<(), Alarm> {
+    match written {
+        Some(step) if step.value > Length::ZERO => Ok(()),
+        Some(step) => Err(Alarm::new(Code::GrooveStepMissing, step.span).word(letter)),
+        None => Err(Alarm::new(Code::GrooveStepMissing, span)),
+    }
+}
+
+/// Refuses a groove call with an impossible length. The groove itself checks P and Q of zero: they have an alarm number
+/// of their own.
+fn groove_ranges(call: &GrooveCall, block: Span) -> Result<(), Alarm> {
+    let mut words = Words::new(block);
+    words.place(&call.start);
+    words.length(&call.end_x, b'X', Sign::Any);
+    words.length(&call.end_z, b'Z', Sign::Any);
+    words.length(&call.relief, b'R', Sign::NotNegative);
+    words.length(&call.retract, b'R', Sign::NotNegative);
+    for (step, letter) in [(&call.peck, b'P'), (&call.step, b'Q')] {
+        if let Some(step) = step {
+            words.length(step, letter, Sign::NotNegative);
+        }
+    }
+    words.first
+}

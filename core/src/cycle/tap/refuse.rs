@@ -1,0 +1,71 @@
+//! Taps that geometry or the signals forbid.
+
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::call::{TapAxis, TapCall, TapForm, TapMode, TapRepeat, TapSpindle};
+use crate::cycle::check::{Sign, Words, blame};
+use crate::signals::Signals;
+use crate::units::Length;
+
+/// The most infeeds of a hole.
+const INFEEDS: i64 = 9999;
+
+/// Refuses an impossible tap; otherwise gives the spindle that turns the tap.
+#[inline(never)]
+pub(crate) fn refuse_tap(
+    call: &TapCall,
+    signals: Signals,
+    span: Span,
+) -> Result<TapSpindle, Alarm> {
+    tap_ranges(call, span)?;
+    let spindle = signals.spindle(call.spindle, span)?;
+    let axis = call.axis;
+    let level = call.level.value;
+    let way = call.bottom.value - level;
+    let inward = way.signum();
+    let approach = (level - axis.of(call.hole)).signum();
+    if inward == 0 || (approach != 0 && approach != inward) {
+        let letter = match axis {
+            TapAxis::X => b'X',
+            TapAxis::Z => b'Z',
+        };
+        return Err(blame(Code::TapDepth, span, &call.bottom.span, letter));
+    }
+    let total = way.abs();
+    let from = (axis.of(call.start) - level).times(inward);
+    let no_depth = call.continues && (from <= Length::ZERO || from >= total);
+    // Only in speed mode can the spindle be standing. Only in position mode can a tap stay in its hole.
+    let slowest = match call.mode {
+        TapMode::Rigid => 1,
+        TapMode::Floating => 0,
+    };
+    let locked = call.continues || call.repeat == TapRepeat::Stay;
+    let no_phase = locked && call.mode == TapMode::Floating;
+    if no_depth || no_phase || call.speed.get() < slowest || call.extract.get() < slowest {
+        return Err(Alarm::new(Code::TapCallRange, span));
+    }
+    if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = &call.form {
+        if peck.back.value > peck.infeed.value {
+            return Err(blame(Code::TapDepth, span, &peck.back.span, b'D'));
+        }
+        if peck.infeed.value.times(INFEEDS) < total {
+            let word = &peck.infeed.span;
+            return Err(blame(Code::TooManyPecks, span, word, b'Q').with([Arg::Int(INFEEDS)]));
+        }
+    }
+    Ok(spindle)
+}
+
+/// Refuses a tap call with an impossible length.
+fn tap_ranges(call: &TapCall, block: Span) -> Result<(), Alarm> {
+    let mut words = Words::new(block);
+    words.place(&call.start);
+    words.place(&call.hole);
+    words.place(&call.step);
+    words.length(&call.level, b'R', Sign::Any);
+    words.length(&call.bottom, b'Z', Sign::Any);
+    if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = &call.form {
+        words.length(&peck.infeed, b'Q', Sign::Positive);
+        words.length(&peck.back, b'D', Sign::NotNegative);
+    }
+    words.first
+}

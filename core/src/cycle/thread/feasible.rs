@@ -1,0 +1,416 @@
+//! G76 and G78 and the machine's limits: spindle, feeds, lead-in, run-out.
+
+use super::moves::{ThreadMoves, ThreadSummary};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::call::ThreadCall;
+use crate::feasible::{Gather, Pass, can_follow};
+use crate::motion::ThreadPlan;
+use crate::moves::{Move, MoveKind};
+use crate::params::Params;
+use crate::units::{Axis, Feed, Length, Rpm, mul_div, signed, signed_product};
+
+/// The largest number of different warnings, or of different alarms, of one thread cycle.
+pub const FINDINGS: usize = 6;
+
+/// The needs of a thread cycle at its commanded speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ThreadReport {
+    /// Number of passes, rough and finishing; each start of a multiple thread makes all of them.
+    pub passes: u32,
+    /// Largest shift of a pass's start point along Z.
+    pub z_shift_max: Length,
+    /// Distance along the long axis from a pass's start to where the axis is on the lead, jerk included.
+    pub lead_in: Length,
+    /// The start must lie at least this far before the material: the lead-in, plus the shift if Z is the long axis.
+    pub start_before: Length,
+    /// Warnings, for what may leave a mark on the work but stops nothing: long lead-in, falling lead, run-out that
+    /// lags, parameters 107 and 5129.
+    pub warnings: [Option<Alarm>; FINDINGS],
+}
+
+impl ThreadReport {
+    /// True if the warnings contain the one about the lead-in (`check --strict`).
+    #[must_use]
+    pub fn lead_in_is_long(&self) -> bool {
+        self.warnings
+            .iter()
+            .flatten()
+            .any(|warning| warning.code == Code::LeadInLong)
+    }
+}
+
+/// All errors of a thread cycle, not only the first one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ThreadFindings {
+    /// In order of importance; empty if the cycle can run.
+    pub alarms: [Option<Alarm>; FINDINGS],
+    /// The report, if the cycle can run.
+    pub report: Option<ThreadReport>,
+}
+
+/// Checks a thread cycle. Its G word stands at `span`.
+///
+/// # Errors
+/// - The geometry forbids the cycle: see [`ThreadMoves::new`].
+/// - The spindle stands ([`Code::SpindleStopped`]), or the speed exceeds the spindle's highest speed
+///   ([`Code::SpeedAboveSpindle`]).
+/// - The pitch is longer than the shortest stroke: [`Code::PitchTooLong`].
+/// - Lead times speed exceeds the long axis' feed: [`Code::LeadTooFast`].
+/// - The encoder is too coarse for lead or speed: [`Code::LeadForEncoder`], [`Code::SpeedForEncoder`].
+/// - The run-out exceeds the short axis' feed: [`Code::RunOutTooFast`].
+/// - There is no room for joining, run-in or braking: [`Code::StrokeTooShortForSpeed`], [`Code::RunInTooFast`].
+pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadReport, Alarm> {
+    let findings = thread_findings(call, span, params)?;
+    match (
+        findings.alarms.into_iter().flatten().next(),
+        findings.report,
+    ) {
+        (Some(alarm), _) => Err(alarm),
+        (None, Some(report)) => Ok(report),
+        (None, None) => Err(Alarm::new(Code::ThreadMovesMixed, span)),
+    }
+}
+
+/// The first error that [`thread_findings`] would find for a call at the speed `rpm`. It needs little memory, so a
+/// board can use it.
+///
+/// # Errors
+/// As [`thread`].
+pub fn thread_can_run(
+    call: &ThreadCall,
+    rpm: Rpm,
+    span: Span,
+    params: &Params,
+) -> Result<(), Alarm> {
+    let mut first = Ok(());
+    let mut wrong = |alarm: &Alarm| {
+        if first.is_ok() {
+            first = Err(*alarm);
+        }
+    };
+    examine(call, rpm, span, params, &mut wrong, &mut |_| {})?;
+    first
+}
+
+/// Plans the passes that demand most of the machine. Passes each plan to `seen` and each error to `wrong`.
+fn examine(
+    call: &ThreadCall,
+    rpm: Rpm,
+    span: Span,
+    params: &Params,
+    wrong: &mut dyn FnMut(&Alarm),
+    seen: &mut impl FnMut(&ThreadPlan),
+) -> Result<ThreadSummary, Alarm> {
+    let summary = ThreadMoves::survey(call, span)?;
+    let speed = rpm.abs();
+    if speed == 0 {
+        wrong(&Alarm::new(Code::SpindleStopped, span));
+    } else if speed > params.spindle_max_rpm() {
+        let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
+        let args = [Arg::Rpm(positive(rpm)), Arg::Rpm(Rpm::new(most))];
+        wrong(&Alarm::new(Code::SpeedAboveSpindle, span).with(args));
+    }
+    let long = if summary.long_x { Axis::X } else { Axis::Z };
+    if speed != 0
+        && let Err(alarm) = &can_follow(call.lead, long, rpm, span, params)
+    {
+        wrong(alarm);
+    }
+    if let Some(alarm) = &pitch(call, summary.shortest_stroke) {
+        wrong(alarm);
+    }
+    if speed != 0 {
+        for number in extremes(&summary) {
+            match &plan(call, &pass(call, span, number), params, rpm) {
+                Ok(plan) => seen(plan),
+                Err(alarm) => {
+                    wrong(alarm);
+                    break;
+                }
+            }
+        }
+    }
+    Ok(summary)
+}
+
+/// Like [`thread`], but goes on after the first error.
+///
+/// # Errors
+/// The geometry forbids the cycle: without moves there is nothing to check.
+pub fn thread_findings(
+    call: &ThreadCall,
+    span: Span,
+    params: &Params,
+) -> Result<ThreadFindings, Alarm> {
+    let mut alarms = List::default();
+    let mut figures = Figures::default();
+    let summary = examine(
+        call,
+        call.rpm,
+        span,
+        params,
+        &mut |alarm| alarms.push(*alarm),
+        &mut |plan| figures.take(plan),
+    )?;
+    if alarms.first().is_some() {
+        return Ok(ThreadFindings {
+            alarms: alarms.0,
+            report: None,
+        });
+    }
+
+    let before = if summary.long_x {
+        figures.lead_in
+    } else {
+        figures.lead_in + summary.z_shift_max
+    };
+    let mut warnings = List::default();
+    let length = if summary.long_x {
+        call.end_x.value - call.start.x
+    } else {
+        call.end_z.value - call.start.z
+    };
+    let warn = |code, span, a, b, c| Alarm::new(code, span).with([a, b, c]);
+    if before.times(4) > length.abs() {
+        warnings.push(warn(
+            Code::LeadInLong,
+            span,
+            Arg::Length(before),
+            Arg::Length(figures.lead_in),
+            Arg::Length(before - figures.lead_in),
+        ));
+    }
+    if figures.falling > Length::ZERO {
+        warnings.push(warn(
+            Code::FallingLead,
+            span,
+            Arg::Length(figures.falling),
+            Arg::Length(figures.braking),
+            Arg::None,
+        ));
+    }
+    if figures.lag > Length::ZERO {
+        let at = call.run_out.map_or(span, |run_out| run_out.long.span);
+        let at = if at == Span::default() { span } else { at };
+        warnings.push(warn(
+            Code::RunOutLags,
+            at,
+            Arg::Length(figures.lag),
+            Arg::Length(figures.needed),
+            Arg::None,
+        ));
+    }
+    if params.thread_high_speed() {
+        warnings.push(warn(
+            Code::HighSpeedNotBuilt,
+            span,
+            Arg::None,
+            Arg::None,
+            Arg::None,
+        ));
+    }
+    if params.runout_speed() != Feed::default() && call.run_out.is_some() {
+        let set = Arg::Feed(params.runout_speed());
+        warnings.push(warn(
+            Code::RunOutSpeedIgnored,
+            span,
+            set,
+            Arg::None,
+            Arg::None,
+        ));
+    }
+    Ok(ThreadFindings {
+        alarms: [None; FINDINGS],
+        report: Some(ThreadReport {
+            passes: summary.passes,
+            z_shift_max: summary.z_shift_max,
+            lead_in: figures.lead_in,
+            start_before: before,
+            warnings: warnings.0,
+        }),
+    })
+}
+
+/// The largest whole spindle speed at which the cycle can run, up to the spindle's highest speed; [`Rpm::STOPPED`] if
+/// no speed works. It plans a few dozen passes, so it is for reports only.
+///
+/// # Errors
+/// The geometry forbids the cycle.
+pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Alarm> {
+    let summary = ThreadMoves::survey(call, span)?;
+    let passes = extremes(&summary).map(|number| pass(call, span, number));
+    let can = |speed: i32| {
+        let rpm = Rpm::new(speed);
+        passes
+            .iter()
+            .all(|pass| plan(call, pass, params, rpm).is_ok())
+    };
+    // Invariant: the cycle can run at `low` (or `low` is 0); it cannot run at `high`, or `high` is one above the limit.
+    let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
+    let mut low = 0_i32;
+    let mut high = most.saturating_add(1);
+    while high.saturating_sub(low) > 1 {
+        let middle = low.midpoint(high);
+        if can(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(Rpm::new(low))
+}
+
+/// Plans a pass, and checks its run-out's speed.
+#[inline(never)]
+fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<ThreadPlan, Alarm> {
+    // A plan is large, so it stays where it is written.
+    let mut plan = ThreadPlan::for_rpm(pass.from, &pass.moves, params, rpm);
+    match &mut plan {
+        Err(alarm) => to_word(call, alarm),
+        Ok(_) => {
+            if let Some(alarm) = run_out_too_fast(call, pass, params, rpm) {
+                plan = Err(alarm);
+            }
+        }
+    }
+    plan
+}
+
+/// The alarm for a run-out above the short axis' feed.
+#[inline(never)]
+fn run_out_too_fast(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Option<Alarm> {
+    let ([.., Move { to: from, .. }, last], Some(run_out)) = (&*pass.moves, &call.run_out) else {
+        return None;
+    };
+    let MoveKind::Thread(thread) = &last.kind else {
+        return None;
+    };
+    let (dx, dz) = ((last.to.x - from.x).abs(), (last.to.z - from.z).abs());
+    let (short_axis, short, long) = if thread.long_x {
+        (Axis::Z, dz, dx)
+    } else {
+        (Axis::X, dx, dz)
+    };
+    if long == Length::ZERO {
+        return None;
+    }
+    let (nm, turns) = thread.lead.parts();
+    let lead_speed = mul_div(nm, u64::from(rpm.abs()), turns);
+    let speed = mul_div(
+        lead_speed,
+        short.nm().unsigned_abs(),
+        long.nm().unsigned_abs(),
+    );
+    let speed = Feed::from_nm_per_min(signed(speed));
+    let most = params.max_feed(short_axis);
+    if speed <= most {
+        return None;
+    }
+    let span = run_out.short.span;
+    let span = if span == Span::default() {
+        last.span
+    } else {
+        span
+    };
+    let args = [
+        Arg::Letter(short_axis.letter()),
+        Arg::Feed(speed),
+        Arg::Feed(most),
+        Arg::Rpm(positive(rpm)),
+    ];
+    Some(Alarm::new(Code::RunOutTooFast, span).word(b'J').with(args))
+}
+
+/// S as written, without the direction.
+const fn positive(rpm: Rpm) -> Rpm {
+    Rpm::new(rpm.get().saturating_abs())
+}
+
+/// Moves the planner's alarm to the program word that has to change.
+fn to_word(call: &ThreadCall, alarm: &mut Alarm) {
+    let span = match alarm.code {
+        Code::LeadTooFast => call.lead.span,
+        Code::RunInTooFast => call.run_in.span,
+        Code::StrokeTooShortForSpeed if alarm.word == Some(b'X') => call.end_x.span,
+        Code::StrokeTooShortForSpeed => call.end_z.span,
+        _ => Span::default(),
+    };
+    if span != Span::default() {
+        alarm.span = span;
+    }
+}
+
+/// A pitch (lead over starts) longer than the shortest stroke: the programmer wrote a feed rate by mistake.
+fn pitch(call: &ThreadCall, stroke: Length) -> Option<Alarm> {
+    let lead = call.lead.value;
+    let starts = i64::from(call.starts.value.max(1));
+    let room = signed_product(stroke.nm(), lead.denominator()).wrapping_mul(i128::from(starts));
+    if i128::from(lead.numerator()) <= room {
+        return None;
+    }
+    let pitch = lead.rounded().nm().checked_div(starts).unwrap_or(0);
+    let args = [Arg::Length(Length::from_nm(pitch)), Arg::Length(stroke)];
+    Some(
+        Alarm::new(Code::PitchTooLong, call.lead.span)
+            .word(b'F')
+            .with(args),
+    )
+}
+
+/// Numbers of the passes that demand most of the machine: the last (largest J), the pass with the shortest stroke, and
+/// the first (shortest run-in, smallest J). All passes share slope, K and lead; J and run-in grow with depth.
+const fn extremes(summary: &ThreadSummary) -> [u32; 3] {
+    [summary.passes.saturating_sub(1), summary.shortest, 0]
+}
+
+/// Pass number `number` of a cycle with valid geometry. A pass is large, so it is made again each time.
+#[inline(never)]
+fn pass(call: &ThreadCall, span: Span, number: u32) -> Pass {
+    let mut moves = ThreadMoves::of(call, span);
+    moves.leave_out(number);
+    let mut gather = Gather::new();
+    let mut at = call.start;
+    while let Some(next) = moves.advance() {
+        if gather.take(at, next).is_some() {
+            break;
+        }
+        at = next.to;
+    }
+    gather.pass()
+}
+
+/// The largest figures over all passes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Figures {
+    lead_in: Length,
+    braking: Length,
+    falling: Length,
+    lag: Length,
+    needed: Length,
+}
+
+impl Figures {
+    fn take(&mut self, plan: &ThreadPlan) {
+        self.lead_in = self.lead_in.max(plan.lead_in());
+        self.braking = self.braking.max(plan.braking());
+        self.falling = self.falling.max(plan.falling_lead());
+        self.lag = self.lag.max(plan.run_out_lag().abs());
+        self.needed = self.needed.max(plan.run_out_needed());
+    }
+}
+
+/// A list of at most [`FINDINGS`] alarms. There are no more different alarms than this.
+#[derive(Clone, Copy, Debug, Default)]
+struct List([Option<Alarm>; FINDINGS]);
+
+impl List {
+    fn push(&mut self, alarm: Alarm) {
+        if let Some(place) = self.0.iter_mut().find(|place| place.is_none()) {
+            *place = Some(alarm);
+        }
+    }
+
+    fn first(&self) -> Option<Alarm> {
+        self.0.into_iter().flatten().next()
+    }
+}

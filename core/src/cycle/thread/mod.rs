@@ -1,0 +1,22 @@
+//! G76 and G78: threads ([G76 sheet], [G78 sheet]).
+//!
+//! `words` reads the words of both cycles, `run_out` what J and K leave out. `refuse` has what geometry forbids. `depth`
+//! divides the height into passes; `shape`, `slope` and `taper` place a pass; `helix` gives its start angle; `moves` makes
+//! the moves. `feasible` asks what the machine can do at the commanded speed.
+
+mod depth;
+mod feasible;
+mod helix;
+mod moves;
+mod refuse;
+mod run_out;
+mod shape;
+mod slope;
+mod taper;
+mod words;
+
+pub use feasible::{
+    FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_can_run, thread_findings,
+};
+pub use moves::{ThreadMoves, ThreadSummary};
+pub(crate) use words::ThreadWords;

@@ -1,0 +1,96 @@
+//! Threads that geometry forbids, because a word is out of range or words contradict each other.
+
+use super::shape::is_long_x;
+use super::slope::HalfAngle;
+use super::taper::scaled;
+use crate::alarm::{Alarm, Arg, At, Code, Span};
+use crate::call::ThreadCall;
+use crate::cycle::check::{Sign, Words, blame};
+use crate::units::{Diameter, Length, signed_product};
+
+/// Refuses a thread that is impossible whatever its passes are.
+#[inline(never)]
+pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
+    thread_ranges(call, span)?;
+    let start = &call.start;
+    let stroke = call.end_z.value - start.z;
+    let travel = stroke.nm().unsigned_abs();
+    if travel == 0 {
+        let word = &call.end_z.span;
+        return Err(blame(Code::ThreadWithoutLength, span, word, b'Z'));
+    }
+    let in_x = |code| blame(code, span, &call.end_x.span, b'X');
+    let room = start.x - call.end_x.value;
+    if room == Length::ZERO {
+        return Err(in_x(Code::ThreadWithoutSide));
+    }
+    let height = call.height.value;
+    let against_height = |code, at: &At<Length>, letter| {
+        let figures = [Arg::Length(at.value), Arg::Length(height)];
+        Err(blame(code, span, &at.span, letter).with(figures))
+    };
+    if call.allowance.value >= height {
+        return against_height(Code::AllowanceTooLarge, &call.allowance, b'R');
+    }
+    if call.min_step.value > height {
+        return against_height(Code::MinStepAboveHeight, &call.min_step, b'Q');
+    }
+    if HalfAngle::of(call.angle.value).is_none() {
+        let figure = [Arg::Int(i64::from(call.angle.value))];
+        return Err(blame(Code::ThreadAngleRange, span, &call.angle.span, b'P').with(figure));
+    }
+    let slant = call.taper.value;
+    let long_x = is_long_x(call);
+    if long_x && call.run_in.value != Length::ZERO {
+        let word = &call.run_in.span;
+        return Err(blame(Code::RunInWithLongX, span, word, b'E'));
+    }
+    // Both ends of the crest line must lie between the work and A.
+    let side = room.signum();
+    let (room, lean) = (room.times(side), slant.times(side));
+    for crest in [height, height + lean] {
+        if room < crest {
+            let below = Diameter::of_radius(crest - room);
+            return Err(in_x(Code::StartInsideThread).with([Arg::Diameter(below)]));
+        }
+    }
+    if let Some(run_out) = &call.run_out
+        && !long_x
+    {
+        // The line itself moves towards A by |i|·K/|W| when the thread grows from C to D: the tool must move faster.
+        let (short, long) = (run_out.short.value, run_out.long.value);
+        let line = signed_product(lean.nm(), long.nm());
+        let tool = signed_product(travel as i64, short.nm());
+        if line.wrapping_add(tool) <= 0 {
+            let moves = scaled(slant.nm().unsigned_abs(), long.nm().unsigned_abs(), travel);
+            let figures = [Arg::Length(short), Arg::Length(long), Arg::Length(moves)];
+            let word = &run_out.short.span;
+            return Err(blame(Code::RunOutIntoThread, span, word, b'J').with(figures));
+        }
+    }
+    if call.starts.value == 0 {
+        let word = &call.starts.span;
+        return Err(blame(Code::CycleStartsRange, span, word, b'L'));
+    }
+    Ok(())
+}
+
+/// Refuses a thread call with an impossible length.
+fn thread_ranges(call: &ThreadCall, block: Span) -> Result<(), Alarm> {
+    let mut words = Words::new(block);
+    words.place(&call.start);
+    words.length(&call.end_x, b'X', Sign::Any);
+    words.length(&call.end_z, b'Z', Sign::Any);
+    words.length(&call.taper, b'R', Sign::Any);
+    words.length(&call.height, b'P', Sign::Positive);
+    words.length(&call.first_depth, b'Q', Sign::Positive);
+    words.unwritten(call.increment, b'Q', Sign::Positive);
+    words.length(&call.min_step, b'Q', Sign::NotNegative);
+    words.length(&call.allowance, b'R', Sign::NotNegative);
+    words.length(&call.run_in, b'E', Sign::NotNegative);
+    if let Some(run_out) = &call.run_out {
+        words.length(&run_out.short, b'J', Sign::Positive);
+        words.length(&run_out.long, b'K', Sign::Positive);
+    }
+    words.first
+}

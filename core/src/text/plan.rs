@@ -1,0 +1,201 @@
+//! The actions of one block, in the order in which the machine does them.
+
+use crate::alarm::{Alarm, Span};
+use crate::call::{Aux, Call, CallKind, Position, SpindleCall};
+use crate::units::Millis;
+
+/// The output of a program, in the order in which the machine acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly every event is a call, and the core has no heap to put one on"
+)]
+pub enum Event {
+    /// One action of the machine.
+    Call(Call),
+    /// A message to the operator, in its place in the order; the program goes on.
+    Warning(Alarm),
+}
+
+/// Warnings a block can raise.
+const WARNINGS: usize = 2;
+
+/// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, M24–M27, rigid mode, T, G04; the
+/// motion; M05, M09, M00 M01 M02 M30.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pending: u16,
+    origin: Position,
+    warnings: [Alarm; WARNINGS],
+    spindle: (Span, SpindleCall),
+    coolant_on: Span,
+    tap_spindle: (Span, u16),
+    rigid: (Span, SpindleCall),
+    tool: (Span, u16),
+    dwell: (Span, Millis),
+    motion: (Span, CallKind),
+    spindle_stop: Span,
+    coolant_off: Span,
+    flow: (Span, u16),
+}
+
+const WARNING_0: u16 = 1 << 0;
+const WARNING_1: u16 = 1 << 1;
+const SPINDLE: u16 = 1 << 2;
+const COOLANT_ON: u16 = 1 << 3;
+const TAP_SPINDLE: u16 = 1 << 4;
+const RIGID: u16 = 1 << 5;
+const TOOL: u16 = 1 << 6;
+const DWELL: u16 = 1 << 7;
+const MOTION: u16 = 1 << 8;
+const SPINDLE_STOP: u16 = 1 << 9;
+const COOLANT_OFF: u16 = 1 << 10;
+const FLOW: u16 = 1 << 11;
+
+impl Plan {
+    pub(crate) const fn new() -> Self {
+        const NOWHERE: Span = Span {
+            line: 0,
+            column: 0,
+            end: 0,
+        };
+        const NONE: Alarm = Alarm::new(crate::alarm::Code::CutInMode, NOWHERE);
+        Self {
+            pending: 0,
+            origin: Position::ZERO,
+            warnings: [NONE; WARNINGS],
+            spindle: (NOWHERE, SpindleCall::STOPPED),
+            coolant_on: NOWHERE,
+            tap_spindle: (NOWHERE, 0),
+            rigid: (NOWHERE, SpindleCall::STOPPED),
+            tool: (NOWHERE, 0),
+            dwell: (NOWHERE, Millis::new(0)),
+            motion: (NOWHERE, CallKind::End(0)),
+            spindle_stop: NOWHERE,
+            coolant_off: NOWHERE,
+            flow: (NOWHERE, 0),
+        }
+    }
+
+    /// Clears the plan.
+    #[inline]
+    pub(crate) fn clear(&mut self) {
+        self.pending = 0;
+    }
+
+    /// Sets the origin that all calls of the block carry.
+    #[inline]
+    pub(crate) fn set_origin(&mut self, origin: Position) {
+        self.origin = origin;
+    }
+
+    pub(crate) fn warn(&mut self, alarm: Alarm) {
+        let (bit, index) = if self.pending & WARNING_0 == 0 {
+            (WARNING_0, 0)
+        } else {
+            (WARNING_1, 1)
+        };
+        self.pending |= bit;
+        if let Some(place) = self.warnings.get_mut(index) {
+            *place = alarm;
+        }
+    }
+
+    pub(crate) fn spindle(&mut self, span: Span, call: SpindleCall) {
+        self.pending |= SPINDLE;
+        self.spindle = (span, call);
+    }
+
+    pub(crate) fn coolant_on(&mut self, span: Span) {
+        self.pending |= COOLANT_ON;
+        self.coolant_on = span;
+    }
+
+    pub(crate) fn tap_spindle(&mut self, span: Span, code: u16) {
+        self.pending |= TAP_SPINDLE;
+        self.tap_spindle = (span, code);
+    }
+
+    pub(crate) fn rigid(&mut self, span: Span, call: SpindleCall) {
+        self.pending |= RIGID;
+        self.rigid = (span, call);
+    }
+
+    pub(crate) fn tool(&mut self, span: Span, number: u16) {
+        self.pending |= TOOL;
+        self.tool = (span, number);
+    }
+
+    pub(crate) fn dwell(&mut self, span: Span, time: Millis) {
+        self.pending |= DWELL;
+        self.dwell = (span, time);
+    }
+
+    #[inline]
+    pub(crate) fn motion(&mut self, span: Span, kind: CallKind) {
+        self.pending |= MOTION;
+        self.motion = (span, kind);
+    }
+
+    pub(crate) fn spindle_stop(&mut self, span: Span) {
+        self.pending |= SPINDLE_STOP;
+        self.spindle_stop = span;
+    }
+
+    pub(crate) fn coolant_off(&mut self, span: Span) {
+        self.pending |= COOLANT_OFF;
+        self.coolant_off = span;
+    }
+
+    pub(crate) fn flow(&mut self, span: Span, code: u16) {
+        self.pending |= FLOW;
+        self.flow = (span, code);
+    }
+
+    /// The next event.
+    #[inline]
+    pub(crate) fn next(&mut self) -> Option<Event> {
+        let first = self.pending & self.pending.wrapping_neg();
+        self.pending ^= first;
+        if first == MOTION {
+            // Most blocks are this and nothing else.
+            return Some(self.call(self.motion.0, self.motion.1));
+        }
+        self.other(first)
+    }
+
+    fn other(&self, bit: u16) -> Option<Event> {
+        let (span, kind) = match bit {
+            WARNING_0 | WARNING_1 => {
+                let index = usize::from(bit == WARNING_1);
+                return self.warnings.get(index).copied().map(Event::Warning);
+            }
+            SPINDLE => (self.spindle.0, CallKind::Spindle(self.spindle.1)),
+            COOLANT_ON => (self.coolant_on, CallKind::Aux(Aux::M(8))),
+            TAP_SPINDLE => (
+                self.tap_spindle.0,
+                CallKind::Aux(Aux::M(self.tap_spindle.1)),
+            ),
+            RIGID => (self.rigid.0, CallKind::Spindle(self.rigid.1)),
+            TOOL => (self.tool.0, CallKind::Aux(Aux::T(self.tool.1))),
+            DWELL => (self.dwell.0, CallKind::Dwell(self.dwell.1)),
+            SPINDLE_STOP => (self.spindle_stop, CallKind::Spindle(SpindleCall::STOPPED)),
+            COOLANT_OFF => (self.coolant_off, CallKind::Aux(Aux::M(9))),
+            FLOW => match self.flow.1 {
+                code @ (2 | 30) => (self.flow.0, CallKind::End(code)),
+                code => (self.flow.0, CallKind::Aux(Aux::M(code))),
+            },
+            _ => return None,
+        };
+        Some(self.call(span, kind))
+    }
+
+    #[inline]
+    const fn call(&self, span: Span, kind: CallKind) -> Event {
+        Event::Call(Call {
+            span,
+            origin: self.origin,
+            kind,
+        })
+    }
+}
