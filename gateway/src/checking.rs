@@ -2,12 +2,14 @@
 //! before any motion.
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::cycle::{GrooveMoves, Moves};
+use leadscrew_core::call::{
+    Aux, Call, CallKind, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
+    TapCycle, TapRepeat, ThreadCall, ThreadCycle,
+};
+use leadscrew_core::cycle::{self, GrooveMoves, Moves};
 use leadscrew_core::moves::{Move, MoveKind};
-use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall, TapCycle, TapRepeat, ThreadCall, ThreadCycle};
 use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
-use leadscrew_core::{cycle, feasible};
 
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Doing, Failure, Outcome};
@@ -242,8 +244,8 @@ impl Checker<'_> {
         }
         self.mind_spindle(call, inch);
         let params = &self.setup.params;
-        let within = leadscrew_core::cycle::within_limits(&moves, self.at, params);
-        let time = leadscrew_core::cycle::time(&moves, self.at, params);
+        let within = cycle::within_limits(&moves, self.at, params);
+        let time = cycle::time(&moves, self.at, params);
         // The move that went beyond the limit has been reported already.
         if let Err(alarm) = within
             && moves.into_iter().any(|step| step.to != self.at)
@@ -262,13 +264,13 @@ impl Checker<'_> {
         match &call.kind {
             CallKind::Thread(thread) => self.thread(thread, call.span, time_us, inch),
             CallKind::Groove(groove) => {
-                if let Some(warning) = leadscrew_core::cycle::groove_warning(groove) {
+                if let Some(warning) = cycle::groove_warning(groove) {
                     self.tell(&warning, inch);
                 }
             }
             CallKind::Tap(tap) => self.tap(tap, call.span, time_us, inch),
             _ => {
-                if let Err(alarm) = leadscrew_core::cycle::tap_spindle(call, self.setup.signals, params) {
+                if let Err(alarm) = cycle::tap_spindle(call, self.setup.signals, params) {
                     self.tell(&alarm, inch);
                 }
             }
@@ -341,7 +343,7 @@ impl Checker<'_> {
         let mut bare = *thread;
         bare.run_in.value = Length::ZERO;
         bare.run_out = None;
-        if let Ok(findings) = leadscrew_core::cycle::thread_findings(&bare, call.span, &self.setup.params) {
+        if let Ok(findings) = cycle::thread_findings(&bare, call.span, &self.setup.params) {
             for alarm in findings.alarms.iter().flatten() {
                 self.tell(alarm, inch);
             }
@@ -349,7 +351,7 @@ impl Checker<'_> {
     }
 
     fn tap(&mut self, call: &TapCall, span: Span, time_us: i64, inch: bool) {
-        let report = match leadscrew_core::cycle::tap(call, self.setup.signals, span, &self.setup.params) {
+        let report = match cycle::tap_report(call, self.setup.signals, span, &self.setup.params) {
             Ok(report) => report,
             Err(alarm) => return self.tell(&alarm, inch),
         };
@@ -375,11 +377,11 @@ impl Checker<'_> {
 
     fn thread(&mut self, call: &ThreadCall, span: Span, time_us: i64, inch: bool) {
         let params = &self.setup.params;
-        let findings = match leadscrew_core::cycle::thread_findings(call, span, params) {
+        let findings = match cycle::thread_findings(call, span, params) {
             Ok(findings) => findings,
             Err(alarm) => return self.tell(&alarm, inch),
         };
-        let rpm_max = leadscrew_core::cycle::rpm_max(call, span, params);
+        let rpm_max = cycle::rpm_max(call, span, params);
         for alarm in findings.alarms.iter().flatten() {
             self.tell(alarm, inch);
         }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::call::Position;
+use leadscrew_core::moves::{Move, MoveKind};
 
 use crate::length::sweep;
 use crate::plot::{Kind, Stroke};

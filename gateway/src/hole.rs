@@ -3,10 +3,10 @@
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::Guard;
-use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_core::call::{Call, CallKind, TapMode, TapNotes};
 use leadscrew_core::cycle::Moves;
 use leadscrew_core::journal::{TapHole, TapRecord};
-use leadscrew_core::call::{Call, CallKind, TapMode, TapNotes};
+use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::units::{CentiRpm, Turns};
 
 /// The newest entry of the tap journal, as the program makes it.

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::call::Position;
+use leadscrew_core::moves::{Move, MoveKind};
 
 /// The length of a move that begins at `from`, in nanometres.
 pub fn nanometres(from: &Position, step: &Move) -> f64 {

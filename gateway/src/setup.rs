@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_can::Address;
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::call::Position;
 use leadscrew_core::cycle::Context;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Options};
-use leadscrew_core::call::Position;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 

@@ -1,8 +1,8 @@
 //! The entry of the tap journal in words and as JSON: what `status` and `retract` show of a tap in a hole.
 
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::journal::TapRecord;
 use leadscrew_core::call::{Hand, LengthUnit, TapAxis};
+use leadscrew_core::journal::TapRecord;
 use leadscrew_core::units::Length;
 
 use crate::json::Json;
@@ -104,8 +104,8 @@ pub fn fields(record: Option<&TapRecord>, json: &mut Json) {
 
 #[cfg(test)]
 mod tests {
-    use leadscrew_core::journal::TapHole;
     use leadscrew_core::call::{TapNotes, TapSpindle};
+    use leadscrew_core::journal::TapHole;
     use leadscrew_core::units::{CentiRpm, Lead, Turns};
 
     use super::*;

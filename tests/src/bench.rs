@@ -8,8 +8,8 @@ use leadscrew_board_sim::plant::{DriveOptions, PlantOptions};
 use leadscrew_board_sim::{Row, Sim};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Event, State};
-use leadscrew_core::params::Params;
 use leadscrew_core::call::{Call, Position};
+use leadscrew_core::params::Params;
 
 use crate::machine::{calls, machine};
 

@@ -7,8 +7,8 @@ use leadscrew_core::bus::{
     BoardCommand, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Object, Order, SdoBuffer,
     SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
-use leadscrew_core::link::{BATCH_BYTES, BatchWriter, encode_call};
 use leadscrew_core::call::Call;
+use leadscrew_core::link::{BATCH_BYTES, BatchWriter, encode_call};
 
 use crate::transfer::Transfer;
 

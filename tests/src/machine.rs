@@ -4,9 +4,9 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Row, Sim};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::Event;
+use leadscrew_core::call::Call;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Events, Options};
-use leadscrew_core::call::Call;
 
 /// Ticks that a run continues after the machine has no more work.
 pub const STANDING_TICKS: usize = 20;

@@ -8,10 +8,10 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::board::Event;
 use leadscrew_core::bus::{Object, Order, SdoProtocol};
+use leadscrew_core::call::{Call, Position, TapSpindle};
 use leadscrew_core::link::{Certificate, SetpointHash};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Options, Reader};
-use leadscrew_core::call::{Call, Position, TapSpindle};
 
 use crate::gateway::{Gateway, Upload};
 use crate::machine::{STANDING_TICKS, machine};

@@ -9,9 +9,9 @@ use leadscrew_core::board::{
     State, Ticker,
 };
 use leadscrew_core::bus::Frame;
+use leadscrew_core::call::Call;
 use leadscrew_core::motion::Limits;
 use leadscrew_core::params::Params;
-use leadscrew_core::call::Call;
 use leadscrew_tests::machine::calls;
 use leadscrew_tests::random::Random;
 

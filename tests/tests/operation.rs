@@ -4,8 +4,8 @@
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::board::{Command, Event, State};
-use leadscrew_core::params::Params;
 use leadscrew_core::call::Position;
+use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_tests::limits::{first_excess, first_excess_with};
 use leadscrew_tests::machine::{Ran, run};

@@ -12,8 +12,8 @@ use leadscrew_common::params;
 use leadscrew_common::values::{At, Ripple, SetSignal};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
-use leadscrew_core::params::Params;
 use leadscrew_core::call::Position;
+use leadscrew_core::params::Params;
 use leadscrew_core::units::{Angle, Axis, Length};
 
 use crate::spoil;

@@ -7,8 +7,8 @@ use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::interrupt;
 use leadscrew_common::words::Both;
 use leadscrew_core::bus::{Frame, is_sync};
-use leadscrew_core::params::Params;
 use leadscrew_core::call::TapSpindle;
+use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
 use crate::cli::{Drives, Here};

@@ -7,8 +7,8 @@ use leadscrew_common::program::Program;
 use leadscrew_common::source::SourceFile;
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::Board;
-use leadscrew_core::params::Params;
 use leadscrew_core::call::{Call, Position};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
 
 /// The source of a board's calls.

@@ -49,8 +49,8 @@ use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
     CobId, FdFrame, Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
 };
-use leadscrew_core::params::Params;
 use leadscrew_core::call::{Position, TapSpindle};
+use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Turns};
 

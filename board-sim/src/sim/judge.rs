@@ -2,9 +2,9 @@
 //!
 //! The truth comes from the plant only: nothing of it reaches the board.
 
+use leadscrew_core::call::{TapAxis, TapSpindle};
 use leadscrew_core::motion::{Helix, TapLine};
 use leadscrew_core::params::Params;
-use leadscrew_core::call::{TapAxis, TapSpindle};
 use leadscrew_core::units::{Axis, Turns};
 
 use super::{Row, Sim, TapPoint};

@@ -2,8 +2,8 @@
 //!
 //! Plain values; this module knows no board and no plant.
 
-use leadscrew_core::motion::TapLine;
 use leadscrew_core::call::{Position, TapSpindle};
+use leadscrew_core::motion::TapLine;
 use leadscrew_core::units::{Length, Turns};
 
 use crate::plant::FineTurns;

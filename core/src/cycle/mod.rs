@@ -21,10 +21,10 @@ pub use context::Context;
 pub use expand::{Moves, expand};
 pub use groove::{GrooveCount, GrooveMoves, groove_warning};
 pub use limits::{time, within_limits};
-pub use tap::{TapJoin, TapMoves, TapReport, tap, tap_return, tap_spindle};
+pub use tap::{TapJoin, TapMoves, TapReport, tap_report, tap_return, tap_spindle};
 pub use thread::{
-    FINDINGS, ThreadFindings, ThreadMoves, ThreadReport, ThreadSummary, rpm_max, thread,
-    thread_can_run, thread_findings,
+    FINDINGS, ThreadFindings, ThreadMoves, ThreadReport, ThreadSummary, rpm_max, thread_can_run,
+    thread_findings, thread_report,
 };
 
 pub(crate) use groove::GrooveWords;

@@ -7,8 +7,8 @@ use std::vec::Vec;
 use super::*;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{CutIn, FeedRate, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
-use crate::moves::{Move, MoveKind};
 use crate::feasible::{each_within_limits, time_of_each};
+use crate::moves::{Move, MoveKind};
 use crate::params::{Entry, Params, Part};
 use crate::units::{Angle, Axis, Diameter, Feed, Lead, Length, Millis, Remainder, Rpm};
 
@@ -105,7 +105,7 @@ fn g78_example_is_refused_for_both_and_runs_when_mended() {
         [Arg::Length(nm(300 * MM)), Arg::Length(nm(70 * MM))]
     );
 
-    let report = thread(&g78(3 * MM, 10), Span::default(), &params).unwrap();
+    let report = thread_report(&g78(3 * MM, 10), Span::default(), &params).unwrap();
     assert_eq!(report.warnings, [None; FINDINGS]);
     assert_eq!(report.passes, 4);
     assert_eq!(report.z_shift_max, Length::ZERO);
@@ -116,7 +116,7 @@ fn g78_example_is_refused_for_both_and_runs_when_mended() {
 #[test]
 fn o0013_runs_at_300() {
     let params = Params::default();
-    let report = thread(&o0013(300), Span::default(), &params).unwrap();
+    let report = thread_report(&o0013(300), Span::default(), &params).unwrap();
     assert_eq!(report.passes, 6);
     assert_eq!(report.z_shift_max, nm(2_124_649));
     // 34.5 mm/s with 60 m/s³: H = v·√(v/j) = 0.8273 mm.
@@ -137,9 +137,9 @@ fn the_largest_speed_is_the_largest() {
         assert!(most.get() > 0);
         let mut call = call;
         call.rpm = most;
-        assert!(thread(&call, Span::default(), &params).is_ok());
+        assert!(thread_report(&call, Span::default(), &params).is_ok());
         call.rpm = Rpm::new(most.get() + 1);
-        assert!(thread(&call, Span::default(), &params).is_err());
+        assert!(thread_report(&call, Span::default(), &params).is_err());
     }
     // Lead 6 at 8 m/min is 1333 rpm. A long stroke without a run-out has no other limit.
     let mut call = o0013(300);
@@ -157,7 +157,7 @@ fn a_thread_at_another_speed_is_refused_as_if_that_were_written() {
         thread_can_run(&call, Rpm::new(rpm), Span::default(), &params).unwrap_err()
     };
     for rpm in [0, 3001, -3001, 1400, -1400] {
-        let written = thread(&o0013(rpm), Span::default(), &params).unwrap_err();
+        let written = thread_report(&o0013(rpm), Span::default(), &params).unwrap_err();
         assert_eq!(alarm(o0013(300), rpm), written, "{rpm}");
     }
 }
@@ -165,7 +165,11 @@ fn a_thread_at_another_speed_is_refused_as_if_that_were_written() {
 #[test]
 fn every_refusal() {
     let params = Params::default();
-    let code = |call: ThreadCall| thread(&call, Span::default(), &params).unwrap_err().code;
+    let code = |call: ThreadCall| {
+        thread_report(&call, Span::default(), &params)
+            .unwrap_err()
+            .code
+    };
     assert_eq!(code(o0013(0)), Code::SpindleStopped);
     assert_eq!(code(o0013(3001)), Code::SpeedAboveSpindle);
     assert_eq!(code(o0013(-1400)), Code::LeadTooFast);
@@ -188,7 +192,7 @@ fn every_refusal() {
     let mut just = o0013(1000);
     just.lead = at(Lead::new(8 * MM, 1).unwrap());
     just.end_z = at(nm(-400 * MM));
-    assert!(thread(&just, Span::default(), &params).is_ok());
+    assert!(thread_report(&just, Span::default(), &params).is_ok());
     just.lead = at(Lead::new(8 * MM + 1, 1).unwrap());
     assert_eq!(code(just), Code::LeadTooFast);
     let mut slow_x = params.clone();
@@ -199,9 +203,9 @@ fn every_refusal() {
     taper.taper = at(nm(-7 * MM));
     taper.end_z = at(nm(-60 * MM));
     taper.rpm = Rpm::new(800);
-    assert!(thread(&taper, Span::default(), &slow_x).is_ok());
+    assert!(thread_report(&taper, Span::default(), &slow_x).is_ok());
     taper.rpm = Rpm::new(840);
-    let alarm = thread(&taper, Span::default(), &slow_x).unwrap_err();
+    let alarm = thread_report(&taper, Span::default(), &slow_x).unwrap_err();
     assert_eq!(
         (alarm.code, alarm.args[0]),
         (Code::LeadTooFast, Arg::Letter(b'X'))
@@ -209,7 +213,7 @@ fn every_refusal() {
     // Two starts halve the pitch.
     let mut double = g78(71 * MM, 1);
     double.starts = at(2);
-    assert!(thread(&double, Span::default(), &params).is_ok());
+    assert!(thread_report(&double, Span::default(), &params).is_ok());
 }
 
 #[test]
@@ -224,7 +228,8 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
         params
     };
     let told = |call: &ThreadCall, params: &Params| {
-        thread(call, Span::default(), params).map_err(|alarm| (alarm.code, alarm.word, alarm.args))
+        thread_report(call, Span::default(), params)
+            .map_err(|alarm| (alarm.code, alarm.word, alarm.args))
     };
     // 1024 counts: 0.81 m/s² for each millimetre of lead, and Z has 3.
     let coarse = with(1024, 0);
@@ -257,7 +262,11 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
 fn every_warning() {
     let mut params = Params::default();
     let warned = |call: ThreadCall, params: &Params| {
-        codes(thread(&call, Span::default(), params).unwrap().warnings)
+        codes(
+            thread_report(&call, Span::default(), params)
+                .unwrap()
+                .warnings,
+        )
     };
     let mut bare = o0013(300);
     bare.run_out = None;
@@ -269,7 +278,7 @@ fn every_warning() {
         short_rest: Remainder::ZERO,
         long_rest: Remainder::ZERO,
     });
-    let report = thread(&tight, Span::default(), &params).unwrap();
+    let report = thread_report(&tight, Span::default(), &params).unwrap();
     let lags = report
         .warnings
         .into_iter()

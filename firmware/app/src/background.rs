@@ -8,10 +8,10 @@ use leadscrew_core::board::{
     StoreError, StoreRequest, TickPort, Ticker,
 };
 use leadscrew_core::bus::{Controller, Frame, Periods};
+use leadscrew_core::call::Call;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::{Epoch, Setpoint};
 use leadscrew_core::params::Params;
-use leadscrew_core::call::Call;
 use leadscrew_core::signals::Signals;
 
 use crate::queues::PowerUp;

@@ -8,9 +8,9 @@ use leadscrew_core::board::{
     self, Contacts, Detours, Event, Events, Notice, Segments, Snapshot, Ticker,
 };
 use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::call::Position;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Setpoint;
-use leadscrew_core::call::Position;
 
 use crate::background::{BackgroundSide, Ends as BackgroundEnds};
 use crate::failure::Failure;

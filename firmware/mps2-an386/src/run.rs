@@ -3,9 +3,9 @@
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::board;
+use leadscrew_core::call::{Call, TapSpindle};
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::Params;
-use leadscrew_core::call::{Call, TapSpindle};
 use leadscrew_core::program::{Event, Events, Options};
 
 /// Ticks after which a run counts as hanging.

@@ -1,8 +1,8 @@
 //! `expand`: the move list, streamed.
 
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::cycle;
 use leadscrew_core::call::{Call, Position};
+use leadscrew_core::cycle;
 use leadscrew_core::program::Event;
 
 use crate::cli::{Expand, Format};

@@ -1,8 +1,8 @@
 //! `retract`: brings a tap out of its hole in phase, as G30 P99 does; or shows how, or drops the entry.
 
 use leadscrew_can::Address;
-use leadscrew_core::journal::TapRecord;
 use leadscrew_core::call::LengthUnit;
+use leadscrew_core::journal::TapRecord;
 use leadscrew_store::{Region, Store};
 
 use super::{board, expand, run};

@@ -6,9 +6,9 @@ use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
 use leadscrew_core::bus::{BoardState, FdFrame, Frame, NodeId};
+use leadscrew_core::call::Position;
 use leadscrew_core::link::{Status, VERSION};
 use leadscrew_core::params::Params;
-use leadscrew_core::call::Position;
 use leadscrew_core::units::{Rpm, TurnRate, Turns};
 
 use super::{Inside, Link};

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use leadscrew_core::board::device::objects::{BATCH, CREDIT};
 use leadscrew_core::bus::Abort;
-use leadscrew_core::link::{BATCH_BYTES, BatchWriter, CallBytes, encode_call};
 use leadscrew_core::call::Call;
+use leadscrew_core::link::{BATCH_BYTES, BatchWriter, CallBytes, encode_call};
 
 use super::{Link, LinkResult};
 

@@ -6,8 +6,8 @@ mod jsonl;
 mod text;
 
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage};
 use leadscrew_core::call::{Aux, FeedRate, Position, SpindleMode};
+use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage};
 use leadscrew_core::units::Rpm;
 
 use crate::cli::Format;
@@ -201,8 +201,8 @@ pub fn push(format: Format, lang: Lang, out: &mut Vec<u8>, n: u64, step: &Move, 
 #[cfg(test)]
 mod tests {
     use leadscrew_core::alarm::Span;
-    use leadscrew_core::moves::{Tag, ThreadMove};
     use leadscrew_core::call::SpindleCall;
+    use leadscrew_core::moves::{Tag, ThreadMove};
     use leadscrew_core::units::{Angle, Feed, FeedPerTurn, Lead, Length, StartAngle};
 
     use super::*;

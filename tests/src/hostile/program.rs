@@ -2,10 +2,9 @@
 
 use leadscrew_common::line_ends::LineEnds;
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::cycle::{Context, Moves, expand};
-use leadscrew_core::feasible;
-use leadscrew_core::params::Params;
 use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::cycle::{self, Context, Moves, expand};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Event, Events, Options, Reader};
 use leadscrew_core::signals::Signals;
 
@@ -119,8 +118,10 @@ fn look_at(calls: impl Iterator<Item = Call>, text: &[u8], params: &Params, from
     let mut left = MOVES;
     for call in calls {
         let judged = match &call.kind {
-            CallKind::Thread(thread) => leadscrew_core::cycle::thread(thread, call.span, params).err(),
-            CallKind::Tap(tap) => leadscrew_core::cycle::tap(tap, Signals::default(), call.span, params).err(),
+            CallKind::Thread(thread) => cycle::thread_report(thread, call.span, params).err(),
+            CallKind::Tap(tap) => {
+                cycle::tap_report(tap, Signals::default(), call.span, params).err()
+            }
             _ => None,
         };
         let moves = match expand(&call, &Context::standing(at)) {

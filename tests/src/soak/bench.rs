@@ -15,8 +15,8 @@ use leadscrew_core::bus::{
     Abort, BoardCommand, BoardState, BoardStatus, Frame, NmtCommand, NmtState, NodeId, Object,
     Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
-use leadscrew_core::params::Params;
 use leadscrew_core::call::Position;
+use leadscrew_core::params::Params;
 
 use super::alarms::Latch;
 use super::operator::{Mood, Operator};

@@ -2,9 +2,9 @@
 
 use core::fmt::Write as _;
 
-use leadscrew_core::feasible;
-use leadscrew_core::params::Params;
 use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::cycle;
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Events, Options};
 use leadscrew_core::signals::Signals;
 
@@ -128,8 +128,8 @@ pub fn read(text: &str, params: &Params, from: Position) -> Vec<Call> {
 fn fitting(text: &str, params: &Params, from: Position) -> Option<Vec<Call>> {
     let calls = read(text, params, from);
     let possible = calls.iter().all(|call| match &call.kind {
-        CallKind::Thread(thread) => leadscrew_core::cycle::thread(thread, call.span, params).is_ok(),
-        CallKind::Tap(tap) => leadscrew_core::cycle::tap(tap, Signals::default(), call.span, params).is_ok(),
+        CallKind::Thread(thread) => cycle::thread_report(thread, call.span, params).is_ok(),
+        CallKind::Tap(tap) => cycle::tap_report(tap, Signals::default(), call.span, params).is_ok(),
         _ => true,
     });
     possible.then_some(calls)

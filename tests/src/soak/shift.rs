@@ -5,9 +5,9 @@ use leadscrew_board_sim::plant::{DriveOptions, Flash, PlantOptions, Ripple};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::State;
 use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError};
+use leadscrew_core::call::{Call, Position, TapAxis};
 use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
-use leadscrew_core::call::{Call, Position, TapAxis};
 use leadscrew_core::units::{Length, Turns};
 
 use super::bench::{Bench, Counts, End, Wire};

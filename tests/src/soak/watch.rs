@@ -2,8 +2,8 @@
 
 use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::board::State;
-use leadscrew_core::params::Params;
 use leadscrew_core::call::Position;
+use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Length};
 
 use super::programs::Groove;

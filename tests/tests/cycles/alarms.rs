@@ -2,7 +2,7 @@
 
 use leadscrew_core::alarm::{Alarm, Arg};
 use leadscrew_core::cycle::*;
-use leadscrew_core::program::*;
+use leadscrew_core::call::*;
 use leadscrew_core::units::*;
 
 use crate::build::*;

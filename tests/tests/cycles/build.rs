@@ -1,7 +1,7 @@
 //! Calls for tests, in the units people write: millimetres, X as a diameter.
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::program::*;
+use leadscrew_core::call::*;
 use leadscrew_core::units::*;
 
 /// Millimetres with at most six decimals to nanometres, exactly.

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use leadscrew_core::alarm::Alarm;
+use leadscrew_core::cycle;
 use leadscrew_core::cycle::*;
-use leadscrew_core::feasible;
+use leadscrew_core::moves::*;
 use leadscrew_core::params::{Entry, Params, Part};
-use leadscrew_core::program::*;
+use leadscrew_core::call::*;
 use leadscrew_core::units::*;
 
 use leadscrew_tests::random::Random;
@@ -41,10 +42,10 @@ fn walk(groove: GrooveMoves, from: Position, params: &Params) -> Walked {
     for step in groove {
         *walked.ways.entry(way(&at, &step)).or_default() += 1;
         let one = Moves::One(Some(step));
-        walked.time += leadscrew_core::cycle::time(&one, at, params).unwrap();
+        walked.time += cycle::time(&one, at, params).unwrap();
         walked.limits = walked
             .limits
-            .and_then(|()| leadscrew_core::cycle::within_limits(&one, at, params));
+            .and_then(|()| cycle::within_limits(&one, at, params));
         at = step.to;
     }
     walked
@@ -95,9 +96,9 @@ fn a_groove_counted_is_the_groove_walked() {
         let walked = walk(groove, call.start, &params);
         assert_eq!(counted(&groove).0, walked.ways, "{call:?}");
         let moves = Moves::Groove(groove);
-        let time = leadscrew_core::cycle::time(&moves, call.start, &params).unwrap();
+        let time = cycle::time(&moves, call.start, &params).unwrap();
         assert_eq!(time, walked.time, "{call:?}");
-        let limits = leadscrew_core::cycle::within_limits(&moves, call.start, &params);
+        let limits = cycle::within_limits(&moves, call.start, &params);
         assert_eq!(limits, walked.limits, "{call:?}");
         match limits {
             Ok(()) => inside += 1,

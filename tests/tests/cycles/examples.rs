@@ -1,7 +1,8 @@
 //! The sheets' complete examples and the worked cases, figure by figure.
 
 use leadscrew_core::cycle::*;
-use leadscrew_core::program::*;
+use leadscrew_core::moves::*;
+use leadscrew_core::call::*;
 use leadscrew_core::units::*;
 
 use crate::build::*;

@@ -3,7 +3,8 @@
 
 use leadscrew_core::alarm::{Alarm, Arg};
 use leadscrew_core::cycle::*;
-use leadscrew_core::program::*;
+use leadscrew_core::moves::*;
+use leadscrew_core::call::*;
 use leadscrew_core::units::*;
 
 use leadscrew_tests::random::Random;

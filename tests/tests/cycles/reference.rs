@@ -2,7 +2,7 @@
 //! depths by long integer roots. Shares no arithmetic with the core.
 
 use leadscrew_core::moves::Stage;
-use leadscrew_core::program::*;
+use leadscrew_core::call::*;
 
 /// One move as the text has it: X and Z as displacements from D's X and A's Z in nanometres, not rounded.
 #[derive(Clone, Copy, Debug)]

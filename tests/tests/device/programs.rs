@@ -8,13 +8,13 @@ use leadscrew_core::board::device::{DROP, PROGRAM_BYTES};
 use leadscrew_core::bus::{
     Abort, BoardState, NodeId, Object, Order, SdoDownload, SdoError, SdoProtocol,
 };
+use leadscrew_core::call::{Call, CallKind, TapSpindle};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::{
     Certificate, EventReader, SetpointHash, Status, VERSION, Version, encode_call,
 };
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Options};
-use leadscrew_core::call::{Call, CallKind, TapSpindle};
 use leadscrew_tests::gateway::{BATCH, Gateway, NODE, Upload};
 use leadscrew_tests::machine::{Ran, STANDING_TICKS, calls, machine, run_calls};
 

@@ -6,6 +6,7 @@ use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::bus::{NmtState, NodeId, Object, Order, SdoProtocol};
+use leadscrew_core::call::{Call, CallKind};
 use leadscrew_core::cycle::ThreadMoves;
 use leadscrew_core::link::ThreadKind::{self, FloatingTap, RigidTap, Thread};
 use leadscrew_core::link::ThreadState::{self, CutShort, Finished, UnderWay};
@@ -13,7 +14,6 @@ use leadscrew_core::link::{
     Certificate, ImageWriter, ThreadCertificate, ThreadReader, ThreadRecord,
 };
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::call::{Call, CallKind};
 use leadscrew_core::units::Length;
 use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::{STANDING_TICKS, calls, machine};

@@ -1,8 +1,8 @@
 //! Random holes: any speed, lead, depth and form, any ripple and encoder.
 
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
-use leadscrew_core::feasible;
 use leadscrew_core::call::CallKind;
+use leadscrew_core::cycle;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Turns;
 use leadscrew_tests::machine::{calls, run};
@@ -64,7 +64,7 @@ fn random_holes() {
                 .iter()
                 .all(|call| match &call.kind {
                     CallKind::Tap(tap) => {
-                        leadscrew_core::cycle::tap(tap, Signals::default(), call.span, &params).is_ok()
+                        cycle::tap_report(tap, Signals::default(), call.span, &params).is_ok()
                     }
                     _ => true,
                 });

@@ -5,9 +5,9 @@
 use core::f64::consts::TAU;
 
 use leadscrew_board_sim::plant::{DriveOptions, PlantOptions, Ripple};
-use leadscrew_core::feasible;
-use leadscrew_core::params::Params;
 use leadscrew_core::call::CallKind;
+use leadscrew_core::cycle;
+use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 use leadscrew_tests::machine::{calls, run};
 use leadscrew_tests::params::with;
@@ -25,7 +25,7 @@ const NOISE: f64 = 0.4;
 
 fn is_feasible(text: &str, params: &Params) -> bool {
     calls(text, params).iter().all(|call| match &call.kind {
-        CallKind::Tap(tap) => leadscrew_core::cycle::tap(tap, Signals::default(), call.span, params).is_ok(),
+        CallKind::Tap(tap) => cycle::tap_report(tap, Signals::default(), call.span, params).is_ok(),
         _ => true,
     })
 }

@@ -1,8 +1,8 @@
 //! Power that goes at every byte of a write: what was stored before, or what is being stored.
 
 use leadscrew_board_sim::plant::{Flash, Tear};
-use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::call::{Hand, TapAxis, TapNotes, TapSpindle};
+use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Region, Store, StoreError};
 use leadscrew_tests::random::Random;

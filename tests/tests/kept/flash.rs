@@ -2,10 +2,10 @@
 
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::{Found, PowerUp, Region, StoreError};
+use leadscrew_core::call::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::call::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Store};
 use leadscrew_tests::params::with;

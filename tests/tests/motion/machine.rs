@@ -1,9 +1,9 @@
 //! A random machine, and the watch over its limits.
 
 use crate::random::Random;
+use leadscrew_core::call::Position;
 use leadscrew_core::motion::Pace;
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::call::Position;
 use leadscrew_core::units::Axis;
 
 const MM: f64 = 1e6;

@@ -4,10 +4,10 @@ use crate::machine::{self, Watch};
 use crate::operator::Operator;
 use crate::random::Random;
 use leadscrew_core::alarm::Span;
-use leadscrew_core::moves::{Move, MoveKind};
-use leadscrew_core::motion::{Limits, Pace, Run, plan};
-use leadscrew_core::params::Params;
 use leadscrew_core::call::{FeedRate, Position};
+use leadscrew_core::motion::{Limits, Pace, Run, plan};
+use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_core::params::Params;
 use leadscrew_core::units::{Angle, Feed, FeedPerTurn, Length, Rpm};
 use std::f64::consts::TAU;
 

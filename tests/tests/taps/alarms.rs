@@ -1,7 +1,7 @@
 //! The trade's alarms of tapping, from text: each before anything moves.
 
-use leadscrew_core::cycle::{Context, expand};
 use leadscrew_core::call::{CallKind, Position};
+use leadscrew_core::cycle::{Context, expand};
 use leadscrew_core::program::{Event, Events, Options};
 
 use leadscrew_tests::params::with;

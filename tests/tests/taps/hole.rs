@@ -3,7 +3,10 @@
 use std::num::NonZeroU8;
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::call::{Call, CallKind, HandChoice, Position, SpindleCall, SpindleChoice, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat};
+use leadscrew_core::call::{
+    Call, CallKind, HandChoice, Position, SpindleCall, SpindleChoice, TapAxis, TapCall, TapCycle,
+    TapForm, TapMode, TapNotes, TapPeck, TapRepeat,
+};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Millis, Rpm};
 
 pub fn nm(nm: i64) -> Length {

@@ -1,8 +1,8 @@
 //! Ramps of axis and spindle: 5261, 5271, the axis' own, and holes too shallow for S.
 
 use leadscrew_core::alarm::{Arg, At, Code, Span};
-use leadscrew_core::feasible;
 use leadscrew_core::call::{SpindleChoice, TapCall, TapSpindle};
+use leadscrew_core::cycle;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{CentiRpm, Lead, Rpm};
 use leadscrew_tests::machine::Ran;
@@ -55,7 +55,7 @@ fn the_retract_has_a_ramp_of_its_own() {
 fn s_is_reached_where_the_depth_allows_and_never_exceeded() {
     let params = with(&[]);
     let report =
-        leadscrew_core::cycle::tap(&sheet(), Signals::default(), Span::default(), &params).expect("a hole");
+        cycle::tap_report(&sheet(), Signals::default(), Span::default(), &params).expect("a hole");
     assert_eq!((report.infeeds, report.warning), (1, None));
     let ran = tap(&sheet(), &params);
     assert!(
@@ -70,7 +70,7 @@ fn a_shallow_hole_is_triangular_and_says_so() {
     let params = with(&[]);
     let hole = bottom(sheet(), -8_000);
     let report =
-        leadscrew_core::cycle::tap(&hole, Signals::default(), Span::default(), &params).expect("a hole");
+        cycle::tap_report(&hole, Signals::default(), Span::default(), &params).expect("a hole");
     let warning = report.warning.expect("a warning");
     assert_eq!(warning.code, Code::TapSpeedNotReached);
     let ran = tap(&hole, &params);
@@ -98,7 +98,7 @@ fn a_ramp_too_long_for_the_profile_makes_the_tap_slower() {
         ..bottom(sheet(), -200_000)
     };
     let report =
-        leadscrew_core::cycle::tap(&hole, Signals::default(), Span::default(), &params).expect("a hole");
+        cycle::tap_report(&hole, Signals::default(), Span::default(), &params).expect("a hole");
     assert_eq!(
         report.warning.map(|w| w.code),
         Some(Code::TapSpeedNotReached)

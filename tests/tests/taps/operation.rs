@@ -3,8 +3,8 @@
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::board::{Command, Event, State};
-use leadscrew_core::params::Params;
 use leadscrew_core::call::{Position, TapCall, TapRepeat};
+use leadscrew_core::params::Params;
 use leadscrew_core::units::Millis;
 use leadscrew_tests::machine::{Ran, run_calls};
 use leadscrew_tests::params::with;

@@ -1,7 +1,9 @@
 //! Rigid holes at random, through the whole machine: limits of axis and spindle, the bottom exact,
 //! nothing beyond it, axis and spindle on one line in every tick.
 
-use leadscrew_core::call::{Hand, HandChoice, SpindleChoice, TapAxis, TapCall, TapCycle, TapSpindle};
+use leadscrew_core::call::{
+    Hand, HandChoice, SpindleChoice, TapAxis, TapCall, TapCycle, TapSpindle,
+};
 use leadscrew_core::units::{CentiRpm, Lead, Millis};
 use leadscrew_tests::params::with;
 use leadscrew_tests::random::Random;

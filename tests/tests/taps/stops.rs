@@ -3,8 +3,8 @@
 use leadscrew_board_sim::Doing;
 use leadscrew_board_sim::plant::{PlantOptions, Trouble};
 use leadscrew_core::board::{Command, Event, State};
-use leadscrew_core::params::Params;
 use leadscrew_core::call::TapCall;
+use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Millis};
 use leadscrew_tests::machine::{Ran, machine, run_calls};
 use leadscrew_tests::params::with;

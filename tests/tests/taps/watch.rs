@@ -2,8 +2,8 @@
 
 use leadscrew_board_sim::plant::{FineTurns, PlantOptions};
 use leadscrew_board_sim::{Row, SpindleAngle};
-use leadscrew_core::params::Params;
 use leadscrew_core::call::{Call, Hand, TapCall, TapSpindle};
+use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Turns;
 use leadscrew_tests::limits::first_excess;

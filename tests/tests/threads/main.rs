@@ -6,10 +6,10 @@ mod spindle;
 mod watch;
 
 use leadscrew_core::alarm::Span;
-use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
-use leadscrew_core::motion::{Phase, ThreadPlan, ThreadRun};
-use leadscrew_core::params::Params;
 use leadscrew_core::call::Position;
+use leadscrew_core::motion::{Phase, ThreadPlan, ThreadRun};
+use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
+use leadscrew_core::params::Params;
 use leadscrew_core::spindle::Observer;
 use leadscrew_core::units::{Angle, Axis, Lead, Length, Rpm, StartAngle, Ticks};
 use spindle::{Spindle, TICK_S};

@@ -1,10 +1,10 @@
 //! Random passes: limits of both axes, exact ends, and a spindle that does what it likes.
 
 use leadscrew_core::alarm::Code;
-use leadscrew_core::moves::{Move, Stage};
-use leadscrew_core::motion::{Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};
-use leadscrew_core::params::{Entry, Params, Part};
 use leadscrew_core::call::Position;
+use leadscrew_core::motion::{Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};
+use leadscrew_core::moves::{Move, Stage};
+use leadscrew_core::params::{Entry, Params, Part};
 use leadscrew_core::units::{Axis, Lead, Length, Rpm, StartAngle, TurnRate, Turns};
 
 use crate::watch::Watch;

@@ -2,8 +2,8 @@
 
 use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::board::Command;
-use leadscrew_core::params::Params;
 use leadscrew_core::call::Position;
+use leadscrew_core::params::Params;
 use leadscrew_tests::bench::{Bench, Lathe, WORK};
 use leadscrew_tests::limits::first_excess;
 use leadscrew_tests::machine::calls;

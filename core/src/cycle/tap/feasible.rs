@@ -54,7 +54,7 @@ impl TapReport {
 ///   [`Code::TapDrivesApart`].
 /// - Lead times speed exceeds the axis' feed, in or out: [`Code::LeadTooFast`].
 /// - The errors of [`stroke`], or for ordinary tapping of [`FloatPlan::new`](crate::motion::FloatPlan::new).
-pub fn tap(
+pub fn tap_report(
     call: &TapCall,
     signals: Signals,
     span: Span,
@@ -73,10 +73,10 @@ pub fn tap(
     Ok(report)
 }
 
-/// The first part of [`tap`]: all checks that need no planned stroke. Returns the spindle that turns the tap.
+/// The first part of [`tap_report`]: all checks that need no planned stroke. Returns the spindle that turns the tap.
 ///
 /// # Errors
-/// As [`tap`], without the errors of planning.
+/// As [`tap_report`], without the errors of planning.
 #[inline(never)]
 pub(crate) fn tap_can_begin(
     call: &TapCall,
@@ -104,7 +104,7 @@ pub(crate) fn tap_can_begin(
     Ok(spindle)
 }
 
-/// The second part of [`tap`], with the plan of an ordinary tap. It plans every stroke of a hole, so that no stroke can
+/// The second part of [`tap_report`], with the plan of an ordinary tap. It plans every stroke of a hole, so that no stroke can
 /// be refused later.
 ///
 /// # Errors
@@ -322,11 +322,11 @@ mod tests {
     }
 
     fn report(call: &TapCall) -> TapReport {
-        tap(call, Signals::default(), HERE, &machine(&[])).unwrap()
+        tap_report(call, Signals::default(), HERE, &machine(&[])).unwrap()
     }
 
     fn refused(call: &TapCall, params: &Params) -> Alarm {
-        let alarm = tap(call, Signals::default(), HERE, params).unwrap_err();
+        let alarm = tap_report(call, Signals::default(), HERE, params).unwrap_err();
         assert_eq!(alarm.span, HERE);
         alarm
     }
@@ -389,7 +389,7 @@ mod tests {
             );
             assert_eq!(alarm.args[3], Arg::Rpm(Rpm::new(4001)));
         }
-        assert!(tap(&fast(1000, 4000), Signals::default(), HERE, &params).is_ok());
+        assert!(tap_report(&fast(1000, 4000), Signals::default(), HERE, &params).is_ok());
         let side = TapCall {
             axis: TapAxis::X,
             ..fast(4001, 1000)
@@ -406,9 +406,9 @@ mod tests {
         let alarm = refused(&third, &machine(&[("9014", 2)]));
         assert_eq!(alarm.code, Code::TapSpindleNotAvailable);
         assert_eq!(alarm.args[..2], [Arg::Int(3), Arg::Int(2)]);
-        assert!(tap(&third, Signals::default(), HERE, &machine(&[("9014", 3)])).is_ok());
+        assert!(tap_report(&third, Signals::default(), HERE, &machine(&[("9014", 3)])).is_ok());
         let late = machine(&[("9003.Z", 700)]);
-        assert!(tap(&hole(), Signals::default(), HERE, &late).is_ok());
+        assert!(tap_report(&hole(), Signals::default(), HERE, &late).is_ok());
         let side = TapCall {
             axis: TapAxis::X,
             ..hole()

@@ -14,7 +14,7 @@ mod speed;
 mod way_out;
 mod words;
 
-pub use feasible::{TapReport, tap, tap_return, tap_spindle};
+pub use feasible::{TapReport, tap_report, tap_return, tap_spindle};
 pub(crate) use feasible::{tap_can_begin, tap_strokes};
 pub use join::TapJoin;
 pub(crate) use mode::{TapPart, Tapping, rigid_code};

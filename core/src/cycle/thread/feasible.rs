@@ -59,7 +59,11 @@ pub struct ThreadFindings {
 /// - The encoder is too coarse for lead or speed: [`Code::LeadForEncoder`], [`Code::SpeedForEncoder`].
 /// - The run-out exceeds the short axis' feed: [`Code::RunOutTooFast`].
 /// - There is no room for joining, run-in or braking: [`Code::StrokeTooShortForSpeed`], [`Code::RunInTooFast`].
-pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadReport, Alarm> {
+pub fn thread_report(
+    call: &ThreadCall,
+    span: Span,
+    params: &Params,
+) -> Result<ThreadReport, Alarm> {
     let findings = thread_findings(call, span, params)?;
     match (
         findings.alarms.into_iter().flatten().next(),
@@ -75,7 +79,7 @@ pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadRe
 /// board can use it.
 ///
 /// # Errors
-/// As [`thread`].
+/// As [`thread_report`].
 pub fn thread_can_run(
     call: &ThreadCall,
     rpm: Rpm,
@@ -133,7 +137,7 @@ fn examine(
     Ok(summary)
 }
 
-/// Like [`thread`], but goes on after the first error.
+/// Like [`thread_report`], but goes on after the first error.
 ///
 /// # Errors
 /// The geometry forbids the cycle: without moves there is nothing to check.

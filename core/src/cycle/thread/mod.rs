@@ -16,7 +16,7 @@ mod taper;
 mod words;
 
 pub use feasible::{
-    FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_can_run, thread_findings,
+    FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread_can_run, thread_findings, thread_report,
 };
 pub use moves::{ThreadMoves, ThreadSummary};
 pub(crate) use words::ThreadWords;

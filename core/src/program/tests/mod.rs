@@ -18,8 +18,8 @@ mod rigid;
 mod taps;
 
 use super::*;
-use crate::call::*;
 use crate::alarm::{Alarm, Span};
+use crate::call::*;
 use crate::params::Params;
 use crate::units::{CentiRpm, Length, Remainder, Rpm};
 use parameters::machine;

@@ -12,12 +12,12 @@ use leadscrew_core::board::{self, Event, State};
 use leadscrew_core::bus::{
     BoardCommand, BoardState, CobId, Controller, Frame, NmtCommand, NodeId, Order, Service,
 };
+use leadscrew_core::call::Call;
 use leadscrew_core::link::{
     SetpointHash, ThreadCertificate, ThreadKind, ThreadReader, ThreadRecord, ThreadState,
 };
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Options};
-use leadscrew_core::call::Call;
 
 use crate::bench::Bench;
 

@@ -6,9 +6,9 @@ use leadscrew_app::Inputs;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Event, State};
 use leadscrew_core::bus::Order;
+use leadscrew_core::call::Call;
 use leadscrew_core::link::{ThreadKind, ThreadState};
 use leadscrew_core::params::Params;
-use leadscrew_core::call::Call;
 
 use crate::board::{Apart, calls};
 

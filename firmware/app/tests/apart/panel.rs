@@ -10,8 +10,8 @@ use leadscrew_app::Inputs;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Event, State, Switching};
 use leadscrew_core::bus::{BusState, Controller, Order};
-use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::call::{Call, Position};
+use leadscrew_core::params::{Entry, Params};
 use leadscrew_parts::{Clamp, Contacts, Switches};
 
 use crate::board::{Apart, alarm, calls};

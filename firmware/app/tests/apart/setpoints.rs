@@ -4,10 +4,9 @@ use std::collections::VecDeque;
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Sim};
+use leadscrew_core::call::Call;
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::{self};
-use leadscrew_core::call::Call;
 
 use crate::board::{Apart, calls};
 

@@ -3,9 +3,9 @@
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::board::{self, Board, Command, Output};
 use leadscrew_core::bus::{Frame, SyncProducer};
+use leadscrew_core::call::Call;
 use leadscrew_core::motion::Motion;
 use leadscrew_core::params::{Entry, Params, Part};
-use leadscrew_core::call::Call;
 use leadscrew_core::program::{Event, Events, Options};
 use leadscrew_core::spindle::EncoderSample;
 

@@ -1,7 +1,9 @@
 //! The calls of the programs that are counted.
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::call::{CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
+use leadscrew_core::call::{
+    CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, ThreadCall, ThreadCycle,
+};
 use leadscrew_core::units::{Angle, Feed, Lead, Length, Remainder, Rpm};
 
 fn at<T>(value: T) -> At<T> {

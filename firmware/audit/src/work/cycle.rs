@@ -1,9 +1,9 @@
 //! From a call to its moves; a step is a move.
 
 use leadscrew_core::alarm::{Alarm, Span};
+use leadscrew_core::call::{GrooveCall, ThreadCall};
 use leadscrew_core::cycle::{GrooveMoves, ThreadMoves};
 use leadscrew_core::moves::Move;
-use leadscrew_core::call::{GrooveCall, ThreadCall};
 
 use super::{Work, calls};
 

@@ -1,13 +1,13 @@
 //! Time-driven moves and passes of a thread; a step is a tick.
 
 use leadscrew_core::alarm::{Alarm, Span};
-use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_core::call::{FeedRate, Position};
 use leadscrew_core::cycle::ThreadMoves;
 use leadscrew_core::motion::{
     Limits, Phase, Rate, Run, Step, ThreadPlan, ThreadPoint, ThreadRun, Timed, plan,
 };
+use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::params::Params;
-use leadscrew_core::call::{FeedRate, Position};
 use leadscrew_core::units::{Angle, Feed, Length};
 
 use super::{Work, calls, spindle, until};

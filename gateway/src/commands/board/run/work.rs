@@ -7,8 +7,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use indicatif::ProgressBar;
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
-use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
 use leadscrew_core::call::Position;
+use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
 
 use super::super::state_words;
 use crate::cli::Global;
