@@ -5,18 +5,19 @@
 //!
 //! ```text
 //! program text ─► blocks ─► calls ─►│ moves ─► segments ─► setpoints ─► CAN frames ─► drives
-//!     program/     program/  program/│  cycle/   motion/     motion/       bus/
+//!      text/       program/   call/   │  cycle/   motion/     motion/       bus/
 //!               the side with the text │ the board
 //! ```
 //!
 //! Data goes one way. Each arrow is one type, each type has one home, and each stage can be run, printed and tested
 //! alone.
 //!
-//! - [`program`] turns text into [calls](crate::call::Call): blocks with all their modal meaning resolved, in machine units,
-//!   each with the place it came from. Its memory is bounded by a line, not by the program.
-//! - [`feasible`] asks whether a call can be done: speeds, lead-in, run-out, travel. Arithmetic without state.
-//! - [`cycle`] turns a call into [moves](crate::moves::Move), lazily and in constant memory, after refusing what its geometry
-//!   forbids.
+//! - `text` turns bytes into words and blocks. It keeps what is modal for the words: units, zero points, feed.
+//! - [`program`] turns blocks into [calls](call::Call): all their modal meaning resolved, in machine units, each with the
+//!   place it came from. Its memory is bounded by a line, not by the program.
+//! - [`cycle`] is a room for each family of cycles: how its words are read, what its geometry forbids, what the machine
+//!   cannot do, and its [moves](moves::Move), made lazily and in constant memory.
+//! - `feasible` asks of any moves whether the axes can do them, and how long they take.
 //! - [`motion`] plans a move into a [segment](motion::Segment) and executes one segment after another into a
 //!   [setpoint](motion::Setpoint) a tick.
 //! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.

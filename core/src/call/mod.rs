@@ -6,6 +6,7 @@
 
 mod choice;
 mod groove;
+mod lengths;
 mod tap;
 mod tap_notes;
 mod tapper;
@@ -16,6 +17,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::Span;
 use crate::units::{Angle, Feed, FeedPerTurn, Length, Millis, Rpm};
+
+pub(crate) use lengths::Sign;
 
 pub use choice::{HandChoice, Selection, SpindleChoice};
 pub use groove::GrooveCall;

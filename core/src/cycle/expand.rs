@@ -102,7 +102,15 @@ impl Moves {
                 let hand = context.signals.hand(tap.hand);
                 *self = Self::Tap(TapMoves::of(tap, hand, spindle, span));
             }
-            _ => {
+            CallKind::Rapid(_)
+            | CallKind::Line(..)
+            | CallKind::Arc(_)
+            | CallKind::Dwell(_)
+            | CallKind::Spindle(_)
+            | CallKind::Aux(_)
+            | CallKind::TapReturn(_)
+            | CallKind::End(_)
+            | CallKind::Over => {
                 let mut next = Move {
                     span,
                     to: context.at,

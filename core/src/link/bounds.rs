@@ -2,8 +2,9 @@
 //!
 //! This module does not check geometry and physics: the board checks them for every call.
 
+use crate::alarm::At;
 use crate::call::{
-    ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, TapCall, TapForm, TapMode, TapPeck,
+    ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, Sign, TapCall, TapForm, TapMode,
     TapReturn, ThreadCall,
 };
 use crate::units::{CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
@@ -44,16 +45,6 @@ const TAP_TURNS: i64 = 1 << 20;
 /// Starts, passes and whole degrees have two digits.
 const TWO_DIGITS: u8 = 99;
 
-/// The lower limit of a length.
-#[derive(Clone, Copy)]
-enum From {
-    /// The negative limit of the range.
-    Anywhere,
-    Zero,
-    /// Above zero.
-    Above,
-}
-
 /// Checks a call.
 ///
 /// # Errors
@@ -76,28 +67,18 @@ pub fn call(call: &Call) -> Result<(), Beyond> {
 
 fn arc(call: &ArcCall) -> Result<(), Beyond> {
     position(&call.end)?;
-    lengths(From::Anywhere, &[&call.i, &call.k])?;
+    length(Sign::Any, call.i)?;
+    length(Sign::Any, call.k)?;
     feed(&call.feed)
 }
 
 fn thread(call: &ThreadCall) -> Result<(), Beyond> {
-    position(&call.start)?;
-    let ends = [&call.end_x.value, &call.end_z.value, &call.taper.value];
-    lengths(From::Anywhere, &ends)?;
-    lengths(From::Above, &[&call.height.value, &call.first_depth.value])?;
-    let zero = [
-        &call.min_step.value,
-        &call.allowance.value,
-        &call.run_in.value,
-    ];
-    lengths(From::Zero, &zero)?;
+    words(|see| call.lengths(see))?;
     if let Some(out) = &call.run_out {
-        lengths(From::Zero, &[&out.short.value, &out.long.value])?;
         rest(out.short_rest)?;
         rest(out.long_rest)?;
     }
     lead(&call.lead.value, THREAD_TURNS)?;
-    lengths(From::Above, &[&call.increment])?;
     speed(call.rpm)?;
     let counts = call.finish_passes.value <= TWO_DIGITS
         && call.angle.value <= TWO_DIGITS
@@ -106,23 +87,14 @@ fn thread(call: &ThreadCall) -> Result<(), Beyond> {
 }
 
 fn groove(call: &GrooveCall) -> Result<(), Beyond> {
-    position(&call.start)?;
-    lengths(From::Anywhere, &[&call.end_x.value, &call.end_z.value])?;
-    for length in [&call.peck, &call.step].into_iter().flatten() {
-        lengths(From::Above, &[&length.value])?;
-    }
-    lengths(From::Zero, &[&call.relief.value, &call.retract.value])?;
+    words(|see| call.lengths(see))?;
     feed(&call.feed)
 }
 
 fn tap(call: &TapCall) -> Result<(), Beyond> {
-    for place in [&call.start, &call.hole, &call.step] {
-        position(place)?;
-    }
-    lengths(From::Anywhere, &[&call.level.value, &call.bottom.value])?;
-    match &call.form {
-        TapForm::Standard => {}
-        TapForm::HighSpeed(peck) | TapForm::Deep(peck) => pecks(peck)?,
+    words(|see| call.lengths(see))?;
+    if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = &call.form {
+        require(peck.back.value <= peck.infeed.value, Beyond::Length)?;
     }
     dwell(call.dwell)?;
     lead(&call.lead.value, TAP_TURNS)?;
@@ -136,31 +108,34 @@ fn tap(call: &TapCall) -> Result<(), Beyond> {
 
 fn tap_return(call: &TapReturn) -> Result<(), Beyond> {
     turning(1, call.highest)?;
-    lengths(From::Zero, &[&call.beyond])?;
+    length(Sign::NotNegative, call.beyond)?;
     call.speed.map_or(Ok(()), |speed| turning(1, speed))
-}
-
-fn pecks(peck: &TapPeck) -> Result<(), Beyond> {
-    let (infeed, back) = (&peck.infeed.value, &peck.back.value);
-    lengths(From::Above, &[infeed])?;
-    lengths(From::Zero, &[back])?;
-    require(back <= infeed, Beyond::Length)
 }
 
 fn position(position: &Position) -> Result<(), Beyond> {
     let turned = Length::from_nm(position.c.udeg());
-    lengths(From::Anywhere, &[&position.x, &position.z, &turned])
+    length(Sign::Any, position.x)?;
+    length(Sign::Any, position.z)?;
+    length(Sign::Any, turned)
 }
 
-fn lengths(from: From, lengths: &[&Length]) -> Result<(), Beyond> {
-    let (least, beyond) = match from {
-        From::Anywhere => (Length::INPUT_LIMIT.nm().wrapping_neg(), Beyond::Position),
-        From::Zero => (0, Beyond::Length),
-        From::Above => (1, Beyond::Length),
+/// The lengths of a cycle.
+fn words(each: impl FnOnce(&mut dyn FnMut(&At<Length>, u8, Sign))) -> Result<(), Beyond> {
+    let mut first = Ok(());
+    each(&mut |at, _, sign| {
+        if first.is_ok() {
+            first = length(sign, at.value);
+        }
+    });
+    first
+}
+
+fn length(sign: Sign, length: Length) -> Result<(), Beyond> {
+    let beyond = match sign {
+        Sign::Any => Beyond::Position,
+        Sign::NotNegative | Sign::Positive => Beyond::Length,
     };
-    let allowed = least..=Length::INPUT_LIMIT.nm();
-    let all = lengths.iter().all(|length| allowed.contains(&length.nm()));
-    require(all, beyond)
+    require(sign.allows(length), beyond)
 }
 
 fn rest(rest: Remainder) -> Result<(), Beyond> {

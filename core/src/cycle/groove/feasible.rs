@@ -11,7 +11,7 @@ use crate::motion::{Limits, plan};
 use crate::params::Params;
 use crate::units::{Axis, Length};
 
-/// Gives the same result as [`within_limits`](crate::cycle::within_limits) move by move, but without making the moves of a groove. All
+/// Gives the same result as [`each_within_limits`](crate::feasible::each_within_limits), but without making the moves. All
 /// infeeds go one way, and so do all columns. So only these positions can be the first to leave the travel: the first
 /// infeed, the retract from the first infeed, the first infeed or the first column beyond a limit, the relief of the
 /// first column, and the start level.

@@ -3,7 +3,7 @@
 use super::count::GrooveCount;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::GrooveCall;
-use crate::cycle::check::{Sign, Words, blame};
+use crate::cycle::check::{blame, in_range};
 use crate::units::Length;
 
 /// The most infeeds of a groove, counted over all its columns.
@@ -15,7 +15,7 @@ const RETRACT_INFEEDS: i64 = 10;
 /// Refuses an impossible groove.
 #[inline(never)]
 pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> {
-    groove_ranges(call, span)?;
+    in_range(span, |see| call.lengths(see))?;
     if call.end_x.value == call.start.x {
         let word = &call.end_x.span;
         return Err(blame(Code::GrooveWithoutDepth, span, word, b'X'));
@@ -57,21 +57,4 @@ fn step(written: &Option<At<Length>>, letter: u8, span: Span) -> Result<(), Alar
         Some(step) => Err(Alarm::new(Code::GrooveStepMissing, step.span).word(letter)),
         None => Err(Alarm::new(Code::GrooveStepMissing, span)),
     }
-}
-
-/// Refuses a groove call with an impossible length. The groove itself checks P and Q of zero: they have an alarm number
-/// of their own.
-fn groove_ranges(call: &GrooveCall, block: Span) -> Result<(), Alarm> {
-    let mut words = Words::new(block);
-    words.place(&call.start);
-    words.length(&call.end_x, b'X', Sign::Any);
-    words.length(&call.end_z, b'Z', Sign::Any);
-    words.length(&call.relief, b'R', Sign::NotNegative);
-    words.length(&call.retract, b'R', Sign::NotNegative);
-    for (step, letter) in [(&call.peck, b'P'), (&call.step, b'Q')] {
-        if let Some(step) = step {
-            words.length(step, letter, Sign::NotNegative);
-        }
-    }
-    words.first
 }

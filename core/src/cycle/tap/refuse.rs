@@ -2,7 +2,7 @@
 
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{TapAxis, TapCall, TapForm, TapMode, TapRepeat, TapSpindle};
-use crate::cycle::check::{Sign, Words, blame};
+use crate::cycle::check::{blame, in_range};
 use crate::signals::Signals;
 use crate::units::Length;
 
@@ -16,7 +16,7 @@ pub(crate) fn refuse_tap(
     signals: Signals,
     span: Span,
 ) -> Result<TapSpindle, Alarm> {
-    tap_ranges(call, span)?;
+    in_range(span, |see| call.lengths(see))?;
     let spindle = signals.spindle(call.spindle, span)?;
     let axis = call.axis;
     let level = call.level.value;
@@ -53,19 +53,4 @@ pub(crate) fn refuse_tap(
         }
     }
     Ok(spindle)
-}
-
-/// Refuses a tap call with an impossible length.
-fn tap_ranges(call: &TapCall, block: Span) -> Result<(), Alarm> {
-    let mut words = Words::new(block);
-    words.place(&call.start);
-    words.place(&call.hole);
-    words.place(&call.step);
-    words.length(&call.level, b'R', Sign::Any);
-    words.length(&call.bottom, b'Z', Sign::Any);
-    if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = &call.form {
-        words.length(&peck.infeed, b'Q', Sign::Positive);
-        words.length(&peck.back, b'D', Sign::NotNegative);
-    }
-    words.first
 }

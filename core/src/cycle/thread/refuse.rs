@@ -5,13 +5,13 @@ use super::slope::HalfAngle;
 use super::taper::scaled;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::ThreadCall;
-use crate::cycle::check::{Sign, Words, blame};
+use crate::cycle::check::{blame, in_range};
 use crate::units::{Diameter, Length, signed_product};
 
 /// Refuses a thread that is impossible whatever its passes are.
 #[inline(never)]
 pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
-    thread_ranges(call, span)?;
+    in_range(span, |see| call.lengths(see))?;
     let start = &call.start;
     let stroke = call.end_z.value - start.z;
     let travel = stroke.nm().unsigned_abs();
@@ -73,24 +73,4 @@ pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> 
         return Err(blame(Code::CycleStartsRange, span, word, b'L'));
     }
     Ok(())
-}
-
-/// Refuses a thread call with an impossible length.
-fn thread_ranges(call: &ThreadCall, block: Span) -> Result<(), Alarm> {
-    let mut words = Words::new(block);
-    words.place(&call.start);
-    words.length(&call.end_x, b'X', Sign::Any);
-    words.length(&call.end_z, b'Z', Sign::Any);
-    words.length(&call.taper, b'R', Sign::Any);
-    words.length(&call.height, b'P', Sign::Positive);
-    words.length(&call.first_depth, b'Q', Sign::Positive);
-    words.unwritten(call.increment, b'Q', Sign::Positive);
-    words.length(&call.min_step, b'Q', Sign::NotNegative);
-    words.length(&call.allowance, b'R', Sign::NotNegative);
-    words.length(&call.run_in, b'E', Sign::NotNegative);
-    if let Some(run_out) = &call.run_out {
-        words.length(&run_out.short, b'J', Sign::Positive);
-        words.length(&run_out.long, b'K', Sign::Positive);
-    }
-    words.first
 }
