@@ -1,9 +1,9 @@
 //! The cycles: a room for each family.
 //!
-//! A room has all that a cycle is: how its words are read, what its geometry forbids, its moves, and what the machine cannot
-//! do. Only its call type is elsewhere ([`call`](crate::call)), since the board gets that. The interpreter hands a block to
-//! its room and gets a call; [`expand`] gives a call to its room and gets a lazy iterator of [moves](crate::moves) in
-//! constant memory. Nothing in a room is known to another.
+//! A room has all that a cycle is: how its words are read, what its geometry forbids, its moves, and what the machine
+//! cannot do. Only its call type is elsewhere ([`call`](crate::call)), since the board gets that. The interpreter hands a
+//! block to its room and gets a call; [`expand`] gives a call to its room and gets a lazy iterator of
+//! [moves](crate::moves) in constant memory. Nothing in a room is known to another.
 //!
 //! It must not know program flow, the bus or the board.
 

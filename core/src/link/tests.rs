@@ -255,7 +255,7 @@ fn what_no_program_can_say_is_refused() {
         ),
         (
             CallKind::Groove(GrooveCall {
-                peck: Some(at(Length::ZERO)),
+                peck: Some(at(Length::from_nm(-1))),
                 ..groove()
             }),
             Beyond::Length,

@@ -1,7 +1,7 @@
 //! G75: grooves ([G75 sheet]).
 //!
-//! `words` reads the words, `refuse` has what geometry forbids, `moves` the moves, `count` the number of infeeds and columns
-//! without making their moves, `feasible` the limits of travel.
+//! `words` reads the words, `refuse` has what geometry forbids, `moves` the moves; `count` counts infeeds and columns without
+//! making their moves, and `feasible` asks for their travel and time.
 
 mod count;
 mod feasible;
