@@ -1,4 +1,5 @@
-//! Which lengths the words of a cycle may have, one list for each cycle. The board refuses a call by them, and the wire does.
+//! Which lengths the words of a cycle may have: one list for each cycle. A call on the wire is refused by it, and so is a
+//! call that is expanded.
 
 use super::{GrooveCall, Position, TapCall, TapForm, ThreadCall};
 use crate::alarm::{At, Span};

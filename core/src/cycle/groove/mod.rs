@@ -1,7 +1,7 @@
 //! G75: grooves ([G75 sheet]).
 //!
-//! `words` reads the words, `refuse` has what geometry forbids, `moves` the moves; `count` counts infeeds and columns without
-//! making their moves, and `feasible` asks for their travel and time.
+//! `words` reads the words, `refuse` has what geometry forbids, `moves` the moves; `count` counts infeeds and columns
+//! without making their moves, and `feasible` asks for their travel and time.
 
 mod count;
 mod feasible;

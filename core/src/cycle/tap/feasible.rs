@@ -104,8 +104,8 @@ pub(crate) fn tap_can_begin(
     Ok(spindle)
 }
 
-/// The second part of [`tap_report`], with the plan of an ordinary tap. It plans every stroke of a hole, so that no stroke can
-/// be refused later.
+/// The second part of [`tap_report`], with the plan of an ordinary tap. It plans every stroke of a hole, so that no stroke
+/// can be refused later.
 ///
 /// # Errors
 /// The errors of [`stroke`].
