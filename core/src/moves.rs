@@ -123,12 +123,16 @@ pub struct Tag {
 /// The cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cycle {
+    /// Pecking along Z.
+    G74,
     /// Radial grooving.
     G75,
     /// Multiple threading.
     G76,
     /// Enhanced multiple threading.
     G78,
+    /// One pass of a thread.
+    G92,
     /// Face tapping.
     G84,
     /// Side tapping.

@@ -396,6 +396,7 @@ impl Checker<'_> {
             cycle: match call.cycle {
                 ThreadCycle::G76 => "G76",
                 ThreadCycle::G78 => "G78",
+                ThreadCycle::G92 => "G92",
             },
             passes: report.passes,
             tap_speed: None,

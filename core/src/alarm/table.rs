@@ -233,8 +233,8 @@ codes! {
     SecondProgram = 4030, "a second program O{0} begins without M30 or M02 in front", "end the program before it with M30",
         "O{0} 之前的程序没有 M30 或 M02", "请在前面的程序末尾写 M30";
     /// A code without the words it needs; {0} the code.
-    CodeNeedsWords = 4031, "{0} stands without words", "write what it is for: G04 P or X, G50 X Z or S, G53 X Z",
-        "{0} 没有所需的字", "请写出所需的字：G04 P 或 X，G50 X Z 或 S，G53 X Z";
+    CodeNeedsWords = 4031, "{0} stands without words", "write what it is for: G04 P or X, G28 U0 W0, G50 X Z or S, G53 X Z",
+        "{0} 没有所需的字", "请写出所需的字：G04 P 或 X，G28 U0 W0，G50 X Z 或 S，G53 X Z";
     /// P and X or U in G04.
     DwellTwice = 4032, "the time of the dwell stands twice", "write P (milliseconds) or X (seconds)",
         "暂停时间写了两次", "请只写 P（毫秒）或 X（秒）";
@@ -293,6 +293,16 @@ codes! {
     /// A zero byte, or the mark of UTF-16.
     WideText = 4051, "this is UTF-16 text (two bytes a character), or no text at all", "save the program as UTF-8 or plain ASCII (in an editor: Save as, Encoding: UTF-8)",
         "这是 UTF-16 文本（每字符两个字节），或者根本不是文本", "请将程序另存为 UTF-8 或纯 ASCII（编辑器：另存为 → 编码：UTF-8）";
+
+    /// G74 with a cycle word and no Z or W.
+    PeckingWithoutZ = 4054, "the pecking along Z has no bottom", "write Z or W", "Z 向啄式切削没有终点", "请写 Z 或 W";
+    /// G90, G92 or G94 before its end point is known; {0} the code, {1} the axis.
+    CycleEndMissing = 4052, "{0} does not know where its cut ends in {1} yet", "write X and Z (or U and W) in its first block",
+        "{0} 尚不知道 {1} 方向的终点", "请在首个程序段写 X 和 Z（或 U 和 W）";
+    /// R of G90 or G94 against the infeed and longer than the infeed; {0} R, {1} the infeed.
+    TaperAgainstInfeed = 4053, "R {0} points against the infeed of {1} and is longer: the cut would begin on the other side of the start",
+        "reverse the sign of R, make it shorter, or start further out", "R {0} 与进刀 {1} 方向相反且更长：切削起点将越过循环起点",
+        "请改变 R 的符号、减小 R，或将起点移远";
 
     // 4060–4079: tapping.
     /// G84 or G88 without rigid mode and with a standing spindle; {0} the code, {1} the rigid M code.

@@ -1,7 +1,7 @@
 //! Which lengths the words of a cycle may have: one list for each cycle. A call on the wire is refused by it, and so is a
 //! call that is expanded.
 
-use super::{GrooveCall, Position, TapCall, TapForm, ThreadCall};
+use super::{GrooveCall, Position, TapCall, TapForm, ThreadCall, ThreadCycle};
 use crate::alarm::{At, Span};
 use crate::units::Length;
 
@@ -35,8 +35,12 @@ impl ThreadCall {
         see(&self.end_x, b'X', Sign::Any);
         see(&self.end_z, b'Z', Sign::Any);
         see(&self.taper, b'R', Sign::Any);
-        see(&self.height, b'P', Sign::Positive);
-        see(&self.first_depth, b'Q', Sign::Positive);
+        let depth = match self.cycle {
+            ThreadCycle::G76 | ThreadCycle::G78 => Sign::Positive,
+            ThreadCycle::G92 => Sign::NotNegative,
+        };
+        see(&self.height, b'P', depth);
+        see(&self.first_depth, b'Q', depth);
         see(&unwritten(self.increment), b'Q', Sign::Positive);
         see(&self.min_step, b'Q', Sign::NotNegative);
         see(&self.allowance, b'R', Sign::NotNegative);
@@ -56,7 +60,8 @@ impl GrooveCall {
         see(&self.end_z, b'Z', Sign::Any);
         see(&self.relief, b'R', Sign::NotNegative);
         see(&self.retract, b'R', Sign::NotNegative);
-        for (step, letter) in [(&self.peck, b'P'), (&self.step, b'Q')] {
+        let [_, peck, step] = Self::letters(self.axis);
+        for (step, letter) in [(&self.peck, peck), (&self.step, step)] {
             if let Some(step) = step {
                 see(step, letter, Sign::NotNegative);
             }

@@ -39,6 +39,15 @@ impl TapAxis {
         }
     }
 
+    /// The other one.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::X => Self::Z,
+            Self::Z => Self::X,
+        }
+    }
+
     /// `position` with this axis at `coordinate`.
     #[must_use]
     pub const fn with(self, mut position: Position, coordinate: Length) -> Position {

@@ -14,6 +14,8 @@ pub enum ThreadCycle {
     G76,
     /// [G78 sheet].
     G78,
+    /// G92: one pass at D. The height is zero, and the only pass is a finishing pass.
+    G92,
 }
 
 /// How the tool enters from pass to pass (G78 P(r)).
@@ -55,7 +57,7 @@ pub struct RunOut {
     pub long_rest: Remainder,
 }
 
-/// A G76 or G78 cycle with every word resolved.
+/// A G76, G78 or G92 cycle with every word resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct ThreadCall {
     /// Which cycle.
@@ -68,9 +70,9 @@ pub struct ThreadCall {
     pub end_z: At<Length>,
     /// i: radius at C minus radius at D.
     pub taper: At<Length>,
-    /// k: depth on the radius, positive.
+    /// k: depth on the radius, positive (G92: zero).
     pub height: At<Length>,
-    /// Δd, positive.
+    /// Δd, positive (G92: zero).
     pub first_depth: At<Length>,
     /// Δdmin, not negative.
     pub min_step: At<Length>,
@@ -92,6 +94,8 @@ pub struct ThreadCall {
     pub run_out: Option<RunOut>,
     /// F or I.
     pub lead: At<Lead>,
+    /// Angle of the first start after the index (Q of G92).
+    pub first_angle: StartAngle,
     /// Input increment as a length on the radius axis of depths (IS-C metric: 100 nm): depths are rounded to it.
     pub increment: Length,
     /// Commanded spindle speed, signed; zero when it stands (`expand` does not mind).

@@ -16,6 +16,7 @@ mod tap;
 #[cfg(test)]
 mod tests;
 mod thread;
+mod turning;
 
 pub use context::Context;
 pub use expand::{Moves, expand};
@@ -28,5 +29,6 @@ pub use thread::{
 };
 
 pub(crate) use groove::GrooveWords;
-pub(crate) use tap::{TapPart, Tapping, rigid_code, tap_can_begin, tap_strokes};
-pub(crate) use thread::ThreadWords;
+pub(crate) use tap::{TapPart, Tapping, is_tap_return, rigid_code, tap_can_begin, tap_strokes};
+pub(crate) use thread::{ThreadWords, TwoBlock};
+pub(crate) use turning::{Turning, TurningWords};

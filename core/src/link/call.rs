@@ -10,7 +10,9 @@ use crate::call::{
     SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat,
     TapReturn, TapSpindle, ThreadCall, ThreadCycle,
 };
-use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
+use crate::units::{
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle,
+};
 
 /// Quantities, decoded from their number.
 macro_rules! quantities {
@@ -32,6 +34,7 @@ quantities! {
     Millis: new;
     Remainder: from_raw;
     Rpm: new;
+    StartAngle: from_mdeg;
 }
 
 /// Records, decoded field by field.
@@ -55,9 +58,9 @@ records! {
     RunOut { short, long, short_rest, long_rest }
     ThreadCall {
         cycle, start, end_x, end_z, taper, height, first_depth, min_step, allowance, finish_passes, angle, infeed, cut_in,
-        starts, run_in, run_out, lead, increment, rpm
+        starts, run_in, run_out, lead, first_angle, increment, rpm
     }
-    GrooveCall { start, end_x, end_z, z_written, peck, step, relief, retract, feed }
+    GrooveCall { axis, start, end_x, end_z, last_written, peck, step, relief, retract, feed }
     TapPeck { infeed, back }
     TapReturn { speed, highest, beyond, unit }
     TapNotes { unit, plane, extraction }
@@ -79,7 +82,7 @@ macro_rules! variants {
 }
 
 variants! {
-    ThreadCycle { G76, G78 }
+    ThreadCycle { G76, G78, G92 }
     CutIn { Centre, Left, Right, RightCentre, LeftRight, Trailing }
     Infeed { Equal, Decreasing }
     TapCycle { G84, G88 }

@@ -16,7 +16,8 @@ use crate::call::{
 };
 use crate::params::Params;
 use crate::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, TurnRate, Turns,
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle, TurnRate,
+    Turns,
 };
 
 /// The span with the longest encoding.
@@ -69,6 +70,7 @@ fn thread() -> ThreadCall {
             long_rest: Remainder::from_raw(-(1 << 14)),
         }),
         lead: at(Lead::new((1 << 50) - 1, 1 << 28).unwrap()),
+        first_angle: StartAngle::from_mdeg(359_999),
         increment: FAR,
         rpm: Rpm::new(-(1 << 20)),
     }
@@ -108,10 +110,11 @@ fn tap() -> TapCall {
 
 fn groove() -> GrooveCall {
     GrooveCall {
+        axis: TapAxis::X,
         start: FARTHEST,
         end_x: at(FAR),
         end_z: at(FAR),
-        z_written: true,
+        last_written: true,
         peck: Some(at(FAR)),
         step: Some(at(FAR)),
         relief: at(FAR),

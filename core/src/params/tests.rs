@@ -349,6 +349,8 @@ const TABLES: &[(u16, u32)] = &[
     (1, 0xE253_FECC),
     // No board follows the SYNC of another: every file that a board told names 9029 and 9030 [D212].
     (2, 0x4B3D_87BA),
+    // Reference points: 1240 to 1243.
+    (2, 0x0881_C9AA),
 ];
 
 #[test]

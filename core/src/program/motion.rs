@@ -5,7 +5,7 @@ use super::state::{Motion, State, needs_words};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{ArcCall, CallKind, Position};
 use crate::text::{AXES, Block, Letters, PLANE_AXES, Plan, Word, g_arg};
-use crate::units::Length;
+use crate::units::{Angle, Axis, Length};
 
 /// Words of an arc in addition to the end point.
 const CENTRE: Letters = Letters::of(b"IK");
@@ -39,6 +39,14 @@ impl State<'_> {
             }
             Motion::Clockwise => true,
             Motion::CounterClockwise => false,
+            Motion::Turning(cycle) => {
+                let span = word.map_or(block.lead(), |word| word.span);
+                return self.turning.read(cycle, &self.modal, block, span, plan);
+            }
+            Motion::Thread => {
+                let span = word.map_or(block.lead(), |word| word.span);
+                return self.thread.read_single(&self.modal, block, span, plan);
+            }
         };
         let shape = CENTRE.and(Letters::of(b"R"));
         block.only(PLANE_AXES.and(shape).and(used))?;
@@ -123,6 +131,57 @@ impl State<'_> {
         };
         self.modal.position = end;
         plan.motion(span, CallKind::Arc(call));
+        Ok(())
+    }
+
+    /// G28, and G30 P2 to P4: rapid to the point that the words name, and from there to the reference point (1240 to 1243),
+    /// each with the named axes alone. A turning cycle or G92 in force ends.
+    pub(super) fn reference_point(
+        &mut self,
+        block: &Block,
+        word: &Word,
+        plan: &mut Plan,
+    ) -> Result<(), Alarm> {
+        let number = match (word.value.mantissa(), block.find(b'P')) {
+            (28, _) => 1,
+            (_, None) => 2,
+            (_, Some(point)) => match point.count(99)? {
+                number @ 2..=4 => number,
+                _ => return Err(point.out_of_range(Arg::Int(2), Arg::Int(4))),
+            },
+        };
+        block.only(if number == 1 {
+            AXES
+        } else {
+            AXES.and(Letters::of(b"P"))
+        })?;
+        if !block.has_any(AXES) {
+            return Err(needs_words(word));
+        }
+        let between = self.modal.target(block, self.modal.origin)?;
+        let params = self.modal.params;
+        let coordinate = |axis| match number {
+            1 => params.reference_point(axis),
+            2 => params.second_reference_point(axis),
+            3 => params.third_reference_point(axis),
+            _ => params.fourth_reference_point(axis),
+        };
+        let mut end = between;
+        if block.has_any(Letters::of(b"XU")) {
+            end.x = Length::from_nm(coordinate(Axis::X));
+        }
+        if block.has_any(Letters::of(b"ZW")) {
+            end.z = Length::from_nm(coordinate(Axis::Z));
+        }
+        if block.has_any(Letters::of(b"CH")) {
+            end.c = Angle::from_udeg(coordinate(Axis::C));
+        }
+        if matches!(self.motion, Motion::Turning(_) | Motion::Thread) {
+            self.motion = Motion::Rapid;
+        }
+        self.modal.position = end;
+        plan.straight(word.span, between, None);
+        plan.straight(word.span, end, None);
         Ok(())
     }
 

@@ -4,8 +4,10 @@
 //! arcs alone; G40, G61, G64, G80 and G97 are accepted and change nothing, since nothing they would end exists.
 
 use crate::alarm::{Alarm, Arg, Code};
-use crate::call::ThreadCycle;
-use crate::cycle::{GrooveWords, TapPart, Tapping, ThreadWords};
+use crate::call::TapAxis;
+use crate::cycle::{
+    GrooveWords, TapPart, Tapping, ThreadWords, Turning, TurningWords, TwoBlock, is_tap_return,
+};
 use crate::params::Params;
 use crate::text::{
     AXES, Block, Group, Letters, Modal, ModalFeed, Options, PLANE_AXES, Plan, Scale, Word, g_arg,
@@ -24,6 +26,10 @@ pub(super) enum Motion {
     Clockwise,
     /// G03.
     CounterClockwise,
+    /// G90, G94.
+    Turning(Turning),
+    /// G92.
+    Thread,
 }
 
 impl Motion {
@@ -33,6 +39,8 @@ impl Motion {
             Self::Line => 1,
             Self::Clockwise => 2,
             Self::CounterClockwise => 3,
+            Self::Turning(cycle) => cycle.code(),
+            Self::Thread => 92,
         }
     }
 }
@@ -45,6 +53,7 @@ pub(super) struct State<'p> {
     pub(super) speed_limit: Option<u32>,
     pub(super) thread: ThreadWords,
     pub(super) groove: GrooveWords,
+    pub(super) turning: TurningWords,
     pub(super) tapping: Tapping,
     /// O of the program, if it has one.
     pub(super) program: Option<u32>,
@@ -67,6 +76,7 @@ impl<'p> State<'p> {
             speed_limit: None,
             thread: ThreadWords::new(),
             groove: GrooveWords::new(),
+            turning: TurningWords::default(),
             tapping: Tapping::new(),
             program: None,
             sequence: None,
@@ -106,17 +116,33 @@ impl<'p> State<'p> {
         }
         let motion_word = block.g(Group::Motion);
         if let Some(word) = motion_word {
-            self.motion = match word.value.mantissa() {
+            self.begin_motion(match word.value.mantissa() {
                 0 => Motion::Rapid,
                 1 => Motion::Line,
                 2 => Motion::Clockwise,
+                90 => Motion::Turning(Turning::Along),
+                92 => Motion::Thread,
+                94 => Motion::Turning(Turning::Across),
                 _ => Motion::CounterClockwise,
-            };
+            });
         }
         if let Some(word) = block.find(b'T') {
             self.tool(&word, plan)?;
         }
         Ok(motion_word)
+    }
+
+    /// A kind of motion is in force from now on. A cycle keeps its words as long as it is.
+    fn begin_motion(&mut self, motion: Motion) {
+        if motion == self.motion {
+            return;
+        }
+        match motion {
+            Motion::Turning(_) => self.turning = TurningWords::default(),
+            Motion::Thread => self.thread.begin_single(),
+            _ => {}
+        }
+        self.motion = motion;
     }
 
     /// A block in rigid mode or with a cycle in force, and one with G80, G84, G88, the rigid M code or an M code without a
@@ -161,7 +187,10 @@ impl<'p> State<'p> {
     ) -> Result<(), Alarm> {
         match block.g(Group::OneShot) {
             None => {
-                if let Some(word) = block.find(b'F') {
+                // F of a thread is its lead.
+                if self.motion != Motion::Thread
+                    && let Some(word) = block.find(b'F')
+                {
                     self.modal.set_feed(&word)?;
                 }
                 if block.has_m() || block.has_any(Letters::of(b"S")) {
@@ -245,7 +274,7 @@ impl<'p> State<'p> {
         plan: &mut Plan,
     ) -> Result<(), Alarm> {
         let code = word.value.mantissa();
-        if code == 30 {
+        if code == 30 && is_tap_return(block) {
             self.tapping
                 .tap_return(&mut self.modal, block, word, plan)?;
             self.before_motion_codes(block, plan, None);
@@ -289,14 +318,16 @@ impl<'p> State<'p> {
                 }
                 self.set_coordinates(block, word)
             }
+            28 | 30 => self.reference_point(block, word, plan),
             53 => self.machine_coordinates(block, word, plan),
-            75 => self.groove.read(&self.modal, block, word, plan),
+            74 => self.groove.read(TapAxis::Z, &self.modal, block, word, plan),
+            75 => self.groove.read(TapAxis::X, &self.modal, block, word, plan),
             76 => self
                 .thread
-                .read(ThreadCycle::G76, &self.modal, block, word, plan),
+                .read(TwoBlock::G76, &self.modal, block, word, plan),
             78 => self
                 .thread
-                .read(ThreadCycle::G78, &self.modal, block, word, plan),
+                .read(TwoBlock::G78, &self.modal, block, word, plan),
             // A code of this group needs an arm of its own.
             _ => Err(word.alarm(Code::GNotAvailable).with([
                 g_arg(code),

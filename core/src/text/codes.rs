@@ -3,9 +3,9 @@
 /// G codes of which a block may have one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Group {
-    /// G00 G01 G02 G03: how axis words move.
+    /// G00 G01 G02 G03 G90 G92 G94: how axis words move.
     Motion,
-    /// G04 G30 G50 G53 G75 G76 G78: for their own block only.
+    /// G04 G28 G30 G50 G53 G74 G75 G76 G78: for their own block only.
     OneShot,
     /// G17 G18 G19.
     Plane,
@@ -79,8 +79,8 @@ pub(crate) enum Known<T> {
 #[inline]
 pub(crate) const fn g_code(code: i64) -> Known<Group> {
     Known::Yes(match code {
-        0..=3 => Group::Motion,
-        4 | 30 | 50 | 53 | 75 | 76 | 78 => Group::OneShot,
+        0..=3 | 90 | 92 | 94 => Group::Motion,
+        4 | 28 | 30 | 50 | 53 | 74..=76 | 78 => Group::OneShot,
         17..=19 => Group::Plane,
         20 | 21 => Group::Unit,
         40 => Group::Compensation,
@@ -90,7 +90,7 @@ pub(crate) const fn g_code(code: i64) -> Known<Group> {
         97 => Group::SpeedMode,
         98 | 99 => Group::FeedMode,
         33 => return Known::Tapping,
-        28 | 32 | 41 | 42 | 65..=67 | 70..=74 | 90 | 92 | 94 | 96 => {
+        32 | 41 | 42 | 65..=67 | 70..=73 | 96 => {
             return Known::NotYet;
         }
         _ => return Known::No,

@@ -1,7 +1,7 @@
 //! The actions of one block, in the order in which the machine does them.
 
 use crate::alarm::{Alarm, Span};
-use crate::call::{Aux, Call, CallKind, Position, SpindleCall};
+use crate::call::{Aux, Call, CallKind, FeedRate, Position, SpindleCall};
 use crate::units::Millis;
 
 /// The output of a program, in the order in which the machine acts.
@@ -21,7 +21,7 @@ pub enum Event {
 const WARNINGS: usize = 2;
 
 /// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, M24–M27, rigid mode, T, G04; the
-/// motion; M05, M09, M00 M01 M02 M30.
+/// motion, or several straight moves; M05, M09, M00 M01 M02 M30.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pending: u16,
@@ -34,9 +34,54 @@ pub(crate) struct Plan {
     tool: (Span, u16),
     dwell: (Span, Millis),
     motion: (Span, CallKind),
+    path: Path,
     spindle_stop: Span,
     coolant_off: Span,
     flow: (Span, u16),
+}
+
+/// The most straight moves of a block: a turning cycle has four.
+const STRAIGHTS: usize = 4;
+
+/// Straight moves, one after the other.
+#[derive(Clone, Copy, Debug)]
+struct Path {
+    span: Span,
+    moves: [(Position, Option<FeedRate>); STRAIGHTS],
+    /// Moves in the list, and those that have been taken.
+    count: u8,
+    taken: u8,
+}
+
+impl Path {
+    const EMPTY: Self = Self {
+        span: Span {
+            line: 0,
+            column: 0,
+            end: 0,
+        },
+        moves: [(Position::ZERO, None); STRAIGHTS],
+        count: 0,
+        taken: 0,
+    };
+
+    fn push(&mut self, to: Position, feed: Option<FeedRate>) {
+        if let Some(place) = self.moves.get_mut(usize::from(self.count)) {
+            *place = (to, feed);
+            self.count = self.count.saturating_add(1);
+        }
+    }
+
+    /// The next move, and whether there are more.
+    fn next(&mut self) -> Option<(CallKind, bool)> {
+        let (to, feed) = *self.moves.get(usize::from(self.taken))?;
+        self.taken = self.taken.saturating_add(1);
+        let kind = match feed {
+            Some(feed) => CallKind::Line(to, feed),
+            None => CallKind::Rapid(to),
+        };
+        Some((kind, self.taken < self.count))
+    }
 }
 
 const WARNING_0: u16 = 1 << 0;
@@ -48,9 +93,10 @@ const RIGID: u16 = 1 << 5;
 const TOOL: u16 = 1 << 6;
 const DWELL: u16 = 1 << 7;
 const MOTION: u16 = 1 << 8;
-const SPINDLE_STOP: u16 = 1 << 9;
-const COOLANT_OFF: u16 = 1 << 10;
-const FLOW: u16 = 1 << 11;
+const PATH: u16 = 1 << 9;
+const SPINDLE_STOP: u16 = 1 << 10;
+const COOLANT_OFF: u16 = 1 << 11;
+const FLOW: u16 = 1 << 12;
 
 impl Plan {
     pub(crate) const fn new() -> Self {
@@ -71,6 +117,7 @@ impl Plan {
             tool: (NOWHERE, 0),
             dwell: (NOWHERE, Millis::new(0)),
             motion: (NOWHERE, CallKind::End(0)),
+            path: Path::EMPTY,
             spindle_stop: NOWHERE,
             coolant_off: NOWHERE,
             flow: (NOWHERE, 0),
@@ -137,6 +184,18 @@ impl Plan {
         self.motion = (span, kind);
     }
 
+    /// One of the straight moves of a block that has several, in their order; a rapid where it has no feed.
+    pub(crate) fn straight(&mut self, span: Span, to: Position, feed: Option<FeedRate>) {
+        if self.pending & PATH == 0 {
+            self.path = Path {
+                span,
+                ..Path::EMPTY
+            };
+        }
+        self.pending |= PATH;
+        self.path.push(to, feed);
+    }
+
     pub(crate) fn spindle_stop(&mut self, span: Span) {
         self.pending |= SPINDLE_STOP;
         self.spindle_stop = span;
@@ -164,7 +223,7 @@ impl Plan {
         self.other(first)
     }
 
-    fn other(&self, bit: u16) -> Option<Event> {
+    fn other(&mut self, bit: u16) -> Option<Event> {
         let (span, kind) = match bit {
             WARNING_0 | WARNING_1 => {
                 let index = usize::from(bit == WARNING_1);
@@ -179,6 +238,13 @@ impl Plan {
             RIGID => (self.rigid.0, CallKind::Spindle(self.rigid.1)),
             TOOL => (self.tool.0, CallKind::Aux(Aux::T(self.tool.1))),
             DWELL => (self.dwell.0, CallKind::Dwell(self.dwell.1)),
+            PATH => {
+                let (kind, more) = self.path.next()?;
+                if more {
+                    self.pending |= PATH;
+                }
+                (self.path.span, kind)
+            }
             SPINDLE_STOP => (self.spindle_stop, CallKind::Spindle(SpindleCall::STOPPED)),
             COOLANT_OFF => (self.coolant_off, CallKind::Aux(Aux::M(9))),
             FLOW => match self.flow.1 {

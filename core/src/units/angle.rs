@@ -123,8 +123,34 @@ impl Turns {
 
 /// Angle of a thread start after the spindle index, in thousandths of a degree, 0…359 999, counted in the direction
 /// the spindle turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
+#[serde(from = "u32", into = "u32")]
 pub struct StartAngle(u32);
+
+impl From<u32> for StartAngle {
+    fn from(mdeg: u32) -> Self {
+        Self::from_mdeg(mdeg)
+    }
+}
+
+impl From<StartAngle> for u32 {
+    fn from(angle: StartAngle) -> Self {
+        angle.mdeg()
+    }
+}
 
 impl StartAngle {
     /// A full turn in thousandths of a degree.

@@ -116,9 +116,9 @@ records! {
     RunOut { short long short_rest long_rest }
     ThreadCall {
         cycle start end_x end_z taper height first_depth min_step allowance finish_passes angle infeed cut_in starts
-        run_in run_out lead increment rpm
+        run_in run_out lead first_angle increment rpm
     }
-    GrooveCall { start end_x end_z z_written peck step relief retract feed }
+    GrooveCall { axis start end_x end_z last_written peck step relief retract feed }
     TapPeck { infeed back }
     TapCall {
         cycle mode axis start hole step level bottom form dwell lead hand speed extract spindle repeat clamp continues
@@ -178,7 +178,7 @@ choices! {
     NmtState { NmtState::BootUp, NmtState::Stopped, NmtState::Operational } or NmtState::PreOperational;
     FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
     Aux { Aux::M(any()) } or Aux::T(any());
-    ThreadCycle { ThreadCycle::G76 } or ThreadCycle::G78;
+    ThreadCycle { ThreadCycle::G76, ThreadCycle::G78 } or ThreadCycle::G92;
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
     TapMode { TapMode::Rigid } or TapMode::Floating;

@@ -147,9 +147,11 @@ fn rpm(speed: Rpm) -> i64 {
 
 fn cycle_name(cycle: Cycle) -> &'static str {
     match cycle {
+        Cycle::G74 => "G74",
         Cycle::G75 => "G75",
         Cycle::G76 => "G76",
         Cycle::G78 => "G78",
+        Cycle::G92 => "G92",
         Cycle::G84 => "G84",
         Cycle::G88 => "G88",
         Cycle::G30P99 => "G30P99",

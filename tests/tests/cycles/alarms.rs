@@ -1,8 +1,8 @@
 //! Every alarm of the cycles' geometry: provoked, and gone with the smallest change that should cure it.
 
 use leadscrew_core::alarm::{Alarm, Arg};
-use leadscrew_core::cycle::*;
 use leadscrew_core::call::*;
+use leadscrew_core::cycle::*;
 use leadscrew_core::units::*;
 
 use crate::build::*;

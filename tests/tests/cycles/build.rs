@@ -80,6 +80,7 @@ pub fn o0013() -> ThreadCall {
         run_in: at(Length::ZERO),
         run_out: run_out(3.0, 3.0),
         lead: at(lead(6.0)),
+        first_angle: StartAngle::INDEX,
         increment: Length::from_nm(100),
         rpm: Rpm::new(300),
     }
@@ -123,10 +124,11 @@ pub fn internal_taper() -> ThreadCall {
 /// O0008 of the sheet, resolved.
 pub fn o0008() -> GrooveCall {
     GrooveCall {
+        axis: TapAxis::X,
         start: point(125.0, -24.0),
         end_x: word(dia(40.0), 10),
         end_z: word(mm(-50.0), 20),
-        z_written: true,
+        last_written: true,
         peck: Some(word(dia(6.0), 30)),
         step: Some(word(mm(3.0), 40)),
         relief: at(Length::ZERO),

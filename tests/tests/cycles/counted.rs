@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use leadscrew_core::alarm::Alarm;
+use leadscrew_core::call::*;
 use leadscrew_core::cycle;
 use leadscrew_core::cycle::*;
 use leadscrew_core::moves::*;
 use leadscrew_core::params::{Entry, Params, Part};
-use leadscrew_core::call::*;
 use leadscrew_core::units::*;
 
 use leadscrew_tests::random::Random;

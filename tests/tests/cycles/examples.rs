@@ -1,8 +1,8 @@
 //! The sheets' complete examples and the worked cases, figure by figure.
 
+use leadscrew_core::call::*;
 use leadscrew_core::cycle::*;
 use leadscrew_core::moves::*;
-use leadscrew_core::call::*;
 use leadscrew_core::units::*;
 
 use crate::build::*;
@@ -388,7 +388,7 @@ fn a_groove_retract_is_clipped_at_the_start_level() {
         start: point(20.0, 0.0),
         end_x: word(dia(0.0), 10),
         end_z: at(Length::ZERO),
-        z_written: false,
+        last_written: false,
         step: None,
         retract: at(mm(5.0)),
         ..o0008()
@@ -402,10 +402,10 @@ fn a_groove_retract_is_clipped_at_the_start_level() {
 
 #[test]
 fn groove_relief_goes_against_the_infeed_along_z() {
-    let one = |z: f64, z_written: bool| {
+    let one = |z: f64, last_written: bool| {
         let call = GrooveCall {
             end_z: at(mm(z)),
-            z_written,
+            last_written,
             peck: Some(word(dia(200.0), 30)),
             step: Some(word(mm(100.0), 40)),
             relief: word(mm(0.3), 50),

@@ -10,3 +10,4 @@ mod reference;
 mod taps;
 mod taps_random;
 mod texts;
+mod vectors;

@@ -2,9 +2,9 @@
 //! scaled.
 
 use leadscrew_core::alarm::{Alarm, Arg};
+use leadscrew_core::call::*;
 use leadscrew_core::cycle::*;
 use leadscrew_core::moves::*;
-use leadscrew_core::call::*;
 use leadscrew_core::units::*;
 
 use leadscrew_tests::random::Random;
@@ -118,6 +118,11 @@ fn thread(r: &mut Random) -> ThreadCall {
         run_in: at(len(run_in)),
         run_out,
         lead: at(lead.unwrap()),
+        first_angle: StartAngle::from_mdeg(if r.chance(60) {
+            0
+        } else {
+            r.within(0, 359_999) as u32
+        }),
         increment: len(lsb),
         rpm: Rpm::new(500),
     }
@@ -159,7 +164,9 @@ fn compare(call: &ThreadCall, got: &[Move], want: &[reference::Expected]) {
                     begin = from;
                 }
                 let distance = (q(from) - q(begin)).abs().nm();
-                let angle = start_angle(tag.start - 1, call.starts.value);
+                let further = start_angle(tag.start - 1, call.starts.value);
+                let first = call.first_angle.mdeg();
+                let angle = StartAngle::from_mdeg(first + further.mdeg());
                 assert_eq!(thread.pass_angle, angle);
                 assert_eq!(thread.angle_udeg, helix(call.lead.value, distance, angle));
                 let w = (call.end_z.value - call.start.z).abs();
@@ -472,6 +479,7 @@ pub fn groove(r: &mut Random) -> GrooveCall {
     let written = width != 0 || r.chance(50);
     let peck = r.length(100, 20_000, lsb).max(depth.abs() / 200).max(lsb);
     GrooveCall {
+        axis: TapAxis::X,
         start: Position {
             x: len(x_a),
             z: len(z_a),
@@ -479,7 +487,7 @@ pub fn groove(r: &mut Random) -> GrooveCall {
         },
         end_x: at(len(x_a + depth)),
         end_z: at(len(z_a + width)),
-        z_written: written,
+        last_written: written,
         peck: Some(at(len(peck))),
         step: (width != 0 || r.chance(50)).then(|| {
             at(len(r

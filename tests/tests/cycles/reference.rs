@@ -1,8 +1,8 @@
 //! A thread cycle once more, slowly and straight from the text: floating-point geometry as displacements from A and D,
 //! depths by long integer roots. Shares no arithmetic with the core.
 
-use leadscrew_core::moves::Stage;
 use leadscrew_core::call::*;
+use leadscrew_core::moves::Stage;
 
 /// One move as the text has it: X and Z as displacements from D's X and A's Z in nanometres, not rounded.
 #[derive(Clone, Copy, Debug)]
@@ -235,7 +235,7 @@ pub fn groove(call: &GrooveCall) -> Vec<(Stage, u32, u32, i64, i64)> {
     let along = (z_d - z_a).signum();
     let aside = if along != 0 {
         -along
-    } else if call.z_written {
+    } else if call.last_written {
         -1
     } else {
         1

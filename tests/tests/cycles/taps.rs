@@ -2,10 +2,10 @@
 
 use std::num::NonZeroU8;
 
+use leadscrew_core::call::*;
 use leadscrew_core::cycle::*;
 use leadscrew_core::moves::*;
 use leadscrew_core::params::{Entry, Params, Writing};
-use leadscrew_core::call::*;
 use leadscrew_core::program::*;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::*;

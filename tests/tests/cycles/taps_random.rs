@@ -1,7 +1,7 @@
 //! Holes at random from a fixed seed and from that of the commit, against a reference that is written from the text.
 
-use leadscrew_core::moves::*;
 use leadscrew_core::call::*;
+use leadscrew_core::moves::*;
 use leadscrew_core::units::*;
 
 use crate::build::*;

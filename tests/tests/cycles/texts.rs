@@ -1,9 +1,9 @@
 //! From text to moves: the sheets' complete programs as printed, and millimetres against inches.
 
+use leadscrew_core::call::*;
 use leadscrew_core::cycle::*;
 use leadscrew_core::moves::*;
 use leadscrew_core::params::Params;
-use leadscrew_core::call::*;
 use leadscrew_core::program::*;
 use leadscrew_core::units::*;
 

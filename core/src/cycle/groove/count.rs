@@ -1,4 +1,4 @@
-//! Counts the work of a G75 cycle without making its moves: the columns, the infeeds, and each different move once with
+//! Counts the work of a G75 or G74 cycle without making its moves: the columns, the infeeds, and each different move once with
 //! its number of repeats. So a check takes as long for a thousand columns as for three.
 
 use core::num::NonZero;
@@ -23,8 +23,8 @@ impl GrooveCount {
     pub(crate) fn of(call: &GrooveCall) -> Self {
         let steps = |way, step: &Option<At<Length>>| step.map_or(0, |step| steps(way, step.value));
         Self {
-            infeeds: steps(call.end_x.value - call.start.x, &call.peck),
-            columns: steps(call.end_z.value - call.start.z, &call.step).saturating_add(1),
+            infeeds: steps(call.bottom().value - call.level(), &call.peck),
+            columns: steps(call.last().value - call.first(), &call.step).saturating_add(1),
         }
     }
 }
@@ -57,7 +57,8 @@ impl GrooveMoves {
     pub fn tally(&self, each: Each<'_>) -> Result<(), Alarm> {
         let mut tally = Tally {
             groove: self,
-            at: self.call.start,
+            depth: self.call.level(),
+            column: self.call.first(),
             each,
         };
         tally.all()
@@ -73,36 +74,36 @@ impl GrooveMoves {
         self.made.span
     }
 
-    /// Where the relief of a column at `z` ends.
-    pub(crate) fn relief_end(&self, z: Length) -> Length {
-        z + self.relief
+    /// Where the relief of a column ends.
+    pub(crate) fn relief_end(&self, column: Length) -> Length {
+        column + self.relief
     }
 
     /// Where infeed `n` of a column ends. Beyond the last infeed this is the bottom.
     pub(crate) fn infeed_end(&self, n: u64) -> Length {
-        let end = self.call.start.x + self.peck.times(n as i64);
-        clip(end, self.call.end_x.value, self.peck)
+        let end = self.call.level() + self.peck.times(n as i64);
+        clip(end, self.call.bottom().value, self.peck)
     }
 
-    /// Where the retract from X ends.
-    pub(crate) fn retract_end(&self, x: Length) -> Length {
-        clip(x - self.retract, self.call.start.x, -self.peck)
+    /// Where the retract from a depth ends.
+    pub(crate) fn retract_end(&self, depth: Length) -> Length {
+        clip(depth - self.retract, self.call.level(), -self.peck)
     }
 
     /// The position of column `n`, from 0. Beyond the last column this is the last column's position.
     pub(crate) fn column_at(&self, n: u64) -> Length {
-        let z = self.call.start.z + self.step.times(n as i64);
-        clip(z, self.call.end_z.value, self.step)
+        let column = self.call.first() + self.step.times(n as i64);
+        clip(column, self.call.last().value, self.step)
     }
 
     /// The number, from 1, of the first infeed that goes beyond `bound`.
     pub(crate) fn infeed_beyond(&self, bound: Length) -> u64 {
-        beyond(self.call.start.x, bound, self.peck)
+        beyond(self.call.level(), bound, self.peck)
     }
 
     /// The number, from 1, of the first column beyond `bound`.
     pub(crate) fn column_beyond(&self, bound: Length) -> u64 {
-        beyond(self.call.start.z, bound, self.step)
+        beyond(self.call.first(), bound, self.step)
     }
 }
 
@@ -119,7 +120,9 @@ fn beyond(start: Length, bound: Length, step: Length) -> u64 {
 /// A tally that is still being counted.
 struct Tally<'g, 'e> {
     groove: &'g GrooveMoves,
-    at: Position,
+    /// The tool, on the axis of the pecks and on the other.
+    depth: Length,
+    column: Length,
     each: Each<'e>,
 }
 
@@ -127,22 +130,22 @@ impl Tally<'_, '_> {
     fn all(&mut self) -> Result<(), Alarm> {
         let groove = self.groove;
         let GrooveCount { infeeds, columns } = groove.totals();
-        self.column(infeeds, columns)?;
+        self.infeeds(infeeds, columns)?;
         if columns > 2 {
             self.shift(1, columns.wrapping_sub(2))?;
         }
         if columns > 1 {
-            self.at.z = groove.column_at(columns.wrapping_sub(2)) + groove.relief;
+            self.column = groove.column_at(columns.wrapping_sub(2)) + groove.relief;
             self.shift(columns.wrapping_sub(1), 1)?;
         }
-        self.at.z = groove.call.end_z.value + groove.relief;
-        self.rapid(groove.call.start.x, groove.call.start.z, 1)
+        self.column = groove.call.last().value + groove.relief;
+        self.rapid(groove.call.level(), groove.call.first(), 1)
     }
 
     /// From the start level to the bottom, aside and back to the start level. All columns are alike here.
-    fn column(&mut self, infeeds: u64, columns: u64) -> Result<(), Alarm> {
+    fn infeeds(&mut self, infeeds: u64, columns: u64) -> Result<(), Alarm> {
         let groove = self.groove;
-        let level = groove.call.start.x;
+        let level = groove.call.level();
         let mut n = 1;
         loop {
             self.infeed(n, columns)?;
@@ -158,41 +161,48 @@ impl Tally<'_, '_> {
                 self.infeed(n, alike)?;
                 self.back(alike)?;
                 n = infeeds;
-                self.at.x = groove.retract_end(groove.infeed_end(n.wrapping_sub(1)));
+                self.depth = groove.retract_end(groove.infeed_end(n.wrapping_sub(1)));
             }
         }
-        self.rapid(self.at.x, self.at.z + groove.relief, columns)?;
-        self.rapid(level, self.at.z, columns)
+        self.rapid(self.depth, self.column + groove.relief, columns)?;
+        self.rapid(level, self.column, columns)
     }
 
     fn infeed(&mut self, n: u64, times: u64) -> Result<(), Alarm> {
         let feed = MoveKind::Feed(self.groove.call.feed);
-        self.go(self.groove.infeed_end(n), self.at.z, feed, times)
+        self.go(self.groove.infeed_end(n), self.column, feed, times)
     }
 
     fn back(&mut self, times: u64) -> Result<(), Alarm> {
-        self.rapid(self.groove.retract_end(self.at.x), self.at.z, times)
+        self.rapid(self.groove.retract_end(self.depth), self.column, times)
     }
 
     /// To column `n`, from 0.
     fn shift(&mut self, n: u64, times: u64) -> Result<(), Alarm> {
-        self.rapid(self.groove.call.start.x, self.groove.column_at(n), times)
+        self.rapid(self.groove.call.level(), self.groove.column_at(n), times)
     }
 
     /// A rapid, unless the tool is there.
-    fn rapid(&mut self, x: Length, z: Length, times: u64) -> Result<(), Alarm> {
-        if (x, z) == (self.at.x, self.at.z) {
+    fn rapid(&mut self, depth: Length, column: Length, times: u64) -> Result<(), Alarm> {
+        if (depth, column) == (self.depth, self.column) {
             return Ok(());
         }
-        self.go(x, z, MoveKind::Rapid, times)
+        self.go(depth, column, MoveKind::Rapid, times)
     }
 
-    fn go(&mut self, x: Length, z: Length, kind: MoveKind, times: u64) -> Result<(), Alarm> {
-        let from = self.at;
-        (self.at.x, self.at.z) = (x, z);
+    fn go(
+        &mut self,
+        depth: Length,
+        column: Length,
+        kind: MoveKind,
+        times: u64,
+    ) -> Result<(), Alarm> {
+        let call = &self.groove.call;
+        let from = call.place(self.depth, self.column);
+        (self.depth, self.column) = (depth, column);
         let step = Move {
             span: self.groove.span(),
-            to: self.at,
+            to: call.place(depth, column),
             kind,
             tag: None,
         };

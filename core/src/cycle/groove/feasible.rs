@@ -5,7 +5,7 @@ use core::time::Duration;
 
 use super::moves::GrooveMoves;
 use crate::alarm::{Alarm, Arg, Code};
-use crate::call::{GrooveCall, Position};
+use crate::call::{GrooveCall, TapAxis};
 use crate::feasible::inside;
 use crate::motion::{Limits, plan};
 use crate::params::Params;
@@ -17,8 +17,12 @@ use crate::units::{Axis, Length};
 /// first column, and the start level.
 pub(crate) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Result<(), Alarm> {
     let (call, span) = (groove.call(), groove.span());
-    let start = call.start;
-    let to = |x, z| inside(Position { x, z, ..start }, span, params);
+    let (level, column) = (call.level(), call.first());
+    let axis = |axis| match axis {
+        TapAxis::X => Axis::X,
+        TapAxis::Z => Axis::Z,
+    };
+    let to = |depth, column| inside(call.place(depth, column), span, params);
     // The limit in the direction of a way.
     let ahead = |axis, way: Length| {
         Length::from_nm(if way > Length::ZERO {
@@ -28,19 +32,19 @@ pub(crate) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Res
         })
     };
     let first = groove.infeed_end(1);
-    to(first, start.z)?;
+    to(first, column)?;
     if groove.totals().infeeds > 1 {
-        to(groove.retract_end(first), start.z)?;
+        to(groove.retract_end(first), column)?;
     }
-    let limit = ahead(Axis::X, call.end_x.value - start.x);
+    let limit = ahead(axis(call.axis), call.bottom().value - level);
     let beyond = groove.infeed_beyond(limit);
-    to(groove.infeed_end(beyond), start.z)?;
-    let aside = groove.relief_end(start.z);
-    to(call.end_x.value, aside)?;
-    to(start.x, aside)?;
-    let limit = ahead(Axis::Z, call.end_z.value - start.z);
+    to(groove.infeed_end(beyond), column)?;
+    let aside = groove.relief_end(column);
+    to(call.bottom().value, aside)?;
+    to(level, aside)?;
+    let limit = ahead(axis(call.axis.other()), call.last().value - column);
     let beyond = groove.column_beyond(limit);
-    to(start.x, groove.column_at(beyond))
+    to(level, groove.column_at(beyond))
 }
 
 /// The time of a groove at full override: each kind of move planned once.
@@ -65,10 +69,11 @@ pub(crate) fn groove_time(groove: &GrooveMoves, params: &Params) -> Result<Durat
 #[must_use]
 pub fn groove_warning(call: &GrooveCall) -> Option<Alarm> {
     let (peck, retract) = (call.peck?, call.retract.value);
-    let pecks = (call.end_x.value - call.start.x).abs() > peck.value;
+    let pecks = (call.bottom().value - call.level()).abs() > peck.value;
     (pecks && retract > peck.value).then(|| {
+        let [_, letter, _] = GrooveCall::letters(call.axis);
         Alarm::new(Code::GrooveRetractLong, peck.span)
-            .word(b'P')
+            .word(letter)
             .with([Arg::Length(peck.value), Arg::Length(retract)])
     })
 }

@@ -1,16 +1,16 @@
-//! G75: turns one call into its moves, lazily and in constant memory ([G75 sheet]).
+//! G75 and G74: turns one call into its moves, lazily and in constant memory ([G75 sheet]).
 
 use super::refuse::refuse_groove;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::call::GrooveCall;
+use crate::call::{GrooveCall, TapAxis};
 use crate::cycle::check::blame;
 use crate::moves::{Cycle, Move, MoveKind, Stage, Tag};
 use crate::units::Length;
 
-/// The moves of a G75 cycle.
+/// The moves of a G75 or G74 cycle.
 ///
-/// In each column the tool pecks along X with a retract of e between pecks, moves Δd aside at the bottom, returns to the
-/// start level and goes on to the next column. Targets are absolute and independent of the retract. Moves of zero length
+/// In each column the tool pecks along X (G74: Z) with a retract of e between pecks, moves Δd aside at the bottom, returns to
+/// the start level and goes on to the next column. Targets are absolute and independent of the retract. Moves of zero length
 /// are left out. The last move ends at A. Nothing can fail after the value is made.
 #[derive(Clone, Copy, Debug)]
 pub struct GrooveMoves {
@@ -28,8 +28,8 @@ pub struct GrooveMoves {
     next: Next,
     /// Deepest target of the column so far.
     target: Length,
-    /// Z of the column.
-    column_z: Length,
+    /// The column.
+    column_at: Length,
     column: u32,
     pecks: u32,
 }
@@ -59,12 +59,12 @@ impl GrooveMoves {
 
     /// The moves of a call that [`refuse_groove`] has accepted.
     pub(crate) fn of(call: &GrooveCall, span: Span) -> Self {
-        let infeed = (call.end_x.value - call.start.x).signum();
-        let across = (call.end_z.value - call.start.z).signum();
-        // Against the infeed along Z; the sheet's step 4 puts an equal Z on the negative side, its R word a missing Z on
-        // the positive one.
+        let infeed = (call.bottom().value - call.level()).signum();
+        let across = (call.last().value - call.first()).signum();
+        // Against the way to the last column; the sheet's step 4 puts an equal Z on the negative side, its R word a
+        // missing Z on the positive one.
         let aside = match across {
-            0 if call.z_written => -1,
+            0 if call.last_written => -1,
             0 => 1,
             sign => sign.wrapping_neg(),
         };
@@ -80,7 +80,10 @@ impl GrooveMoves {
                 to: call.start,
                 kind: MoveKind::Rapid,
                 tag: Some(Tag {
-                    cycle: Cycle::G75,
+                    cycle: match call.axis {
+                        TapAxis::X => Cycle::G75,
+                        TapAxis::Z => Cycle::G74,
+                    },
                     pass: 1,
                     start: 0,
                     peck: 0,
@@ -89,8 +92,8 @@ impl GrooveMoves {
                 }),
             },
             next: Next::Peck,
-            target: call.start.x,
-            column_z: call.start.z,
+            target: call.level(),
+            column_at: call.first(),
             column: 1,
             pecks: 0,
         }
@@ -106,24 +109,29 @@ impl GrooveMoves {
         })
     }
 
-    /// Moves to (`x`, `z`) as a rapid, unless the tool is there.
-    fn rapid(&mut self, x: Length, z: Length, stage: Stage) -> bool {
-        if x == self.made.to.x && z == self.made.to.z {
+    /// The tool, on the axis of the pecks and on the other.
+    const fn at(&self) -> (Length, Length) {
+        let axis = self.call.axis;
+        (axis.of(self.made.to), axis.other().of(self.made.to))
+    }
+
+    /// Moves to a depth and a column as a rapid, unless the tool is there.
+    fn rapid(&mut self, depth: Length, across: Length, stage: Stage) -> bool {
+        if (depth, across) == self.at() {
             return false;
         }
         self.made.kind = MoveKind::Rapid;
-        self.go(x, z, stage, 0)
+        self.go(depth, across, stage, 0)
     }
 
     /// Completes the last move, which already has its kind.
-    fn go(&mut self, x: Length, z: Length, stage: Stage, peck: u32) -> bool {
-        self.made.to.x = x;
-        self.made.to.z = z;
+    fn go(&mut self, depth: Length, across: Length, stage: Stage, peck: u32) -> bool {
+        self.made.to = self.call.place(depth, across);
         if let Some(tag) = &mut self.made.tag {
             tag.pass = self.column;
             tag.peck = peck;
             tag.stage = stage;
-            tag.depth = (x - self.call.start.x).abs();
+            tag.depth = (depth - self.call.level()).abs();
         }
         true
     }
@@ -131,11 +139,11 @@ impl GrooveMoves {
     /// The next move by reference: [`Iterator::next`] without the copy.
     pub fn advance(&mut self) -> Option<&Move> {
         loop {
-            let level = self.call.start.x;
-            let at = self.made.to;
+            let level = self.call.level();
+            let (depth, across) = self.at();
             let made = match self.next {
                 Next::Peck => {
-                    let bottom = self.call.end_x.value;
+                    let bottom = self.call.bottom().value;
                     self.target = clip(self.target + self.peck, bottom, self.peck);
                     self.pecks = self.pecks.saturating_add(1);
                     self.next = if self.target == bottom {
@@ -144,29 +152,29 @@ impl GrooveMoves {
                         Next::Back
                     };
                     self.made.kind = MoveKind::Feed(self.call.feed);
-                    self.go(self.target, at.z, Stage::Peck, self.pecks)
+                    self.go(self.target, across, Stage::Peck, self.pecks)
                 }
                 Next::Back => {
                     self.next = Next::Peck;
-                    let back = clip(at.x - self.retract, level, -self.peck);
-                    self.rapid(back, at.z, Stage::Retract)
+                    let back = clip(depth - self.retract, level, -self.peck);
+                    self.rapid(back, across, Stage::Retract)
                 }
                 Next::Relief => {
                     self.next = Next::Level;
-                    self.rapid(at.x, at.z + self.relief, Stage::Relief)
+                    self.rapid(depth, across + self.relief, Stage::Relief)
                 }
                 Next::Level => {
-                    self.next = if self.column_z == self.call.end_z.value {
+                    self.next = if self.column_at == self.call.last().value {
                         Next::Return
                     } else {
                         Next::Shift
                     };
-                    self.rapid(level, at.z, Stage::Retract)
+                    self.rapid(level, across, Stage::Retract)
                 }
                 Next::Shift => {
-                    let end = self.call.end_z.value;
-                    self.column_z = clip(self.column_z + self.step, end, self.step);
-                    let made = self.rapid(level, self.column_z, Stage::Shift);
+                    let last = self.call.last().value;
+                    self.column_at = clip(self.column_at + self.step, last, self.step);
+                    let made = self.rapid(level, self.column_at, Stage::Shift);
                     self.column = self.column.saturating_add(1);
                     self.target = level;
                     self.pecks = 0;
@@ -175,7 +183,7 @@ impl GrooveMoves {
                 }
                 Next::Return => {
                     self.next = Next::Done;
-                    self.rapid(level, self.call.start.z, Stage::Return)
+                    self.rapid(level, self.call.first(), Stage::Return)
                 }
                 Next::Done => return None,
             };

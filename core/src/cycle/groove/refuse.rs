@@ -16,21 +16,22 @@ const RETRACT_INFEEDS: i64 = 10;
 #[inline(never)]
 pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> {
     in_range(span, |see| call.lengths(see))?;
-    if call.end_x.value == call.start.x {
-        let word = &call.end_x.span;
-        return Err(blame(Code::GrooveWithoutDepth, span, word, b'X'));
+    let [bottom, peck_letter, step_letter] = GrooveCall::letters(call.axis);
+    if call.bottom().value == call.level() {
+        let word = &call.bottom().span;
+        return Err(blame(Code::GrooveWithoutDepth, span, word, bottom));
     }
-    step(&call.peck, b'P', span)?;
-    if call.end_z.value != call.start.z {
-        step(&call.step, b'Q', span)?;
+    step(&call.peck, peck_letter, span)?;
+    if call.last().value != call.first() {
+        step(&call.step, step_letter, span)?;
     }
     let count = GrooveCount::of(call);
     let (infeeds, columns) = (count.infeeds, count.columns);
     if infeeds.saturating_mul(columns) > GROOVE_INFEEDS {
         let (word, letter) = if infeeds >= columns {
-            (&call.peck, b'P')
+            (&call.peck, peck_letter)
         } else {
-            (&call.step, b'Q')
+            (&call.step, step_letter)
         };
         let word = word.map_or_else(Span::default, |word| word.span);
         let figures = [infeeds, columns, GROOVE_INFEEDS].map(|count| Arg::Int(count as i64));
@@ -45,7 +46,7 @@ pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> 
             Arg::Length(retract),
             Arg::Int(RETRACT_INFEEDS),
         ];
-        return Err(blame(Code::GrooveRetractTooLong, span, &peck.span, b'P').with(figures));
+        return Err(blame(Code::GrooveRetractTooLong, span, &peck.span, peck_letter).with(figures));
     }
     Ok(())
 }

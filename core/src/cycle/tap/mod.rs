@@ -20,4 +20,5 @@ pub use join::TapJoin;
 pub(crate) use mode::{TapPart, Tapping, rigid_code};
 pub use moves::TapMoves;
 pub(crate) use refuse::refuse_tap;
+pub(crate) use return_words::is_tap_return;
 pub(super) use way_out::way_out;

@@ -5,6 +5,7 @@
 //! cycle's block (5200.0 = 1). It ends with the cycle: G80, a G code of group 01, M02, M30. Ending it clears S. A cycle
 //! without rigid mode is ordinary tapping: the spindle turns by M03 or M04 and its S.
 
+use super::return_words::is_tap_return;
 use super::words::Kept;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{Selection, SpindleCall, SpindleChoice, TapCall, TapSpindle};
@@ -144,6 +145,7 @@ impl Tapping {
         self.refuse_after_return(block)?;
         if let Some(word) = codes.one_shot
             && word.value.mantissa() == 30
+            && is_tap_return(block)
         {
             return Ok(TapPart::Return(word));
         }

@@ -18,12 +18,6 @@ impl Tapping {
         word: &Word,
         plan: &mut Plan,
     ) -> Result<(), Alarm> {
-        let is_return = block
-            .find(b'P')
-            .is_some_and(|p| !p.value.has_point() && p.value.mantissa() == 99);
-        if !is_return {
-            return Err(named(word, Code::GNotAvailable));
-        }
         let groups = [Group::Motion, Group::Canned].map(|group| block.g(group));
         let functions = [
             MGroup::Spindle,
@@ -86,6 +80,13 @@ impl Tapping {
             _ => Ok(()),
         }
     }
+}
+
+/// True where the G30 of a block is the return of a tap: G30 P99.
+pub(crate) fn is_tap_return(block: &Block) -> bool {
+    block
+        .find(b'P')
+        .is_some_and(|p| !p.value.has_point() && p.value.mantissa() == 99)
 }
 
 fn rpm(speed: u32) -> Rpm {

@@ -1,6 +1,6 @@
-//! G76 and G78: threads ([G76 sheet], [G78 sheet]).
+//! G76, G78 and G92: threads ([G76 sheet], [G78 sheet]).
 //!
-//! `words` reads the words of both cycles, `run_out` what J and K leave out. `refuse` has what geometry forbids. `depth`
+//! `words` reads the words of G76 and G78, `single` those of G92, `run_out` what J and K leave out. `refuse` has what geometry forbids. `depth`
 //! divides the height into passes; `shape`, `slope` and `taper` place a pass; `helix` gives its start angle; `moves` makes
 //! the moves. `feasible` asks what the machine can do at the commanded speed.
 
@@ -11,6 +11,7 @@ mod moves;
 mod refuse;
 mod run_out;
 mod shape;
+mod single;
 mod slope;
 mod taper;
 mod words;
@@ -19,4 +20,4 @@ pub use feasible::{
     FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread_can_run, thread_findings, thread_report,
 };
 pub use moves::{ThreadMoves, ThreadSummary};
-pub(crate) use words::ThreadWords;
+pub(crate) use words::{ThreadWords, TwoBlock};

@@ -38,6 +38,8 @@ pub struct ThreadMoves {
     /// Helix angle from the pass's start to its stroke and to its run-out, in millionths of a degree.
     to_line: u32,
     to_leave: u32,
+    /// Angle of the first start.
+    first_angle: StartAngle,
     /// Start angle in millionths of a degree.
     angle: u32,
     /// The last rapid and the last synchronous move. They already hold most of the next move. Changing three fields before
@@ -139,6 +141,7 @@ impl ThreadMoves {
             cycle: match call.cycle {
                 ThreadCycle::G76 => Cycle::G76,
                 ThreadCycle::G78 => Cycle::G78,
+                ThreadCycle::G92 => Cycle::G92,
             },
             pass: 0,
             start: 1,
@@ -154,8 +157,8 @@ impl ThreadMoves {
         };
         let synchronous = ThreadMove {
             lead: call.lead.value,
-            pass_angle: StartAngle::INDEX,
-            angle_udeg: 0,
+            pass_angle: call.first_angle,
+            angle_udeg: micros(call.first_angle),
             long_x: shape.long_x,
             last: false,
             rpm: call.rpm,
@@ -188,7 +191,8 @@ impl ThreadMoves {
             stroke: Stage::Rough,
             to_line: 0,
             to_leave: 0,
-            angle: 0,
+            first_angle: call.first_angle,
+            angle: micros(call.first_angle),
             rapid,
             thread: Move {
                 kind: MoveKind::Thread(synchronous),
@@ -335,8 +339,9 @@ impl ThreadMoves {
     #[cold]
     fn turn_to(&mut self, start: u8) {
         self.start = start;
-        let angle = start_angle(start.wrapping_sub(1), self.starts);
-        self.angle = angle.mdeg().wrapping_mul(1000);
+        let further = start_angle(start.wrapping_sub(1), self.starts);
+        let angle = StartAngle::from_mdeg(self.first_angle.mdeg().wrapping_add(further.mdeg()));
+        self.angle = micros(angle);
         if let MoveKind::Thread(thread) = &mut self.thread.kind {
             thread.pass_angle = angle;
         }
@@ -387,6 +392,11 @@ impl ThreadMoves {
         }
         Some(next)
     }
+}
+
+/// In millionths of a degree.
+const fn micros(angle: StartAngle) -> u32 {
+    angle.mdeg().wrapping_mul(1000)
 }
 
 impl Iterator for ThreadMoves {
@@ -491,6 +501,7 @@ mod tests {
                 CutIn::Trailing,
             ][draw(0, 5) as usize]),
             starts: at(1),
+            first_angle: StartAngle::INDEX,
             run_in: at(nm(run_in)),
             run_out: (!left_out).then(|| RunOut {
                 short: at(nm(draw(1, size / 4))),

@@ -4,7 +4,7 @@ use super::shape::is_long_x;
 use super::slope::HalfAngle;
 use super::taper::scaled;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::call::ThreadCall;
+use crate::call::{ThreadCall, ThreadCycle};
 use crate::cycle::check::{blame, in_range};
 use crate::units::{Diameter, Length, signed_product};
 
@@ -29,7 +29,8 @@ pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> 
         let figures = [Arg::Length(at.value), Arg::Length(height)];
         Err(blame(code, span, &at.span, letter).with(figures))
     };
-    if call.allowance.value >= height {
+    // G92 has no height to divide.
+    if call.cycle != ThreadCycle::G92 && call.allowance.value >= height {
         return against_height(Code::AllowanceTooLarge, &call.allowance, b'R');
     }
     if call.min_step.value > height {

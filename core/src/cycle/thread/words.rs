@@ -1,11 +1,13 @@
 //! The words of G76 and G78 ([G76 sheet], [G78 sheet]): first blocks kept per cycle [D21], leads apart from feeds [D20],
-//! every word resolved or its parameter taken. Both cycles have one reading; [`Rules`] says what differs.
+//! every word resolved or its parameter taken. G76 and G78 have one reading; [`Rules`] says what differs. The words of
+//! G92 are those of `single`.
 
 use super::run_out::Chamfer;
+use super::single::Single;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{CallKind, CutIn, Infeed, ThreadCall, ThreadCycle};
 use crate::text::{Block, Dialect, Letters, Modal, PLANE_AXES, Plan, Range, Word};
-use crate::units::{Lead, Length};
+use crate::units::{Lead, Length, StartAngle};
 
 /// P(m)(r)(a): what its digits wrote.
 #[derive(Clone, Copy, Debug)]
@@ -29,9 +31,9 @@ struct First {
 
 /// Words that may stand in either block.
 #[derive(Clone, Copy, Debug)]
-struct Extras {
-    j: Option<At<Length>>,
-    k: Option<At<Length>>,
+pub(super) struct Extras {
+    pub(super) j: Option<At<Length>>,
+    pub(super) k: Option<At<Length>>,
     e: Option<At<Length>>,
 }
 
@@ -41,6 +43,22 @@ impl Extras {
         k: None,
         e: None,
     };
+
+    /// J, K and E.
+    pub(super) fn read(modal: &Modal<'_>, block: &Block, range: Range) -> Result<Self, Alarm> {
+        let read = |letter| match block.find(letter) {
+            Some(word) => {
+                word.not_negative()?;
+                modal.scale.distance(&word, range).map(Some)
+            }
+            None => Ok(None),
+        };
+        Ok(Self {
+            j: read(b'J')?,
+            k: read(b'K')?,
+            e: read(b'E')?,
+        })
+    }
 
     /// These words where written, else those of the first block [D5].
     fn or(self, first: Self) -> Self {
@@ -58,11 +76,13 @@ pub(crate) struct ThreadWords {
     g76: First,
     g78: First,
     /// F or I of the latest thread block that had one.
-    lead: Option<At<Lead>>,
+    pub(super) lead: Option<At<Lead>>,
     /// L.
-    starts: At<u8>,
-    /// J and K of the latest G78 that had any: modal as words, because what they leave out follows each thread's own lead.
-    run_out: (Option<At<Length>>, Option<At<Length>>),
+    pub(super) starts: At<u8>,
+    /// What G92 keeps as long as its mode lasts.
+    pub(super) g92: Single,
+    /// J and K of the latest G78 or G92 that had any: modal as words, because what they leave out follows each thread's own lead.
+    pub(super) run_out: (Option<At<Length>>, Option<At<Length>>),
 }
 
 impl ThreadWords {
@@ -84,18 +104,26 @@ impl ThreadWords {
             g78: FIRST,
             lead: None,
             starts: At::new(1, NOWHERE),
+            g92: Single::NONE,
             run_out: (None, None),
         }
     }
 }
 
-fn parameter<T>(value: T) -> At<T> {
+pub(super) fn parameter<T>(value: T) -> At<T> {
     At::new(value, Span::default())
+}
+
+/// A cycle of two blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TwoBlock {
+    G76,
+    G78,
 }
 
 /// What differs between the two cycles in how their words are read.
 struct Rules {
-    cycle: ThreadCycle,
+    cycle: TwoBlock,
     letters: Letters,
     /// J, K, E, and the depths in the cycle's block.
     length: Range,
@@ -107,9 +135,9 @@ struct Rules {
 }
 
 impl Rules {
-    fn of(cycle: ThreadCycle, modal: &Modal<'_>) -> Self {
+    fn of(cycle: TwoBlock, modal: &Modal<'_>) -> Self {
         match cycle {
-            ThreadCycle::G76 => Self {
+            TwoBlock::G76 => Self {
                 cycle,
                 letters: Letters::of(b"PQRJKI"),
                 length: Range::EIGHT_DIGITS,
@@ -117,7 +145,7 @@ impl Rules {
                 min_step: modal.scale.min_step(),
                 allowance: modal.scale.small(),
             },
-            ThreadCycle::G78 => Self {
+            TwoBlock::G78 => Self {
                 cycle,
                 letters: Letters::of(b"PQRJKIDLE"),
                 length: Range::NINE_DIGITS,
@@ -131,8 +159,8 @@ impl Rules {
     /// A depth, P or Q.
     fn depth(&self, modal: &Modal<'_>, word: &Word, range: Range) -> Result<At<Length>, Alarm> {
         match self.cycle {
-            ThreadCycle::G76 => modal.p_or_q(word, range),
-            ThreadCycle::G78 => modal.scale.distance(word, range),
+            TwoBlock::G76 => modal.p_or_q(word, range),
+            TwoBlock::G78 => modal.scale.distance(word, range),
         }
     }
 
@@ -154,46 +182,29 @@ impl Rules {
         }
     }
 
-    /// J, K and E.
-    fn extras(&self, modal: &Modal<'_>, block: &Block) -> Result<Extras, Alarm> {
-        let read = |letter| match block.find(letter) {
-            Some(word) => {
-                word.not_negative()?;
-                modal.scale.distance(&word, self.length).map(Some)
-            }
-            None => Ok(None),
-        };
-        Ok(Extras {
-            j: read(b'J')?,
-            k: read(b'K')?,
-            e: read(b'E')?,
-        })
-    }
-
-    /// The source of what J and K leave out. G76 writes its length as P(r); the 980TD knows 45° alone there.
+    /// The source of what J and K leave out. G76 writes its length as P(r).
     fn chamfer(&self, modal: &Modal<'_>, p: Option<Digits>) -> Chamfer {
-        let is_g76 = self.cycle == ThreadCycle::G76;
-        let tenths = match p {
-            Some(Digits {
-                r: Some(r), span, ..
-            }) if is_g76 => At::new(r, span),
-            _ => parameter(modal.params.thread_chamfer()),
-        };
-        let degrees = match (modal.options.dialect, modal.params.thread_chamfer_angle()) {
-            (Dialect::Gsk980td, _) if is_g76 => 45,
-            // 5131 = 0 means 45.
-            (_, 0) => 45,
-            (_, degrees) => degrees,
-        };
-        Chamfer { tenths, degrees }
+        match (self.cycle, p) {
+            (
+                TwoBlock::G76,
+                Some(Digits {
+                    r: Some(r), span, ..
+                }),
+            ) => Chamfer::plain(modal, At::new(r, span)),
+            (TwoBlock::G76, _) => Chamfer::plain(modal, parameter(modal.params.thread_chamfer())),
+            (TwoBlock::G78, _) => Chamfer {
+                tenths: parameter(modal.params.thread_chamfer()),
+                degrees: chamfer_angle(modal),
+            },
+        }
     }
 
     /// How the tool enters: P(r) of G78, or 5144.
     fn cut_in(&self, modal: &Modal<'_>, p: Option<Digits>) -> At<CutIn> {
         match (self.cycle, p) {
-            (ThreadCycle::G76, _) => parameter(CutIn::Trailing),
+            (TwoBlock::G76, _) => parameter(CutIn::Trailing),
             (
-                ThreadCycle::G78,
+                TwoBlock::G78,
                 Some(Digits {
                     r: Some(r @ 0..=4),
                     span,
@@ -207,10 +218,10 @@ impl Rules {
     /// How depth grows: D of G78, or 5145.
     fn infeed(&self, modal: &Modal<'_>, written: Option<At<Infeed>>) -> Infeed {
         match (self.cycle, written) {
-            (ThreadCycle::G76, _) => Infeed::Decreasing,
-            (ThreadCycle::G78, Some(infeed)) => infeed.value,
-            (ThreadCycle::G78, None) if modal.params.thread_infeed() == 0 => Infeed::Equal,
-            (ThreadCycle::G78, None) => Infeed::Decreasing,
+            (TwoBlock::G76, _) => Infeed::Decreasing,
+            (TwoBlock::G78, Some(infeed)) => infeed.value,
+            (TwoBlock::G78, None) if modal.params.thread_infeed() == 0 => Infeed::Equal,
+            (TwoBlock::G78, None) => Infeed::Decreasing,
         }
     }
 }
@@ -219,7 +230,7 @@ impl ThreadWords {
     /// A block of G76 or G78 (`word`): the first block, or the cycle.
     pub(crate) fn read(
         &mut self,
-        cycle: ThreadCycle,
+        cycle: TwoBlock,
         modal: &Modal<'_>,
         block: &Block,
         word: &Word,
@@ -228,7 +239,7 @@ impl ThreadWords {
         let rules = Rules::of(cycle, modal);
         block.only(PLANE_AXES.and(rules.letters))?;
         self.read_lead(modal, block)?;
-        let extras = rules.extras(modal, block)?;
+        let extras = Extras::read(modal, block, rules.length)?;
         let written = match block.find(b'D') {
             Some(d) => Some(infeed(&d)?),
             None => None,
@@ -237,8 +248,8 @@ impl ThreadWords {
             self.starts = starts(&l)?;
         }
         let first = match cycle {
-            ThreadCycle::G76 => &mut self.g76,
-            ThreadCycle::G78 => &mut self.g78,
+            TwoBlock::G76 => &mut self.g76,
+            TwoBlock::G78 => &mut self.g78,
         };
         if !block.has_any(PLANE_AXES) {
             first.read(&rules, modal, block, plan)?;
@@ -267,8 +278,8 @@ impl ThreadWords {
             ..
         } = *first;
         let (j, k) = match cycle {
-            ThreadCycle::G76 => (extras.j, extras.k),
-            ThreadCycle::G78 => {
+            TwoBlock::G76 => (extras.j, extras.k),
+            TwoBlock::G78 => {
                 if extras.j.is_some() || extras.k.is_some() {
                     self.run_out = (extras.j, extras.k);
                 }
@@ -277,7 +288,10 @@ impl ThreadWords {
         };
         let params = modal.params;
         let call = ThreadCall {
-            cycle,
+            cycle: match cycle {
+                TwoBlock::G76 => ThreadCycle::G76,
+                TwoBlock::G78 => ThreadCycle::G78,
+            },
             start: modal.position,
             end_x: At::new(end.x, x),
             end_z: At::new(end.z, z),
@@ -299,12 +313,13 @@ impl ThreadWords {
             infeed: rules.infeed(modal, written.or(infeed)),
             cut_in: rules.cut_in(modal, p),
             starts: match cycle {
-                ThreadCycle::G76 => parameter(1),
-                ThreadCycle::G78 => self.starts,
+                TwoBlock::G76 => parameter(1),
+                TwoBlock::G78 => self.starts,
             },
             run_in: extras.e.unwrap_or_else(|| parameter(Length::ZERO)),
             run_out: rules.chamfer(modal, p).resolve(j, k, lead.value),
             lead,
+            first_angle: StartAngle::INDEX,
             increment: modal.scale.increment(),
             rpm: modal.rpm(),
         };
@@ -313,7 +328,7 @@ impl ThreadWords {
     }
 
     /// F or I: the lead from now on.
-    fn read_lead(&mut self, modal: &Modal<'_>, block: &Block) -> Result<(), Alarm> {
+    pub(super) fn read_lead(&mut self, modal: &Modal<'_>, block: &Block) -> Result<(), Alarm> {
         let lead = match (block.find(b'F'), block.find(b'I')) {
             (None, None) => return Ok(()),
             (Some(f), Some(i)) => {
@@ -339,7 +354,7 @@ impl First {
     ) -> Result<(), Alarm> {
         if let Some(p) = block.find(b'P') {
             let digits = digits(&p)?;
-            if rules.cycle == ThreadCycle::G78
+            if rules.cycle == TwoBlock::G78
                 && let Some(r @ 5..) = digits.r
             {
                 plan.warn(p.alarm(Code::CutInMode).with([Arg::Int(i64::from(r))]));
@@ -355,6 +370,25 @@ impl First {
             self.allowance = Some(modal.scale.distance(&r, rules.allowance)?);
         }
         Ok(())
+    }
+}
+
+impl Chamfer {
+    /// The run-out of G76 and G92: the 980TD knows 45° alone.
+    pub(super) fn plain(modal: &Modal<'_>, tenths: At<u8>) -> Self {
+        let degrees = match modal.options.dialect {
+            Dialect::Gsk980td => 45,
+            Dialect::Gsk988 => chamfer_angle(modal),
+        };
+        Self { tenths, degrees }
+    }
+}
+
+/// 5131, degrees; 0 is 45.
+fn chamfer_angle(modal: &Modal<'_>) -> u8 {
+    match modal.params.thread_chamfer_angle() {
+        0 => 45,
+        degrees => degrees,
     }
 }
 
@@ -385,7 +419,7 @@ fn infeed(word: &Word) -> Result<At<Infeed>, Alarm> {
     Ok(At::new(infeed, word.span))
 }
 
-fn starts(word: &Word) -> Result<At<u8>, Alarm> {
+pub(super) fn starts(word: &Word) -> Result<At<u8>, Alarm> {
     match (word.value.has_point(), word.value.mantissa()) {
         (true, _) => Err(word.alarm(Code::PointInInteger)),
         (false, starts @ 1..=99) => Ok(At::new(starts as u8, word.span)),

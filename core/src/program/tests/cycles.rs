@@ -123,7 +123,7 @@ fn o0008_as_printed() {
     assert_eq!(groove.start, at(1_250_000, -240_000));
     assert_eq!(groove.end_x.value, mm(20));
     assert_eq!(groove.end_z.value, mm(-50));
-    assert!(groove.z_written);
+    assert!(groove.last_written);
     assert_eq!(groove.peck.map(|peck| peck.value), Some(mm(3)));
     assert_eq!(groove.step.map(|step| step.value), Some(mm(3)));
     assert_eq!(groove.relief.value, mm(0));
@@ -341,7 +341,7 @@ fn p_and_q_follow_the_dialect() {
 fn words_of_g75() {
     let of = |text: &str| groove(&std::format!("G0 X50 Z0 G98 F100\n{text}"));
     let call = of("G75 X40 P20000");
-    assert!(!call.z_written && call.step.is_none());
+    assert!(!call.last_written && call.step.is_none());
     assert_eq!(call.end_z.value, mm(0));
     assert_eq!(call.retract.value, um(500));
     assert_eq!(call.retract.span, Span::default());
@@ -350,7 +350,7 @@ fn words_of_g75() {
     assert_eq!(call.retract.value, mm(1));
     assert_eq!(call.relief.value, um(200));
     let call = of("G75 X40 Z0 P20000");
-    assert!(call.z_written && call.step.is_none());
+    assert!(call.last_written && call.step.is_none());
     // An odd increment of a diameter has an exact half.
     let call = of("G75 X40 P3");
     assert_eq!(call.peck.map(|peck| peck.value), Some(Length::from_nm(150)));

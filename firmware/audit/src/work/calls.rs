@@ -4,7 +4,7 @@ use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::call::{
     CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, ThreadCall, ThreadCycle,
 };
-use leadscrew_core::units::{Angle, Feed, Lead, Length, Remainder, Rpm};
+use leadscrew_core::units::{Angle, Feed, Lead, Length, Remainder, Rpm, StartAngle};
 
 fn at<T>(value: T) -> At<T> {
     At::new(value, Span::default())
@@ -48,6 +48,7 @@ pub fn o0013() -> ThreadCall {
             long_rest: Remainder::ZERO,
         }),
         lead: at(lead(6_000)),
+        first_angle: StartAngle::INDEX,
         increment: Length::from_nm(100),
         rpm: Rpm::new(300),
     }
@@ -56,10 +57,11 @@ pub fn o0013() -> ThreadCall {
 /// O0008 of the [G75 sheet]: 310 moves.
 pub fn o0008() -> GrooveCall {
     GrooveCall {
+        axis: TapAxis::X,
         start: position(125_000, -24_000),
         end_x: at(um(20_000)),
         end_z: at(um(-50_000)),
-        z_written: true,
+        last_written: true,
         peck: Some(at(um(3_000))),
         step: Some(at(um(3_000))),
         relief: at(Length::ZERO),
