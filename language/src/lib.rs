@@ -17,4 +17,9 @@
 //! It must not know sockets, files, boards or commands. Its input are bytes that can be read again from a place, its
 //! output are the calls of the core, with alarms that name line, column, cause and remedy.
 
+pub mod expression;
 pub mod plane;
+#[cfg(test)]
+mod random;
+pub mod text;
+pub mod value;
