@@ -5,7 +5,7 @@
 //! and functions come from one portable library: the bits are the same on every machine. This module must not know what
 //! a variable is, only how to ask for its value.
 
-mod functions;
+pub(crate) mod functions;
 #[cfg(test)]
 mod tests;
 

@@ -10,9 +10,10 @@ mod piece;
 #[cfg(test)]
 mod tests;
 
-pub use cursor::Cursor;
+pub use cursor::{Cursor, span};
 pub use glance::{Glance, glance};
-pub use piece::{Piece, begins_block, piece};
+use piece::begins_block;
+pub use piece::{Piece, piece};
 
 /// The parenthesis at the front of `text`: its bytes, and true where it opens.
 fn parenthesis(text: &[u8]) -> Option<(usize, bool)> {

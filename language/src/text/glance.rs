@@ -5,13 +5,13 @@ use super::{begins_block, parenthesis};
 /// What a look at a line has found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Glance {
-    /// Nothing that the core does not read by itself; `blocks` where any word stands in it.
+    /// Nothing that the core does not read by itself.
     Plain {
+        /// The end of what it reads: that of the line, or a `;` with a comment without parentheses after it.
+        until: usize,
         /// The line is more than comments, spaces and `%`.
         blocks: bool,
     },
-    /// The same up to this byte, a `;`; a comment without parentheses follows it.
-    PlainUntil(usize),
     /// Something that may be a macro, a call, a jump or a program number.
     Special,
 }
@@ -39,7 +39,7 @@ pub fn glance(text: &[u8], depth: &mut u32) -> Glance {
             b' ' | b'\t' | b'\r' | b'%' => {}
             b';' if !begins_block(&rest[1..]) => {
                 *depth = 0;
-                return Glance::PlainUntil(at);
+                return Glance::Plain { until: at, blocks };
             }
             b';' => {}
             _ if is_special(rest) => return Glance::Special,
@@ -48,7 +48,10 @@ pub fn glance(text: &[u8], depth: &mut u32) -> Glance {
         at += 1;
     }
     *depth = inside;
-    Glance::Plain { blocks }
+    Glance::Plain {
+        until: text.len(),
+        blocks,
+    }
 }
 
 /// True where something begins that the core does not read.

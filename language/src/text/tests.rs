@@ -47,7 +47,7 @@ fn a_look_tells_what_the_core_reads_alone() {
         let mut depth = 0;
         (glance(text.as_bytes(), &mut depth), depth)
     };
-    let plain = (Glance::Plain { blocks: true }, 0);
+    let plain = |until, blocks| Glance::Plain { until, blocks };
     for text in [
         "N10 G0 X1 Z-2.5 (o #1 [ goto)",
         "G1 X1; M30;",
@@ -57,11 +57,11 @@ fn a_look_tells_what_the_core_reads_alone() {
         "G60 M9 M980 G650",
         "X1E4 N5",
     ] {
-        assert_eq!(look(text), plain, "{text}");
+        assert_eq!(look(text), (plain(text.len(), true), 0), "{text}");
     }
-    assert_eq!(look("%"), (Glance::Plain { blocks: false }, 0));
-    assert_eq!(look("(a"), (Glance::Plain { blocks: false }, 1));
-    assert_eq!(look("G0 X1 ; note"), (Glance::PlainUntil(6), 0));
+    assert_eq!(look("%"), (plain(1, false), 0));
+    assert_eq!(look("(a"), (plain(2, false), 1));
+    assert_eq!(look("G0 X1 ; note"), (plain(6, true), 0));
     for text in [
         "#1=1",
         "X[1]",
@@ -81,10 +81,7 @@ fn a_look_tells_what_the_core_reads_alone() {
         assert_eq!(look(text).0, Glance::Special, "{text}");
     }
     let mut depth = 2;
-    assert_eq!(
-        glance(b"#1=5) a) M8", &mut depth),
-        Glance::Plain { blocks: true }
-    );
+    assert_eq!(glance(b"#1=5) a) M8", &mut depth), plain(11, true));
     assert_eq!(depth, 0);
 }
 
