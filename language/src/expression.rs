@@ -251,10 +251,13 @@ impl<'c, 't, L: Lookup> Calculator<'c, 't, L> {
     }
 
     fn one_of<T: Copy>(&mut self, list: &[(&str, T)]) -> Option<(T, Span)> {
-        self.cursor.skip();
-        let from = self.cursor.at();
-        let (_, found) = list.iter().find(|(word, _)| self.cursor.take_word(word))?;
-        Some((*found, self.cursor.span_from(from)))
+        // Where there is none, what was calculated ends before the spaces.
+        let mut ahead = *self.cursor;
+        ahead.skip();
+        let from = ahead.at();
+        let (_, found) = list.iter().find(|(word, _)| ahead.take_word(word))?;
+        *self.cursor = ahead;
+        Some((*found, ahead.span_from(from)))
     }
 
     fn deeper(&mut self) -> Result<(), Alarm> {

@@ -115,6 +115,8 @@ pub struct Flow<S> {
     frames: Vec<Frame>,
     /// The next block.
     at: Place,
+    /// The block of the latest step.
+    last: Place,
     /// Comments that are open in front of it.
     depth: u32,
     /// A block has been carried out.
@@ -139,6 +141,7 @@ impl<S: Source> Flow<S> {
             rules,
             frames: vec![Frame::main()],
             at: Place::START,
+            last: Place::START,
             depth: 0,
             started: false,
             over: false,
@@ -156,6 +159,21 @@ impl<S: Source> Flow<S> {
         &self.variables
     }
 
+    /// The line of the latest step.
+    #[must_use]
+    pub const fn line(&self) -> u32 {
+        self.last.line
+    }
+
+    /// The text of the line of the latest step.
+    ///
+    /// # Errors
+    /// The text cannot be read again.
+    pub fn line_text(&mut self) -> io::Result<&[u8]> {
+        let line = self.lines.line(self.last)?;
+        Ok(line.map_or(&[], |line| line.text))
+    }
+
     /// True where nothing more comes.
     #[must_use]
     pub const fn is_over(&self) -> bool {
@@ -170,6 +188,7 @@ impl<S: Source> Flow<S> {
         if self.over {
             return Ok(());
         }
+        self.last = self.at;
         let result = self.try_step(machine);
         self.over |= result.is_err();
         result

@@ -26,6 +26,7 @@ pub mod outline;
 pub mod plane;
 #[cfg(test)]
 mod random;
+pub mod reader;
 pub mod statement;
 pub mod text;
 pub mod value;

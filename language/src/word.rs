@@ -74,16 +74,17 @@ impl Word {
         }
     }
 
-    /// The number of the word for the core, with so many decimals at most; `None` for a word without a value.
+    /// The number of the word for the core, rounded to so many decimals where it was calculated; a count of increments has
+    /// `step` decimals. `None` for a word without a value.
     #[must_use]
-    pub fn decimal(&self, decimals: u8) -> Option<Decimal> {
+    pub fn decimal(&self, decimals: u8, step: u8) -> Option<Decimal> {
         match self.given {
             Given::Written(number) => Some(number),
             Given::Calculated(Value::Null) => None,
             Given::Calculated(Value::Number(number)) => Some(rounded(number, decimals)),
             Given::Calculated(Value::Increments(count)) => {
-                let step = libm::pow(10.0, f64::from(decimals));
-                Some(rounded(count / step, decimals))
+                let steps = libm::pow(10.0, f64::from(step));
+                Some(rounded(count / steps, decimals))
             }
         }
     }
@@ -292,7 +293,7 @@ mod tests {
                 (b'U', 30, 33)
             ]
         );
-        let decimal = |index: usize| all[index].decimal(3).map(|number| number.scaled(3));
+        let decimal = |index: usize| all[index].decimal(3, 3).map(|number| number.scaled(3));
         assert_eq!(decimal(1), Some(Ok(-12_346)));
         assert_eq!(decimal(2), Some(Ok(24_691)));
         assert_eq!(decimal(3), Some(Ok(200)));

@@ -3,12 +3,14 @@
 use super::block::Block;
 use super::call::{Call, Position};
 use super::lexer::{Comment, Cursor, Ended};
+use super::modal::Modal;
 use super::options::Options;
 use super::plan::Plan;
 use super::state::State;
 use super::tap_mode::rigid_code;
-use crate::alarm::{Alarm, Code};
+use crate::alarm::{Alarm, Code, Span};
 use crate::params::Params;
+use crate::units::Decimal;
 
 /// The output of a program, in the order in which the machine acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +72,47 @@ impl<'p> Interpreter<'p> {
         }
         self.failed = true;
         Err(Alarm::new(Code::UnknownCharacter, cursor.here()))
+    }
+
+    /// Takes in one block of line `line` as words: a capital letter, a number and a place for each. This is for a reader
+    /// that has calculated the numbers; the rules for them are those of a text.
+    ///
+    /// # Errors
+    /// The alarm that ends the program; blocks after it yield nothing.
+    pub fn words(
+        &mut self,
+        line: u32,
+        words: impl IntoIterator<Item = (u8, Decimal, Span)>,
+        out: &mut impl FnMut(Event),
+    ) -> Result<(), Alarm> {
+        self.plan.clear();
+        if self.is_ended() {
+            return Ok(());
+        }
+        if let Err(alarm) = self.try_words(line, words) {
+            self.failed = true;
+            self.plan.clear();
+            return Err(alarm);
+        }
+        while let Some(event) = self.plan.next() {
+            out(event);
+        }
+        Ok(())
+    }
+
+    fn try_words(
+        &mut self,
+        line: u32,
+        words: impl IntoIterator<Item = (u8, Decimal, Span)>,
+    ) -> Result<(), Alarm> {
+        self.block.clear(line);
+        for (letter, value, place) in words {
+            self.block.add(letter, value, place.column, place.end)?;
+        }
+        if !self.block.is_empty() {
+            self.state.run(&self.block, &mut self.plan)?;
+        }
+        Ok(())
     }
 
     /// Reads on from `cursor` to the end of its line.
@@ -150,6 +193,12 @@ impl<'p> Interpreter<'p> {
     #[must_use]
     pub const fn position(&self) -> Position {
         self.state.position
+    }
+
+    /// What the blocks so far have set.
+    #[must_use]
+    pub fn modal(&self) -> Modal {
+        self.state.modal_state()
     }
 
     /// True after G20: the program's lengths are inches.

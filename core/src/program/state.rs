@@ -54,7 +54,7 @@ pub(super) struct State<'p> {
     /// 17, 18 or 19.
     pub(super) plane: u8,
     /// Index of the work coordinate system: 0 is G54.
-    system: u8,
+    pub(super) system: u8,
     /// Offset number in force, 0 for none.
     offset: u8,
     /// What G50 has added to every coordinate system.

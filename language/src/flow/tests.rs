@@ -50,7 +50,7 @@ impl Machine for Recorder {
 
     fn words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
         let word = |word: &Word| {
-            let number = word.decimal(3)?;
+            let number = word.decimal(3, 3)?;
             let value = number.scaled(3).unwrap() as f64 / 1000.0;
             Some(format!("{}{value}", char::from(word.letter)))
         };
