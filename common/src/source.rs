@@ -117,6 +117,14 @@ impl Read for Text {
     }
 }
 
+impl Text {
+    /// Goes on at the front of a line, whose end may have been read before.
+    pub fn go_to(&mut self, byte: u64) -> io::Result<()> {
+        self.half = None;
+        self.from.seek(byte)
+    }
+}
+
 impl Read for Raw {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self {

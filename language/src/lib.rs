@@ -17,4 +17,18 @@
 //! It must not know sockets, files, boards or commands. Its input are bytes that can be read again from a place, its
 //! output are the calls of the core, with alarms that name line, column, cause and remedy.
 
+pub mod arguments;
+pub mod expression;
+pub mod flow;
+pub mod lines;
+mod macro_a;
+pub mod outline;
 pub mod plane;
+#[cfg(test)]
+mod random;
+pub mod reader;
+pub mod statement;
+pub mod text;
+pub mod value;
+pub mod variables;
+pub mod word;

@@ -94,6 +94,57 @@ impl Code {
 
 codes! {
 
+    // -- 00xx–01xx, 3000: macros and program flow, the numbers of FANUC; `language` ------------------------------------
+    /// M98, G65, G66 or M97 without P.
+    CallWithoutTarget = 76, "this call does not say what it calls: P is missing", "write P with the number of the program (M97: the number N of a block)",
+        "该调用没有指定对象：缺少 P", "请用 P 写程序号（M97 为程序段号 N）";
+    /// Calls inside calls; {0} how many there may be.
+    CallsTooDeep = 77, "calls are nested more than {0} deep", "let a subprogram return before the next one is called; does one call itself?",
+        "调用嵌套超过 {0} 层", "请先返回再调用；是否有子程序调用自身？";
+    /// No such program in the file; {0} its number.
+    ProgramNotFound = 78, "there is no program O{0} in this file", "write the subprogram into the same file, with O{0} in front and M99 at its end",
+        "本文件中没有程序 O{0}", "请将子程序写入同一文件，开头为 O{0}，结尾为 M99";
+    /// A result beyond the range of numbers.
+    MacroOverflow = 111, "the result is too large to be a number", "correct the values of this calculation",
+        "计算结果过大", "请修改参与计算的值";
+    /// A division by zero, or the tangent of a right angle.
+    DivisionByZero = 112, "this divides by zero", "test the divisor by IF before; TAN has no value at 90°",
+        "除数为零", "请先用 IF 判断除数；90° 没有正切值";
+    /// A macro statement that is not written as it must be.
+    MacroStatement = 114, "this macro statement is not complete, or has something else in this place",
+        "write `#1=…`, `IF[…]GOTO n`, `IF[…]THEN #1=…`, `GOTO n`, `WHILE[…]DO1` … `END1`, `G65 P… L…`, `M98 P…`",
+        "宏语句不完整，或此处出现了别的内容", "请写 `#1=…`、`IF[…]GOTO n`、`IF[…]THEN #1=…`、`GOTO n`、`WHILE[…]DO1` … `END1`、`G65 P… L…`、`M98 P…`";
+    /// A variable that does not exist, or that no value is known for here; {0} its number.
+    VariableNumber = 115, "there is no variable #{0}", "use #1 to #33, #100 to #199 or #500 to #999; `docs/language.md` lists the system variables",
+        "没有变量 #{0}", "请使用 #1 至 #33、#100 至 #199 或 #500 至 #999；系统变量见 `docs/language.md`";
+    /// A variable that cannot be written; {0} its number.
+    VariableReadOnly = 116, "variable #{0} can only be read", "write another variable", "变量 #{0} 只能读取", "请写入其他变量";
+    /// Brackets inside brackets; {0} how many there may be.
+    BracketsTooDeep = 118, "brackets are nested more than {0} deep", "put a part of it into a variable first",
+        "括号嵌套超过 {0} 层", "请先把一部分存入变量";
+    /// A value for which a function, or an operation on bits, has no result.
+    FunctionArgument = 119, "there is no result for this value", "SQRT takes 0 or more, LN more than 0, ASIN and ACOS −1 to 1, BIN and BCD whole numbers of 8 digits, AND OR XOR numbers of 32 bits",
+        "该值没有结果", "SQRT 的参数不小于 0，LN 大于 0，ASIN 和 ACOS 为 −1 至 1，BIN 和 BCD 为 8 位以内整数，AND OR XOR 为 32 位整数";
+    /// G66 inside G66; {0} how many there may be.
+    ModalCallsTooMany = 122, "more than {0} modal calls (G66) are in force", "write G67 first", "模态调用（G66）超过 {0} 层", "请先写 G67";
+    /// DO and END that do not belong together; {0} the number.
+    LoopUnmatched = 124, "DO{0} and END{0} do not belong together", "write one END{0} for each DO{0}, in the same program; loops inside each other have other numbers and do not cross",
+        "DO{0} 与 END{0} 不对应", "请在同一程序中为每个 DO{0} 写一个 END{0}；嵌套的循环使用不同的编号，且不得交叉";
+    /// An expression that is not written as it must be.
+    Formula = 125, "the expression cannot be read here", "write numbers, variables, functions and brackets with operators between them: `#1+SIN[#2]*[3-#4]`",
+        "此处的表达式无法识别", "请用运算符连接数值、变量、函数和方括号：`#1+SIN[#2]*[3-#4]`";
+    /// DO or END without 1, 2 or 3.
+    LoopNumber = 126, "DO and END take 1, 2 or 3", "write DO1 … END1, and DO2, DO3 for loops inside it", "DO 和 END 的编号为 1、2 或 3", "请写 DO1 … END1，内层循环用 DO2、DO3";
+    /// Words and a macro statement in one block.
+    MacroAndWords = 127, "words and a macro statement stand in one block", "write them in two blocks", "字与宏语句在同一程序段中", "请分成两个程序段";
+    /// A jump to a block that is not there, or to the inside of a loop; {0} its number.
+    JumpTarget = 128, "there is no N{0} here to go to", "write N{0} in front of a block of the same program; a jump into a loop is not possible",
+        "此处没有可跳转的 N{0}", "请在同一程序的程序段前写 N{0}；不能跳入循环内部";
+    /// A letter that no macro takes as an argument.
+    ArgumentAddress = 129, "{w} is no argument of a macro", "write arguments after G65 with the letters A–F, H–K, M, Q–Z", "{w} 不能作为宏程序的参数", "请在 G65 之后用字母 A–F、H–K、M、Q–Z 写参数";
+    /// #3000 = n, or H99 of G65; {0} the number of the alarm.
+    ProgramAlarm = 3000, "the program itself raises alarm {0}", "the program says in this block what is wrong", "程序自身发出报警 {0}", "原因见该程序段";
+
     // -- 02xx–03xx: the trade's own numbers -------------------------------------------------------------------------
     /// Rigid tap: S missing, zero or above what it may be; {0} the highest.
     TapSpeed = 200, "rigid tapping needs a spindle speed S of 1 to {0} rpm",
@@ -176,8 +227,8 @@ codes! {
     PercentInBlock = 4010, "`%` stands in a block", "give `%` a line of its own",
         "`%` 在程序段中", "请让 `%` 单独占一行";
     /// A variable or an expression.
-    MacroNotAvailable = 4011, "macro variables and expressions are not available yet", "write the number itself",
-        "宏变量和表达式尚不可用", "请直接写数字";
+    MacroNotAvailable = 4011, "a macro cannot be read in this place", "write `#1=…`, or a letter with `#1` or `[…]`; a lone board reads numbers only",
+        "此处不能读取宏", "请写 `#1=…`，或字母加 `#1` 或 `[…]`；控制板单独运行时只能读取数字";
     /// A letter this control has no word for.
     UnknownAddress = 4012, "there is no word {w} on this lathe", "use X Z C, or U W H for their increments",
         "本车床没有字 {w}", "请使用 X Z C，增量用 U W H";
@@ -204,8 +255,8 @@ codes! {
     GNotAvailable = 4020, "{0} is not available yet", "write the moves with G00 to G03, or a G75, G76, G78, G84 or G88 cycle; a spindle speed with G97",
         "{0} 尚不可用", "请用 G00 至 G03 编写运动，或使用 G75、G76、G78、G84、G88 循环；主轴转速请用 G97";
     /// An M code that exists and is not built; {0} its number.
-    MNotAvailable = 4021, "M{0} is not available yet", "write the blocks of the subprogram in its place",
-        "M{0} 尚不可用", "请将子程序的程序段直接写在此处";
+    MNotAvailable = 4021, "M{0} cannot be carried out in this place", "give the call a block of its own",
+        "此处不能执行 M{0}", "请将调用单独写成一个程序段";
     /// G33 [D19].
     G33Tapping = 4022, "G33 is a tapping cycle on one control and a thread on another",
         "write G76 or G78 for a thread", "G33 在不同系统中含义不同（攻丝或螺纹）", "切螺纹请用 G76 或 G78";
@@ -859,6 +910,13 @@ codes! {
     DriveCobId = 4458, "drive {0}: {1} would be {2}, and the board uses {3}", "write {3}, or leave it out: a drive has it by itself; its number is 9015, or 9016 for spindle 1",
         "驱动器 {0}：{1} 为 {2}，而控制板使用 {3}", "请写 {3}，或不写（驱动器默认即为此值）；节点号由 9015 给出，1 号主轴为 9016";
 
+    // -- 4850–4859 program flow: `language` ------------------------------------------------------------------------------
+    /// A loop that goes on for ever; {0} how many statements it may have without a motion.
+    RunawayLoop = 4850, "this loop has carried out {0} statements without a motion", "correct the condition that ends it",
+        "该循环已执行 {0} 条语句而没有移动", "请修改结束循环的条件";
+    /// A subprogram that does not return; {0} its number.
+    SubprogramOpen = 4851, "subprogram O{0} ends without M99", "write M99 at its end", "子程序 O{0} 末尾没有 M99", "请在末尾写 M99";
+
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.
     CutInMode = 4900, "cut-in mode {0} does not exist: parameter 5144 decides", "write 00 to 04 as the middle two digits of P",
@@ -927,6 +985,11 @@ codes! {
     CutStanding = 4984, "this feeds with the spindle standing: no M03 or M04 with S is in force here",
         "start the spindle before this block: M03 or M04 with S; where the tool cuts nothing, nothing needs to be done",
         "主轴静止时进行切削进给：此处没有生效的 M03 或 M04 加 S", "请在此程序段之前用 M03 或 M04 加 S 启动主轴；若刀具未切削则无需处理";
+
+    // -- 4992–4999 warnings: `language` -----------------------------------------------------------------------------------
+    /// M99 in the main program.
+    MainRepeats = 4992, "M99 begins the main program again: it is read once here", "nothing needs to be done; write M30 where the program ends",
+        "M99 使主程序重新开始：此处只执行一遍", "无需处理；程序结束处请写 M30";
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.

@@ -1,11 +1,13 @@
 //! Lines in, events out: the sans-IO driver of lexer, block and modal state.
 
+use super::in_force::InForce;
 use super::state::State;
-use crate::alarm::{Alarm, Code};
+use crate::alarm::{Alarm, Code, Span};
 use crate::call::Position;
 use crate::cycle::rigid_code;
 use crate::params::Params;
 use crate::text::{Block, Comment, Cursor, Ended, Event, Options, Plan};
+use crate::units::Decimal;
 
 /// Reads a program line by line and resolves all of its modal meaning. Memory is bounded by one line.
 ///
@@ -54,6 +56,47 @@ impl<'p> Interpreter<'p> {
         }
         self.failed = true;
         Err(Alarm::new(Code::UnknownCharacter, cursor.here()))
+    }
+
+    /// Takes in one block of line `line` as words: a capital letter, a number and a place for each. This is for a reader
+    /// that has calculated the numbers; the rules for them are those of a text.
+    ///
+    /// # Errors
+    /// The alarm that ends the program; blocks after it yield nothing.
+    pub fn words(
+        &mut self,
+        line: u32,
+        words: impl IntoIterator<Item = (u8, Decimal, Span)>,
+        out: &mut impl FnMut(Event),
+    ) -> Result<(), Alarm> {
+        self.plan.clear();
+        if self.is_ended() {
+            return Ok(());
+        }
+        if let Err(alarm) = self.try_words(line, words) {
+            self.failed = true;
+            self.plan.clear();
+            return Err(alarm);
+        }
+        while let Some(event) = self.plan.next() {
+            out(event);
+        }
+        Ok(())
+    }
+
+    fn try_words(
+        &mut self,
+        line: u32,
+        words: impl IntoIterator<Item = (u8, Decimal, Span)>,
+    ) -> Result<(), Alarm> {
+        self.block.clear(line);
+        for (letter, value, place) in words {
+            self.block.add(letter, value, place.column, place.end)?;
+        }
+        if !self.block.is_empty() {
+            self.state.run(&self.block, &mut self.plan)?;
+        }
+        Ok(())
     }
 
     /// Reads on from `cursor` to the end of its line.
@@ -134,6 +177,12 @@ impl<'p> Interpreter<'p> {
     #[must_use]
     pub const fn position(&self) -> Position {
         self.state.modal.position
+    }
+
+    /// What the blocks so far have set.
+    #[must_use]
+    pub fn in_force(&self) -> InForce {
+        self.state.in_force()
     }
 
     /// True after G20: the program's lengths are inches.

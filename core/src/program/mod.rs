@@ -8,6 +8,7 @@
 //! [`Interpreter`] takes lines, [`Events`] iterates over a program in memory, [`Reader`] takes pieces of a stream.
 
 mod arc;
+mod in_force;
 mod interpreter;
 mod motion;
 mod reader;
@@ -18,5 +19,6 @@ mod tests;
 
 pub use crate::text::{Dialect, Event, MAX_LINE, Options};
 pub use arc::ARC_END_TOLERANCE;
+pub use in_force::InForce;
 pub use interpreter::Interpreter;
 pub use reader::{Events, Reader};

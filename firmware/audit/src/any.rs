@@ -14,11 +14,16 @@ use leadscrew_core::bus::{
     NmtCommand, NmtState, NodeId, Object, Order, Periods, Scale, SdoProtocol, SpindleCommand,
     SpindleDemand, Statusword, SyncProducer,
 };
-use leadscrew_core::moves::{Move, MoveKind, TapMove, ThreadMove};
+use leadscrew_core::call::{
+    ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
+    Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
+    SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat,
+    TapReturn, TapSpindle, ThreadCall, ThreadCycle,
+};
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
+use leadscrew_core::moves::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::call::{ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice, Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapReturn, TapSpindle, ThreadCall, ThreadCycle};
 use leadscrew_core::program::{Dialect, Options};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;

@@ -19,7 +19,7 @@ use crate::words::both;
 
 /// Bytes collected before they are written.
 const CHUNK: usize = 1 << 16;
-/// Of a line whose moves take more than this, and nothing else, a part is written before all of it is known to be good.
+/// Of a step whose moves take more than this, and nothing else, a part is written before all of it is known to be good.
 const LONGEST: usize = 1 << 24;
 
 /// Prints the moves of a program.
@@ -48,7 +48,7 @@ pub fn list(setup: &Setup, source: &SourceFile, format: Option<Format>) -> Outco
         source,
         format,
         buffer: Vec::with_capacity(CHUNK + 1024),
-        line: 0,
+        step: 0,
         begins: Vec::new(),
         warnings: Vec::new(),
         moves: 0,
@@ -67,9 +67,9 @@ struct List<'a> {
     source: &'a SourceFile,
     format: Format,
     buffer: Vec<u8>,
-    /// The line of the latest call.
-    line: u32,
-    /// The calls of that line: they may still be taken back.
+    /// The step of the program that made the latest call: a line, or a block of one.
+    step: u64,
+    /// The calls of that step: they may still be taken back.
     begins: Vec<Begin>,
     /// What is to be said behind the list so far, and has no place in it.
     warnings: Vec<Diagnostic>,
@@ -99,9 +99,7 @@ impl List<'_> {
                 None => return Ok(()),
                 Some(Ok(Event::Call(call))) => self.call(&call, program)?,
                 Some(Ok(Event::Warning(warning))) => {
-                    if warning.span.line > self.line {
-                        self.begin_line(warning.span.line)?;
-                    }
+                    self.begin_step(program)?;
                     self.tell(&warning, program.is_inch())?;
                 }
                 Some(Err(alarm)) => {
@@ -112,9 +110,12 @@ impl List<'_> {
         }
     }
 
-    /// What comes from here on is of this line; the one before is good, and can be written.
-    fn begin_line(&mut self, line: u32) -> Outcome {
-        self.line = line;
+    /// What comes from here on is of this step; the one before is good, and can be written.
+    fn begin_step(&mut self, program: &Program) -> Outcome {
+        if self.step == program.steps() {
+            return Ok(());
+        }
+        self.step = program.steps();
         self.begins.clear();
         if self.buffer.len() >= CHUNK || !self.warnings.is_empty() {
             self.flush()?;
@@ -122,10 +123,8 @@ impl List<'_> {
         Ok(())
     }
 
-    fn call(&mut self, call: &Call, program: &Program) -> Outcome {
-        if call.span.line != self.line {
-            self.begin_line(call.span.line)?;
-        }
+    fn call(&mut self, call: &Call, program: &mut Program) -> Outcome {
+        self.begin_step(program)?;
         self.begins.push(Begin {
             column: call.span.column,
             byte: self.buffer.len(),
@@ -162,8 +161,8 @@ impl List<'_> {
     }
 
     /// An alarm of a call. It comes before any move of its block, also before what the block does ahead of its motion.
-    fn refuse(&mut self, call: &Call, alarm: &Alarm, program: &Program) -> Outcome {
-        let block = block_begin(&program.line(self.line), call.span.column);
+    fn refuse(&mut self, call: &Call, alarm: &Alarm, program: &mut Program) -> Outcome {
+        let block = block_begin(&program.line(), call.span.column);
         if let Some(begin) = self.begins.iter().find(|begin| begin.column >= block) {
             self.buffer.truncate(begin.byte);
             self.moves = begin.moves;

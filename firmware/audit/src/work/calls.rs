@@ -2,7 +2,7 @@
 
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::call::{
-    CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, ThreadCall, ThreadCycle,
+    CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, TapAxis, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::units::{Angle, Feed, Lead, Length, Remainder, Rpm, StartAngle};
 

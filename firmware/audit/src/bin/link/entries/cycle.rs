@@ -1,9 +1,9 @@
 //! From calls to moves.
 
 use audit::any::{any, sink};
+use leadscrew_core::call::{Call, GrooveCall, TapCall, ThreadCall};
 use leadscrew_core::cycle::{Context, GrooveMoves, TapMoves, ThreadMoves, expand};
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::call::{Call, GrooveCall, TapCall, ThreadCall};
 use leadscrew_core::signals::{Signal, Signals};
 
 /// Calls all entries of this module.

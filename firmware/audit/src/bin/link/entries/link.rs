@@ -2,13 +2,13 @@
 
 use audit::any::{any, sink};
 use leadscrew_core::board::Event;
+use leadscrew_core::call::Call;
 use leadscrew_core::link::{
     Batch, BatchWriter, Certificate, EventReader, ImageReader, ImageWriter, LinkError, Logged,
     Status, ThreadReader, bounds, decode_changes, encode_call, encode_certificates, encode_changes,
     encode_event, identity,
 };
 use leadscrew_core::params::Params;
-use leadscrew_core::call::Call;
 
 /// Calls all entries of this module.
 pub fn all() {

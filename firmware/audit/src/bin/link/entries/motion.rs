@@ -1,12 +1,12 @@
 //! From moves to setpoints.
 
 use audit::any::{any, sink};
-use leadscrew_core::moves::Move;
+use leadscrew_core::call::Position;
 use leadscrew_core::motion::{
     Arc, Gear, Limits, Line, PathRate, Profile, Rate, Run, Tap, TapLine, TapStep, ThreadPlan,
     ThreadRun, dwell_ticks, plan, stroke,
 };
-use leadscrew_core::call::Position;
+use leadscrew_core::moves::Move;
 
 /// Calls all entries of this module.
 pub fn all() {

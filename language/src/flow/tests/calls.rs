@@ -1,0 +1,143 @@
+use super::{Rules, refused, run, run_with};
+
+#[test]
+fn a_subprogram_runs_as_often_as_it_is_called() {
+    assert_eq!(
+        run("M98 P30010\nM30\nO10\nX1\nM99"),
+        "4:X1 | 4:X1 | 4:X1 | 2:M30"
+    );
+    assert_eq!(
+        run("X0 M98 P10 L2\nM30\nO10 X1\nM99"),
+        "1:X0 | 3:X1 | 3:X1 | 2:M30"
+    );
+    assert_eq!(
+        run("#1=10;M98 P#1;X2\nM30\n<O10>\nX1\nM99"),
+        "4:X1 | 1:X2 | 2:M30"
+    );
+    assert_eq!(
+        run("O1\nN7 M098 P0010\nM30\n:10\nX1\nZ2 M99"),
+        "1:O1 | 2:N7 | 5:X1 | 6:Z2 | 3:M30"
+    );
+    assert_eq!(
+        run("M98 P2\nM30\nO2\nM98 P3\nX2\nM99\nO3\nX3\nM99"),
+        "8:X3 | 5:X2 | 2:M30"
+    );
+    // A local part of the program.
+    assert_eq!(
+        run("M97 P100 L2\nX1\nM30\nN100 Z1\nM99"),
+        "4:N100 Z1 | 4:N100 Z1 | 2:X1 | 3:M30"
+    );
+}
+
+#[test]
+fn a_return_may_go_to_another_block() {
+    assert_eq!(
+        run("M98 P2\nX1\nN8 X2\nM30\nO2\nM99 P8\nN8 X3"),
+        "3:N8 X2 | 4:M30"
+    );
+    // The block that is called leads back once all passes are done.
+    assert_eq!(
+        run("M98 P2 L2\nX1\nN8 M30\nO2\nZ1\nM99 P8"),
+        "5:Z1 | 5:Z1 | 3:N8 M30"
+    );
+}
+
+#[test]
+fn the_main_program_is_read_once_or_again() {
+    let text = "%\nO1\nX1\nM99\n%";
+    let (machine, alarm) = run_with(text, Rules::default());
+    assert_eq!(machine.heard, ["1:%", "2:O1", "3:X1"]);
+    assert_eq!(
+        (machine.notes, machine.finished, alarm),
+        (vec![4992], true, None)
+    );
+    assert_eq!(run("X1\nM99 P5\nX2\nN5 X3\nM30"), "1:X1 | 4:N5 X3 | 5:M30");
+    let (machine, alarm) = run_with("N5 X1\nM99 P5", Rules::default());
+    assert_eq!(
+        (machine.heard.len(), machine.notes, alarm),
+        (1, vec![4992], None)
+    );
+    let again = Rules {
+        repeat: true,
+        ..Rules::default()
+    };
+    let text = "%\nO1\n#1=#1+1\nX#1\nIF[#1GE3]GOTO9\nM99\nN9M30\n%";
+    let (machine, alarm) = run_with(text, again);
+    assert_eq!(alarm, None);
+    assert_eq!(
+        machine.heard,
+        ["1:%", "2:O1", "4:X1", "4:X2", "4:X3", "7:N9M30"]
+    );
+}
+
+#[test]
+fn a_program_ends_where_another_begins() {
+    let (machine, alarm) = run_with("O1\nX1\nO2\nX2\nM99", Rules::default());
+    assert_eq!(
+        (machine.heard, alarm),
+        (vec!["1:O1".into(), "2:X1".into()], None)
+    );
+    assert!(machine.finished);
+}
+
+#[test]
+fn a_macro_has_its_arguments() {
+    assert_eq!(
+        run("#1=7\nG65 P9 A1 B2 I-3 I4 D5\nX#1\nM30\nO9\nX#1 Z#2\nX#4 Z#7\nM99"),
+        "6:X1 Z2 | 7:X-3 Z5 | 3:X7 | 4:M30"
+    );
+    // Each pass begins with them.
+    assert_eq!(
+        run("G65 P9 L2 A1\nM30\nO9\n#1=#1+1\nX#1\nM99"),
+        "5:X2 | 5:X2 | 2:M30"
+    );
+    // M98 keeps the variables of its caller.
+    assert_eq!(
+        run("#1=3\nM98 P9\nX#1\nM30\nO9\n#1=#1+1\nM99"),
+        "3:X4 | 4:M30"
+    );
+    // Sixteen levels have variables of their own.
+    let deep = |levels: u32| {
+        format!("G65 P9 A{levels}\nM30\nO9\nIF[#1LE1]GOTO 5\nG65 P9 A[#1-1]\nN5 X#1\nM99")
+    };
+    let said: Vec<String> = (1..=16).map(|level| format!("6:N5 X{level}")).collect();
+    assert_eq!(run(&deep(16)), format!("{} | 2:M30", said.join(" | ")));
+    assert_eq!(refused(&deep(17)), (77, 5, 5, 7));
+}
+
+#[test]
+fn a_modal_macro_comes_after_each_motion() {
+    assert_eq!(
+        run("G66 P9 A5\nX1\nM8\nX2; Z3\nG67\nX4\nM30\nO9\nU#1\nM99"),
+        "2:X1 | 9:U5 | 3:M8 | 4:X2 | 9:U5 | 4:Z3 | 9:U5 | 6:X4 | 7:M30"
+    );
+    // A motion in the later one calls the earlier one.
+    assert_eq!(
+        run("G66 P8\nG66 P9\nX1\nG67\nX2\nG67\nX3\nM30\nO8\nM8\nM99\nO9\nZ9\nM99"),
+        "3:X1 | 13:Z9 | 10:M8 | 5:X2 | 10:M8 | 7:X3 | 8:M30"
+    );
+    assert_eq!(refused("G66P1\nG66P1\nG66P1\nG66P1\nG66P1"), (122, 5, 1, 4));
+}
+
+#[test]
+fn wrong_calls_are_told_at_their_columns() {
+    for (text, expected) in [
+        ("M98", (76, 1, 1, 4)),
+        ("M98 L2", (76, 1, 1, 4)),
+        ("G65 A1", (76, 1, 1, 4)),
+        ("M98 P5", (78, 1, 5, 7)),
+        ("M98 P1.5", (4023, 1, 5, 9)),
+        ("M98 P5 L0", (4025, 1, 8, 10)),
+        ("M98 P5 P6", (4013, 1, 8, 10)),
+        ("M97 P5", (128, 1, 5, 7)),
+        ("G65 P9 G1", (129, 1, 8, 10)),
+        ("X5 G65 P9", (129, 1, 1, 3)),
+        ("M98 P1 M99", (114, 1, 8, 11)),
+        ("X1\nM98 P2\nM30\nO2\nX1", (4851, 2, 5, 7)),
+        ("X1\nM98 P2\nM30\nO2\nX1\nO3\nM99", (4851, 6, 2, 3)),
+        ("M98 P2\nM30\nO2\nM98 P2\nM99", (77, 4, 5, 7)),
+        ("M98 P2\nM30\nO2\nM99 P7", (128, 4, 5, 7)),
+    ] {
+        assert_eq!(refused(text), expected, "{text}");
+    }
+}

@@ -1,0 +1,182 @@
+//! A program passed over without carrying anything out: where its blocks, numbers and loops are.
+//!
+//! Searches use it: for a block number, for a program, for the end of a loop. This module must not know what the search is
+//! for.
+
+use std::io;
+
+use leadscrew_core::alarm::Span;
+
+use crate::lines::{Lines, Place, Source};
+use crate::statement::{Statement, head, statement};
+use crate::text::{Cursor, comment_end, piece};
+
+/// The begin or the end of a loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// DO, with or without WHILE.
+    Do(u8),
+    /// END.
+    End(u8),
+}
+
+/// One block, from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outline {
+    /// Where it begins.
+    pub place: Place,
+    /// Where the next begins.
+    pub after: Place,
+    /// Its statement, from the first byte on.
+    pub span: Span,
+    /// The number of a program that begins here.
+    pub program: Option<u32>,
+    /// N.
+    pub sequence: Option<u32>,
+    /// The loop that begins or ends here.
+    pub mark: Option<Mark>,
+}
+
+/// Passes over blocks.
+#[derive(Clone, Copy, Debug)]
+pub struct Scanner {
+    at: Place,
+    /// How many comments are open.
+    depth: u32,
+    /// A block has come.
+    started: bool,
+}
+
+impl Scanner {
+    /// From the front of the text.
+    #[must_use]
+    pub const fn of_text() -> Self {
+        Self {
+            at: Place::START,
+            depth: 0,
+            started: false,
+        }
+    }
+
+    /// From the front of a block.
+    #[must_use]
+    pub const fn from(at: Place) -> Self {
+        Self {
+            at,
+            depth: 0,
+            started: true,
+        }
+    }
+
+    /// The next block that is not empty; `None` at the end of the text, which may be a `%`.
+    ///
+    /// # Errors
+    /// The text cannot be read.
+    pub fn next<S: Source>(&mut self, lines: &mut Lines<S>) -> io::Result<Option<Outline>> {
+        loop {
+            let Some(line) = lines.line(self.at)? else {
+                return Ok(None);
+            };
+            let text = line.text;
+            if self.depth > 0 {
+                match comment_end(text, self.at.column, self.depth) {
+                    Ok(after) => (self.at.column, self.depth) = (after, 0),
+                    Err(depth) => {
+                        (self.at, self.depth) = (line.next, depth);
+                        continue;
+                    }
+                }
+            }
+            let piece = piece(text, self.at.column);
+            let place = self.at;
+            self.at = piece.next.map_or(line.next, |next| place.in_line(next));
+            self.depth = piece.open.map_or(0, |(_, depth)| depth);
+            let mut cursor = Cursor::new(place.line, &text[..piece.end], place.column);
+            while cursor.take(b'%') {
+                if self.started {
+                    return Ok(None);
+                }
+            }
+            if cursor.is_done() {
+                continue;
+            }
+            self.started = true;
+            return Ok(Some(self.outline(place, cursor)));
+        }
+    }
+
+    fn outline(&self, place: Place, mut cursor: Cursor<'_>) -> Outline {
+        let head = head(&mut cursor);
+        let mut outline = Outline {
+            place,
+            after: self.at,
+            span: cursor.here(),
+            program: None,
+            sequence: head.sequence.map(|(number, ..)| number),
+            mark: None,
+        };
+        match statement(&mut cursor) {
+            Statement::Program(number) => outline.program = Some(number),
+            Statement::While => {
+                pass_brackets(&mut cursor);
+                if cursor.take_word("DO") {
+                    outline.mark = number(&mut cursor).map(Mark::Do);
+                }
+            }
+            Statement::Do => outline.mark = number(&mut cursor).map(Mark::Do),
+            Statement::End => outline.mark = number(&mut cursor).map(Mark::End),
+            _ => {}
+        }
+        outline
+    }
+}
+
+/// The number of a loop.
+fn number(cursor: &mut Cursor<'_>) -> Option<u8> {
+    let number = std::str::from_utf8(cursor.digits()).ok()?.parse().ok()?;
+    (1..=3).contains(&number).then_some(number)
+}
+
+/// Passes over an expression in brackets.
+fn pass_brackets(cursor: &mut Cursor<'_>) {
+    let mut depth = 0_usize;
+    while let Some(byte) = cursor.peek() {
+        match byte {
+            b'[' => depth += 1,
+            b']' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        cursor.advance();
+        if depth == 0 {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_seen_from_outside() {
+        let text = "%\nO0001 (MAIN)\n(N5 in a\ncomment) N10 #1=0; WHILE[[#1]LT3]DO1\n/N20 G0 X1;;\nEND1\n<O2>\nM99\n%\nN30\n";
+        let mut lines = Lines::new(text.as_bytes());
+        let mut scanner = Scanner::of_text();
+        let mut found = Vec::new();
+        while let Some(block) = scanner.next(&mut lines).unwrap() {
+            found.push((block.place.line, block.program, block.sequence, block.mark));
+        }
+        assert_eq!(
+            found,
+            [
+                (2, Some(1), None, None),
+                (4, None, Some(10), None),
+                (4, None, None, Some(Mark::Do(1))),
+                (5, None, Some(20), None),
+                (6, None, None, Some(Mark::End(1))),
+                (7, Some(2), None, None),
+                (8, None, None, None),
+            ]
+        );
+    }
+}

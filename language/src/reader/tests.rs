@@ -1,0 +1,228 @@
+//! Programs against the calls of the core.
+
+use super::*;
+use leadscrew_core::call::Position;
+use leadscrew_core::program::Events;
+use leadscrew_core::units::Angle;
+
+fn read_with(text: &str, params: &Params, options: Options) -> (Vec<Event>, Option<Alarm>) {
+    let mut events = Vec::new();
+    let (kept, rules) = (Kept::default(), Rules::default());
+    let mut reader = Reader::new(text.as_bytes(), params, options, kept, rules);
+    while !reader.is_over() {
+        match reader.step(&mut |event| events.push(event)) {
+            Ok(()) => {}
+            Err(Trouble::Alarm(alarm)) => return (events, Some(alarm)),
+            Err(Trouble::Unreadable(error)) => panic!("{error}"),
+        }
+    }
+    (events, None)
+}
+
+fn read(text: &str) -> (Vec<Event>, Option<Alarm>) {
+    read_with(text, &Params::slant_bed(), Options::default())
+}
+
+/// The same by the core alone.
+fn alone(text: &str, params: &Params, options: Options) -> (Vec<Event>, Option<Alarm>) {
+    let mut events = Vec::new();
+    for event in Events::new(text.as_bytes(), params, options) {
+        match event {
+            Ok(event) => events.push(event),
+            Err(alarm) => return (events, Some(alarm)),
+        }
+    }
+    (events, None)
+}
+
+/// What a program does, without places.
+fn kinds(text: &str) -> Vec<CallKind> {
+    let (events, alarm) = read(text);
+    assert_eq!(alarm, None, "{text}");
+    let kind = |event| match event {
+        Event::Call(call) => call.kind,
+        Event::Warning(alarm) => panic!("{alarm:?} in {text}"),
+    };
+    events.into_iter().map(kind).collect()
+}
+
+#[test]
+fn programs_without_macros_are_what_they_are_to_the_core() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "nc") {
+            continue;
+        }
+        count += 1;
+        let text = std::fs::read_to_string(&path).unwrap();
+        // All cut short, too: each of them has its own end or its own alarm.
+        for end in (0..text.len())
+            .filter(|end| text.is_char_boundary(*end))
+            .chain([text.len()])
+        {
+            let text = &text[..end];
+            let (params, options) = (Params::slant_bed(), Options::default());
+            let (expected, found) = (alone(text, &params, options), read(text));
+            // A letter in front of a space is a word only with the number after it.
+            if expected != found {
+                let number = expected.1.map(|alarm| alarm.number());
+                assert!(
+                    matches!(number, Some(4003 | 4030)),
+                    "{text}: {expected:?} {found:?}"
+                );
+            }
+        }
+    }
+    assert!(count > 10, "{count} examples");
+}
+
+#[test]
+fn a_calculated_word_does_what_the_written_one_does() {
+    for (calculated, written) in [
+        ("#1=12.3456\nG0 X#1 Z-#1", "\nG0 X12.3456 Z-12.3456"),
+        ("#1=10/3\nG1 X#1 F[#1*30]", "\nG1 X3.3333 F100"),
+        ("G20 G0 X[10/3]", "G20 G0 X3.33333"),
+        ("#1=1;G#1 X5 F#1", "      G1  X5 F1 "),
+        ("M[1+2] S[100*5]", "M3     S500"),
+        ("#1=500;G4 P[#1+0.4]", "       G4 P500"),
+        ("G4 X[1/3]", "G4 X.333"),
+        ("C[1/3]\nH[2/3]", "C.3333\nH.6667"),
+        ("G0 X[ROUND[1.23456]]", "G0 X1.2346"),
+        ("G0 X#5 Z1", "G0     Z1"),
+        (
+            "#1=2000\nG0 X20 Z5\nG75 R.5\nG75 X10 Z-9 P#1 Q[#1*1.5] F50",
+            "\nG0 X20 Z5\nG75 R.5\nG75 X10 Z-9 P2000 Q3000 F50",
+        ),
+        (
+            "#1=20560\nG0 X80 Z10\nG76 P#1 Q1500 R.1",
+            "\nG0 X80 Z10\nG76 P20560 Q1500 R.1",
+        ),
+        ("G65 H01 P#1 Q123450\nG0 X#1", "\nG0 X12.345"),
+        (
+            "G65 H01 P#1 Q500\nM3 S#1\nG1 X1 F#1\nG99 F#1",
+            "\nM3 S500\nG1 X1 F500\nG99 F.05",
+        ),
+    ] {
+        let calls = |(events, alarm): (Vec<Event>, Option<Alarm>)| {
+            assert_eq!(alarm, None, "{calculated}");
+            let kinds = events.into_iter().map(|event| match event {
+                Event::Call(call) => (call.span.line, call.kind),
+                Event::Warning(alarm) => panic!("{alarm:?}"),
+            });
+            kinds
+                .map(|(line, kind)| (line, without_places(kind)))
+                .collect::<Vec<_>>()
+        };
+        let (params, options) = (Params::slant_bed(), Options::default());
+        let expected = calls(alone(written, &params, options));
+        assert_eq!(calls(read(calculated)), expected, "{calculated}");
+        assert!(expected.len() < 9);
+    }
+}
+
+/// A call as text, without the columns of its words.
+fn without_places(kind: CallKind) -> String {
+    let text = format!("{kind:?}");
+    let mut parts = text.split("span: Span {");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        out.push_str(part.split_once('}').map_or(part, |(_, rest)| rest));
+    }
+    out
+}
+
+#[test]
+fn an_alarm_of_the_core_has_the_columns_of_the_text() {
+    for (text, number, line, column, end) in [
+        ("#1=5\nG0 X#1 X[#1+1]", 4013, 2, 8, 15),
+        ("G1 X[2*3]", 4034, 1, 1, 3),
+        ("M8;#1=1;G0 A#1", 4012, 1, 12, 15),
+        ("G[200+1]", 4018, 1, 1, 9),
+        ("X[1E5]", 125, 1, 4, 5),
+        ("X[POW[10,12]]", 4025, 1, 1, 14),
+        ("S[-5]", 4024, 1, 1, 6),
+        ("#4=1\nN5 G0 O#4", 4014, 2, 7, 10),
+    ] {
+        let alarm = read(text).1.unwrap_or_else(|| panic!("no alarm: {text}"));
+        let span = alarm.span;
+        assert_eq!(
+            (alarm.number(), span.line, span.column, span.end),
+            (number, line, column, end),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn macros_can_ask_where_the_program_stands() {
+    let at = |x: i64, z: i64| Position {
+        x: Length::from_nm(x * 500_000),
+        z: Length::from_nm(z * 1_000_000),
+        c: Angle::ZERO,
+    };
+    assert_eq!(
+        kinds("G0 X40 Z-7\nG0 X[#5001+2] Z[#5002-1]").last(),
+        Some(&CallKind::Rapid(at(42, -8)))
+    );
+    assert_eq!(
+        kinds("G50 X100 Z50\nG0 X#5021 Z#5022").last(),
+        Some(&CallKind::Rapid(at(-100, -50)))
+    );
+    assert_eq!(
+        kinds("O7\nN3 T0102 S500 G1 X0 F120\nG0 X[#4109+#4119+#4120] Z[#4115+#4114+#4001]").last(),
+        Some(&CallKind::Rapid(at(722, 11)))
+    );
+    assert_eq!(
+        kinds("G99\nG0 X#4005 Z#4006").last(),
+        Some(&CallKind::Rapid(at(99, 21)))
+    );
+    assert_eq!(
+        kinds("G20 G0 X1\nG21\nX#5001").last(),
+        Some(&CallKind::Rapid(Position {
+            x: Length::from_nm(12_700_000),
+            ..Position::ZERO
+        }))
+    );
+    for text in ["#5001=1", "#4001=1"] {
+        assert_eq!(
+            read(text).1.map(|alarm| alarm.number()),
+            Some(116),
+            "{text}"
+        );
+    }
+    for text in ["#1=#3001", "#1=#2001", "#1=#5223", "#3003=1"] {
+        assert_eq!(
+            read(text).1.map(|alarm| alarm.number()),
+            Some(115),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn a_part_family_and_a_subprogram() {
+    let text = "O1\nG0 X100 Z5\nM98 P20002\nG65 P3 A10. B4.\nM30\nO2\nG0 U-10.\nM99\nO3\n#3=0\nWHILE[#3LT#2]DO1\nG0 Z[#5002-#1]\n#3=#3+1\nEND1\nM99\n";
+    let found: Vec<_> = kinds(text);
+    let z: Vec<i64> = found
+        .iter()
+        .filter_map(|kind| match kind {
+            CallKind::Rapid(to) => Some(to.z.nm() / 1_000_000),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(z, [5, 5, 5, -5, -15, -25, -35]);
+    assert_eq!(found.last(), Some(&CallKind::End(30)));
+}
+
+#[test]
+fn the_end_of_the_text_is_minded_as_by_the_core() {
+    assert_eq!(
+        read("(open\n#1=3").1.map(|alarm| alarm.number()),
+        Some(4007)
+    );
+    let (events, alarm) = read("G0 X5\nM99");
+    assert_eq!((events.len(), alarm), (2, None));
+    assert!(matches!(events[1], Event::Warning(alarm) if alarm.number() == 4992));
+}
