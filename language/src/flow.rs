@@ -19,7 +19,7 @@ use leadscrew_core::units::Decimal;
 use crate::expression::Calculator;
 use crate::lines::{Lines, Place, Source};
 use crate::statement::{Head, Statement, head, statement};
-use crate::text::{Cursor, Glance, Piece, comment_end, glance, piece, span};
+use crate::text::{Cursor, Glance, Piece, comment_end, glance, has_blocks, piece, span};
 use crate::value::Value;
 use crate::variables::{Kept, Scope, System, Variables};
 use crate::word::{self, Given, Word};
@@ -203,9 +203,11 @@ impl<S: Source> Flow<S> {
         let next = line.next;
         if by_lines {
             let mut depth = self.depth;
-            if let Glance::Plain { until, blocks } = glance(line.text, &mut depth) {
-                let done = machine.line(self.at.line, &line.text[..until])?;
-                if blocks {
+            if let Glance::Plain(until) = glance(line.text, &mut depth) {
+                let text = &line.text[..until];
+                let begins = !self.started && has_blocks(text, self.depth);
+                let done = machine.line(self.at.line, text)?;
+                if begins {
                     self.start(self.at);
                 }
                 (self.at, self.depth) = (next, depth);

@@ -138,8 +138,7 @@ impl<S: Source> Lines<S> {
 
     /// The first line feed from `begin` on.
     fn feed(&self, begin: usize) -> Option<usize> {
-        let rest = &self.window[begin..self.filled];
-        let feed = rest.iter().position(|byte| *byte == b'\n');
+        let feed = memchr::memchr(b'\n', &self.window[begin..self.filled]);
         feed.map(|feed| begin + feed)
     }
 

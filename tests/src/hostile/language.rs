@@ -121,10 +121,7 @@ fn is_plain(text: &[u8]) -> bool {
     let short = text
         .split(|byte| *byte == b'\n')
         .all(|line| line.len() < 1000);
-    short
-        && lines.all(|line| {
-            matches!(glance(line, &mut depth), Glance::Plain { until, .. } if until == line.len())
-        })
+    short && lines.all(|line| glance(line, &mut depth) == Glance::Plain(line.len()))
 }
 
 /// An alarm must name an existing line and columns in order.
