@@ -2,8 +2,8 @@
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
-use super::calls::no_label;
-use super::{Flow, Machine, Trouble, ended};
+use super::block::ended;
+use super::{Flow, Machine, Trouble};
 use crate::expression::Calculator;
 use crate::lines::{Place, Source};
 use crate::statement::Statement;
@@ -161,4 +161,9 @@ fn loop_number(cursor: &mut Cursor<'_>) -> Result<(u8, Span), Alarm> {
 /// The alarm of a DO or END without the other.
 pub(super) fn unmatched(number: u8, span: Span) -> Alarm {
     Alarm::new(Code::LoopUnmatched, span).with([Arg::Int(i64::from(number))])
+}
+
+/// The alarm of a jump to nowhere.
+pub(super) fn no_label(number: i64, span: Span) -> Alarm {
+    Alarm::new(Code::JumpTarget, span).with([Arg::Int(number)])
 }
