@@ -45,6 +45,12 @@ impl Place {
         column: 0,
     };
 
+    /// True where this place comes earlier in the text.
+    #[must_use]
+    pub const fn is_before(self, other: Self) -> bool {
+        self.byte < other.byte || (self.byte == other.byte && self.column < other.column)
+    }
+
     /// Another byte of the same line.
     #[must_use]
     pub const fn in_line(self, column: usize) -> Self {
@@ -102,7 +108,7 @@ impl<S: Source> Lines<S> {
             _ => self.go_to(at.byte),
         };
         let mut feed = self.feed(begin);
-        if feed.is_none() && !self.at_end && self.filled - begin <= MAX_LINE + MARK.len() {
+        while feed.is_none() && !self.at_end && self.filled - begin <= MAX_LINE + MARK.len() {
             begin = self.refill(begin)?;
             feed = self.feed(begin);
         }
@@ -116,7 +122,9 @@ impl<S: Source> Lines<S> {
         // The search for the end of a long line may have moved the window.
         if at.byte < self.first {
             begin = self.go_to(at.byte);
-            begin = self.refill(begin)?;
+            while !self.at_end && self.filled <= MAX_LINE + MARK.len() {
+                begin = self.refill(begin)?;
+            }
         }
         let end = end.min(self.filled);
         let mut text = &self.window[begin..end];
@@ -136,8 +144,7 @@ impl<S: Source> Lines<S> {
 
     /// The first line feed from `begin` on.
     fn feed(&self, begin: usize) -> Option<usize> {
-        let rest = &self.window[begin..self.filled];
-        let feed = rest.iter().position(|byte| *byte == b'\n');
+        let feed = memchr::memchr(b'\n', &self.window[begin..self.filled]);
         feed.map(|feed| begin + feed)
     }
 
@@ -147,22 +154,17 @@ impl<S: Source> Lines<S> {
         0
     }
 
-    /// Keeps the window from `begin` on and fills it up; gives the new place of `begin`.
+    /// Keeps the window from `begin` on and reads once, because a text may come slowly; gives the new place of `begin`.
     fn refill(&mut self, begin: usize) -> io::Result<usize> {
         self.window.copy_within(begin..self.filled, 0);
         self.first += begin as u64;
         self.filled -= begin;
-        while self.filled < WINDOW / 2 {
-            let at = self.first + self.filled as u64;
-            match self.source.read(at, &mut self.window[self.filled..]) {
-                Ok(0) => {
-                    self.at_end = true;
-                    break;
-                }
-                Ok(count) => self.filled += count,
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
-            }
+        let at = self.first + self.filled as u64;
+        match self.source.read(at, &mut self.window[self.filled..]) {
+            Ok(0) => self.at_end = true,
+            Ok(count) => self.filled += count,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
         }
         Ok(0)
     }

@@ -153,8 +153,8 @@ impl Core<'_> {
     }
 
     /// F as it would be written.
-    fn feed(&self, modal: &InForce) -> Option<f64> {
-        Some(match modal.feed? {
+    fn feed(&self, now: &InForce) -> Option<f64> {
+        Some(match now.feed? {
             FeedRate::PerMinute(feed) => self.shown(Length::from_nm(feed.nm_per_min())),
             FeedRate::PerTurn(feed, _) => self.shown(Length::from_nm(feed.nm())),
         })
@@ -162,21 +162,21 @@ impl Core<'_> {
 
     /// The value of a system variable.
     fn system(&self, number: u32) -> Option<Value> {
-        let modal = self.interpreter.in_force();
+        let now = self.interpreter.in_force();
         let at = self.interpreter.position();
         let (x, z, c) = (at.x, at.z, at.c.udeg());
-        let zero = modal.origin;
+        let zero = now.origin;
         let number = match number {
-            4001 => modal.motion.into(),
+            4001 => now.motion.into(),
             4002 => 97.0,
-            4005 => 98.0 + f64::from(u8::from(modal.per_turn)),
+            4005 => 98.0 + f64::from(u8::from(now.per_turn)),
             4006 => 21.0 - f64::from(u8::from(self.interpreter.is_inch())),
-            4014 => modal.system.into(),
-            4016 => modal.plane.into(),
-            4109 => return Some(self.feed(&modal).map_or(Value::Null, Value::Number)),
+            4014 => now.system.into(),
+            4016 => now.plane.into(),
+            4109 => return Some(self.feed(&now).map_or(Value::Null, Value::Number)),
             4114 => self.interpreter.sequence_number().unwrap_or(0).into(),
             4115 => self.interpreter.program_number().unwrap_or(0).into(),
-            4119 => modal.speed.into(),
+            4119 => now.speed.into(),
             4120 => self.tool.unwrap_or(0).into(),
             // What comes next is read after the board has got there, so the present place is that of the block's end.
             5001 | 5041 => self.shown(x - zero.x) * 2.0,

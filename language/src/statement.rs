@@ -75,7 +75,7 @@ pub fn statement(cursor: &mut Cursor<'_>) -> Statement {
             None => Statement::Words,
         },
         Some(_) => match glance(cursor.rest(), &mut 0) {
-            Glance::Plain { .. } => Statement::Plain,
+            Glance::Plain(_) => Statement::Plain,
             _ => Statement::Words,
         },
     }

@@ -7,7 +7,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::units::Decimal;
 
 use crate::expression::{Calculator, Lookup};
-use crate::text::Cursor;
+use crate::text::{Cursor, span};
 use crate::value::Value;
 
 /// The number of a word.
@@ -128,7 +128,7 @@ pub fn read<L: Lookup>(
 ) -> Result<(), Alarm> {
     while let Some(byte) = cursor.peek() {
         if !byte.is_ascii_uppercase() {
-            return Err(cursor.alarm(not_a_word(byte)));
+            return Err(cursor.alarm(not_a_word(cursor.rest())));
         }
         let from = cursor.at();
         let whole = *cursor;
@@ -185,23 +185,35 @@ fn written(
 ) -> Result<Decimal, Alarm> {
     let text = cursor.rest();
     let (number, after) = Decimal::parse(text);
+    for _ in after.len()..text.len() {
+        cursor.advance();
+    }
     let code = if number.digits() == 0 {
         if is_statement(whole) {
-            return Err(Alarm::new(Code::MacroAndWords, cursor.span_from(from)));
+            return Err(Alarm::new(
+                Code::MacroAndWords,
+                span(cursor.line(), from, from + 1),
+            ));
         }
-        Code::NumberMissing
+        match after {
+            [0, ..] => Code::WideText,
+            _ => Code::NumberMissing,
+        }
     } else if number.digits() > Decimal::MAX_DIGITS {
         Code::NumberTooLong
     } else if after.first() == Some(&b'.') {
         Code::SecondPoint
     } else {
-        for _ in after.len()..text.len() {
-            cursor.advance();
-        }
         return Ok(number);
     };
     let limit = [Arg::Int(i64::from(Decimal::MAX_DIGITS))];
-    let alarm = Alarm::new(code, cursor.span_from(from)).with(limit);
+    // Spaces after a letter belong to no number.
+    let end = if after.len() == text.len() {
+        from + 1
+    } else {
+        cursor.at()
+    };
+    let alarm = Alarm::new(code, span(cursor.line(), from, end)).with(limit);
     Err(alarm.word(letter))
 }
 
@@ -212,16 +224,16 @@ fn is_statement(mut cursor: Cursor<'_>) -> bool {
         .any(|word| cursor.take_word(word))
 }
 
-/// Why a word cannot begin with this byte.
-const fn not_a_word(byte: u8) -> Code {
-    match byte {
-        b'#' => Code::MacroAndWords,
-        b'[' | b']' | b'=' | b'*' => Code::MacroNotAvailable,
-        b'/' => Code::SkipNotFirst,
-        b'%' => Code::PercentInBlock,
-        b')' => Code::CommentClosed,
-        0 => Code::WideText,
-        0x80..=0xFF => Code::NotAscii,
+/// Why a word cannot begin here.
+const fn not_a_word(text: &[u8]) -> Code {
+    match text {
+        [b'#', ..] => Code::MacroAndWords,
+        [b'[' | b']' | b'=' | b'*', ..] => Code::MacroNotAvailable,
+        [b'/', ..] => Code::SkipNotFirst,
+        [b'%', ..] => Code::PercentInBlock,
+        [b')', ..] | [0xEF, 0xBC, 0x89, ..] => Code::CommentClosed,
+        [0, ..] | [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Code::WideText,
+        [0x80..=0xFF, ..] => Code::NotAscii,
         _ => Code::UnknownCharacter,
     }
 }
@@ -308,7 +320,10 @@ mod tests {
         for (text, number, column, end) in [
             ("X#9", 115, 2, 4),
             ("X[1", 125, 4, 5),
-            ("X Z1", 4003, 1, 3),
+            ("X Z1", 4003, 1, 2),
+            ("X-.", 4003, 1, 4),
+            ("O\0", 4051, 1, 2),
+            ("X#1 \u{fffe}", 4002, 5, 6),
             ("X1 #1=5", 127, 4, 5),
             ("X1 GOTO 5", 127, 4, 5),
             ("X#1]", 4011, 4, 5),
@@ -318,8 +333,8 @@ mod tests {
             ("X#1 ?", 4001, 5, 6),
             ("X#1 \u{e4}", 4002, 5, 6),
             ("X#1\0", 4051, 4, 5),
-            ("X#1 Z1.2.3", 4005, 5, 6),
-            ("X#1 Z1234567890123456789", 4004, 5, 6),
+            ("X#1 Z1.2.3", 4005, 5, 9),
+            ("X#1 Z1234567890123456789", 4004, 5, 25),
         ] {
             let alarm = words(text).expect_err(text);
             let found = (alarm.number(), alarm.span.column, alarm.span.end);

@@ -98,6 +98,11 @@ fn program_text() {
 }
 
 #[test]
+fn macros_and_program_flow() {
+    replay("language", hostile::language);
+}
+
+#[test]
 fn machine_and_operator() {
     replay("machine", hostile::machine);
 }

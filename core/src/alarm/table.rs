@@ -914,8 +914,8 @@ codes! {
     /// A loop that goes on for ever; {0} how many statements it may have without a motion.
     RunawayLoop = 4850, "this loop has carried out {0} statements without a motion", "correct the condition that ends it",
         "该循环已执行 {0} 条语句而没有移动", "请修改结束循环的条件";
-    /// A subprogram that does not return; {0} its number.
-    SubprogramOpen = 4851, "subprogram O{0} ends without M99", "write M99 at its end", "子程序 O{0} 末尾没有 M99", "请在末尾写 M99";
+    /// A subprogram that does not return; {0} the number by which it was called.
+    SubprogramOpen = 4851, "what P{0} called ends without M99", "write M99 at its end", "P{0} 调用的程序末尾没有 M99", "请在末尾写 M99";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{Folder, cases, code, golden, leadscrew, root, stderr, stdout};
+use crate::{Folder, cases, code, examples, golden, leadscrew, root, stderr, stdout};
 
 #[test]
 fn golden_diagnostics_in_both_languages() {
@@ -55,11 +55,7 @@ fn the_printed_g78_is_refused_for_the_spindle_and_for_the_lead() {
 
 #[test]
 fn every_other_example_is_good() {
-    for example in std::fs::read_dir(root().join("examples")).unwrap() {
-        let name = format!(
-            "examples/{}",
-            example.unwrap().file_name().to_str().unwrap()
-        );
+    for name in examples() {
         if name != "examples/g78-as-printed.nc" {
             let output = leadscrew(&["check", &name]);
             assert_eq!(code(&output), 0, "{name}: {}", stderr(&output));

@@ -5,7 +5,7 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
-use crate::{cases, code, golden, leadscrew, root, stderr, stdout};
+use crate::{cases, code, examples, golden, leadscrew, root, stderr, stdout};
 
 fn moves(program: &str) -> Vec<Value> {
     let output = leadscrew(&["expand", program, "--json"]);
@@ -124,11 +124,7 @@ fn the_printed_g78_expands_to_twenty_moves_with_one_warning() {
 
 #[test]
 fn every_example_but_none_alarms() {
-    for example in std::fs::read_dir(root().join("examples")).unwrap() {
-        let name = format!(
-            "examples/{}",
-            example.unwrap().file_name().to_str().unwrap()
-        );
+    for name in examples() {
         let output = leadscrew(&["expand", &name, "--json"]);
         assert_eq!(
             code(&output),

@@ -85,12 +85,25 @@ fn cases(kind: &str) -> Vec<String> {
     cases
 }
 
+/// The programs in `examples`; those of its folders have tests of their own.
+fn examples() -> Vec<String> {
+    let entries = std::fs::read_dir(root().join("examples")).unwrap();
+    let programs: Vec<String> = entries
+        .map(|entry| entry.unwrap())
+        .filter(|entry| entry.file_type().unwrap().is_file())
+        .map(|entry| format!("examples/{}", entry.file_name().to_str().unwrap()))
+        .collect();
+    assert!(!programs.is_empty());
+    programs
+}
+
 mod check;
 mod expand;
 mod interrupt;
 mod json;
 mod kept;
 mod machine;
+mod macros;
 mod recovery;
 mod taps;
 mod texts;

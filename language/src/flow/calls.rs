@@ -1,16 +1,15 @@
-//! Subprograms and macros: M97, M98, M99, G65, G66, G67, and where a program begins and ends.
+//! Calls of subprograms and macros: M97, M98, G65, G66, G67.
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
-use leadscrew_core::units::Decimal;
 
-use super::jumps::Loop;
+use super::frame::{Frame, Modal};
+use super::jumps::no_label;
 use super::{Flow, Machine, Trouble};
 use crate::arguments::arguments;
-use crate::lines::{Place, Source};
+use crate::lines::Source;
 use crate::macro_a::{self, After};
-use crate::text::Cursor;
 use crate::variables::{Locals, Scope};
-use crate::word::{Given, Word};
+use crate::word::Word;
 
 /// How deep calls may be nested.
 const LEVELS: usize = 16;
@@ -19,66 +18,7 @@ const LEVELS: usize = 16;
 const MODALS: usize = 4;
 
 /// Highest number of a program or a block.
-const HIGHEST: u32 = 99_999_999;
-
-/// A program that was called, or the main program.
-#[derive(Clone, Debug)]
-pub struct Frame {
-    /// Its number.
-    number: u32,
-    /// The front of the program: searches begin there.
-    pub(super) start: Place,
-    /// The first block of each pass.
-    pub(super) entry: Place,
-    /// Where its caller goes on.
-    back: Place,
-    /// The word that called it.
-    pub(super) called: Span,
-    /// Passes after this one.
-    left: u32,
-    /// What its local variables are at the front of each pass; `None` where it has its caller's.
-    arguments: Option<Box<Locals>>,
-    /// The loops around the next block, from outside.
-    pub(super) loops: Vec<Loop>,
-    /// The modal calls in force, the latest last.
-    pub(super) modals: Vec<InForce>,
-}
-
-/// A macro that is called after each motion.
-#[derive(Clone, Debug)]
-pub struct InForce {
-    called: Span,
-    number: u32,
-    passes: u32,
-    arguments: Box<Locals>,
-}
-
-impl Frame {
-    /// The main program, before anything of it is known.
-    pub(super) const fn main() -> Self {
-        Self {
-            number: 0,
-            start: Place::START,
-            entry: Place::START,
-            back: Place::START,
-            called: Span {
-                line: 0,
-                column: 0,
-                end: 0,
-            },
-            left: 0,
-            arguments: None,
-            loops: Vec::new(),
-            modals: Vec::new(),
-        }
-    }
-
-    /// The alarm of a subprogram that does not return.
-    pub(super) fn left_open(&self, span: Span) -> Alarm {
-        let figure = [Arg::Int(i64::from(self.number))];
-        Alarm::new(Code::SubprogramOpen, span).with(figure)
-    }
-}
+pub(super) const HIGHEST: u32 = 99_999_999;
 
 /// The words of a block that calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +32,7 @@ enum Caller {
     /// G65.
     Macro,
     /// G66.
-    InForce,
+    Modal,
     /// G67.
     ModalEnd,
 }
@@ -104,7 +44,7 @@ impl Caller {
             (b'M', 98) => Self::Subprogram,
             (b'M', 99) => Self::Return,
             (b'G', 65) => Self::Macro,
-            (b'G', 66) => Self::InForce,
+            (b'G', 66) => Self::Modal,
             (b'G', 67) => Self::ModalEnd,
             _ => return None,
         })
@@ -142,7 +82,7 @@ impl<S: Source> Flow<S> {
         }
         let (before, after) = (&words[..index], &words[index + 1..]);
         match caller {
-            Caller::Macro | Caller::InForce => {
+            Caller::Macro | Caller::Modal => {
                 if let Some(word) = before.iter().find(|word| word.letter != b'N') {
                     return Err(word.alarm(Code::ArgumentAddress).into());
                 }
@@ -234,7 +174,7 @@ impl<S: Source> Flow<S> {
             let limit = [Arg::Int(MODALS as i64)];
             return Err(word.alarm(Code::ModalCallsTooMany).with(limit).into());
         }
-        modals.push(InForce {
+        modals.push(Modal {
             called: target.span,
             number,
             passes,
@@ -275,7 +215,7 @@ impl<S: Source> Flow<S> {
         number: u32,
         passes: u32,
         arguments: Option<Box<Locals>>,
-        modals: Vec<InForce>,
+        modals: Vec<Modal>,
     ) -> Result<(), Trouble> {
         let Some(start) = self.find_program(number)? else {
             let figure = [Arg::Int(i64::from(number))];
@@ -314,112 +254,6 @@ impl<S: Source> Flow<S> {
         self.at = entry;
         Ok(())
     }
-
-    /// M99, with or without P.
-    fn return_from(
-        &mut self,
-        word: Word,
-        to: Option<Word>,
-        machine: &mut impl Machine,
-    ) -> Result<(), Trouble> {
-        self.mind_budget(word.span)?;
-        let to = to.map(|to| Ok::<_, Alarm>((to.count(0, HIGHEST)?, to.span)));
-        let to = to.transpose()?;
-        if self.frames.len() == 1 {
-            return self.main_again(word, to, machine);
-        }
-        let frame = self.top_mut();
-        frame.loops.clear();
-        if frame.left > 0 {
-            frame.left -= 1;
-            let (entry, arguments) = (frame.entry, frame.arguments.clone());
-            self.at = entry;
-            if let Some(arguments) = arguments {
-                self.variables.close();
-                self.variables.open(&arguments);
-            }
-            return Ok(());
-        }
-        if let Some(frame) = self.frames.pop() {
-            self.at = frame.back;
-            if frame.arguments.is_some() {
-                self.variables.close();
-            } else {
-                // A subprogram may begin and end modal calls of its caller.
-                self.top_mut().modals = frame.modals;
-            }
-        }
-        match to {
-            Some((number, span)) => self.jump(i64::from(number), span),
-            None => Ok(()),
-        }
-    }
-
-    /// M99 in the main program.
-    fn main_again(
-        &mut self,
-        word: Word,
-        to: Option<(u32, Span)>,
-        machine: &mut impl Machine,
-    ) -> Result<(), Trouble> {
-        let here = self.at;
-        if let Some((number, span)) = to {
-            self.jump(i64::from(number), span)?;
-            let ahead = (self.at.byte, self.at.column) >= (here.byte, here.column);
-            if ahead || self.rules.repeat {
-                return Ok(());
-            }
-        } else if self.rules.repeat {
-            let main = self.top_mut();
-            main.loops.clear();
-            self.at = main.entry;
-            return Ok(());
-        }
-        machine.note(word.alarm(Code::MainRepeats));
-        self.over = true;
-        machine.finish()?;
-        Ok(())
-    }
-
-    /// True where the number of a program opens the one that runs, at `here`.
-    pub(super) fn opens(
-        &mut self,
-        number: u32,
-        here: Place,
-        machine: &mut impl Machine,
-        cursor: &Cursor<'_>,
-        sequence: Option<Word>,
-    ) -> Result<bool, Alarm> {
-        if self.started {
-            return Ok(self.top().start == here);
-        }
-        self.start(here);
-        self.frames[0].number = number;
-        let word = Word {
-            letter: b'O',
-            given: Given::Written(Decimal::new(i64::from(number), 0)),
-            variable: None,
-            span: cursor.span_from(here.column),
-        };
-        let words: Vec<Word> = sequence.into_iter().chain([word]).collect();
-        machine.words(here.line, &words)?;
-        Ok(true)
-    }
-
-    /// Another program begins at the cursor: this one is over.
-    pub(super) fn program_over(
-        &mut self,
-        cursor: &Cursor<'_>,
-        machine: &mut impl Machine,
-    ) -> Result<(), Trouble> {
-        if self.frames.len() > 1 {
-            let span = cursor.span_from(cursor.at().saturating_sub(1));
-            return Err(self.top().left_open(span).into());
-        }
-        self.over = true;
-        machine.finish()?;
-        Ok(())
-    }
 }
 
 /// The word of a letter that a call may have once.
@@ -430,9 +264,4 @@ fn find(words: &[Word], letter: u8) -> Result<Option<Word>, Alarm> {
         Some(second) => Err(second.alarm(Code::WordTwice)),
         None => Ok(first),
     }
-}
-
-/// The alarm of a jump to nowhere.
-pub(super) fn no_label(number: i64, span: Span) -> Alarm {
-    Alarm::new(Code::JumpTarget, span).with([Arg::Int(number)])
 }

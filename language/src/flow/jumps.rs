@@ -2,8 +2,8 @@
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
-use super::calls::no_label;
-use super::{Flow, Machine, Trouble, ended};
+use super::block::ended;
+use super::{Flow, Machine, Trouble};
 use crate::expression::Calculator;
 use crate::lines::{Place, Source};
 use crate::statement::Statement;
@@ -81,12 +81,14 @@ impl<S: Source> Flow<S> {
 
     /// Goes to the block with this N.
     pub(super) fn jump(&mut self, number: i64, span: Span) -> Result<(), Trouble> {
-        self.mind_budget(span)?;
         let found = match u32::try_from(number) {
             Ok(number) => self.find_label(number, self.at)?,
             Err(_) => None,
         };
         let found = found.ok_or_else(|| no_label(number, span))?;
+        if found.place.is_before(self.at) {
+            self.turn(span)?;
+        }
         self.at = found.place;
         self.top_mut().loops = found.loops;
         Ok(())
@@ -133,8 +135,9 @@ impl<S: Source> Flow<S> {
         let (number, span) = loop_number(cursor)?;
         match self.top().loops.last() {
             Some(inner) if inner.number == number => {
-                self.mind_budget(inner.span)?;
-                self.at = inner.place;
+                let (place, span) = (inner.place, inner.span);
+                self.turn(span)?;
+                self.at = place;
                 Ok(())
             }
             _ => Err(unmatched(number, span).into()),
@@ -161,4 +164,9 @@ fn loop_number(cursor: &mut Cursor<'_>) -> Result<(u8, Span), Alarm> {
 /// The alarm of a DO or END without the other.
 pub(super) fn unmatched(number: u8, span: Span) -> Alarm {
     Alarm::new(Code::LoopUnmatched, span).with([Arg::Int(i64::from(number))])
+}
+
+/// The alarm of a jump to nowhere.
+pub(super) fn no_label(number: i64, span: Span) -> Alarm {
+    Alarm::new(Code::JumpTarget, span).with([Arg::Int(number)])
 }

@@ -5,6 +5,7 @@ mod jumps;
 mod macros_a;
 
 use super::*;
+use crate::value::Value;
 use crate::variables::Written;
 
 /// Keeps what it is given, as text.

@@ -47,7 +47,6 @@ fn a_look_tells_what_the_core_reads_alone() {
         let mut depth = 0;
         (glance(text.as_bytes(), &mut depth), depth)
     };
-    let plain = |until, blocks| Glance::Plain { until, blocks };
     for text in [
         "N10 G0 X1 Z-2.5 (o #1 [ goto)",
         "G1 X1; M30;",
@@ -57,11 +56,11 @@ fn a_look_tells_what_the_core_reads_alone() {
         "G60 M9 M980 G650",
         "X1E4 N5",
     ] {
-        assert_eq!(look(text), (plain(text.len(), true), 0), "{text}");
+        assert_eq!(look(text), (Glance::Plain(text.len()), 0), "{text}");
     }
-    assert_eq!(look("%"), (plain(1, false), 0));
-    assert_eq!(look("(a"), (plain(2, false), 1));
-    assert_eq!(look("G0 X1 ; note"), (plain(6, true), 0));
+    assert_eq!(look("%"), (Glance::Plain(1), 0));
+    assert_eq!(look("(a"), (Glance::Plain(2), 1));
+    assert_eq!(look("G0 X1 ; note"), (Glance::Plain(6), 0));
     for text in [
         "#1=1",
         "X[1]",
@@ -81,8 +80,23 @@ fn a_look_tells_what_the_core_reads_alone() {
         assert_eq!(look(text).0, Glance::Special, "{text}");
     }
     let mut depth = 2;
-    assert_eq!(glance(b"#1=5) a) M8", &mut depth), plain(11, true));
+    assert_eq!(glance(b"#1=5) a) M8", &mut depth), Glance::Plain(11));
     assert_eq!(depth, 0);
+}
+
+#[test]
+fn a_line_of_comments_has_no_block() {
+    for (text, depth, expected) in [
+        ("%", 0, false),
+        (" (a) ; (b)\r", 0, false),
+        ("(a", 0, false),
+        ("a) b) ;", 2, false),
+        ("a) M8", 1, true),
+        ("M8", 0, true),
+        ("%O1", 0, true),
+    ] {
+        assert_eq!(has_blocks(text.as_bytes(), depth), expected, "{text}");
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! through them.
 
 mod device;
+mod language;
 mod link;
 mod machine;
 mod parameters;
@@ -13,6 +14,7 @@ mod staging;
 mod stored;
 
 pub use device::device;
+pub use language::language;
 pub use link::link;
 pub use machine::machine;
 pub use parameters::parameters;
