@@ -70,6 +70,8 @@ pub struct Rules {
     pub repeat: bool,
     /// Statements that a loop may carry out without a motion.
     pub budget: u32,
+    /// How often the loops of a program may begin again, whatever they move.
+    pub turns: u32,
 }
 
 impl Default for Rules {
@@ -78,6 +80,7 @@ impl Default for Rules {
             skip: false,
             repeat: false,
             budget: 1_000_000,
+            turns: 1_000_000,
         }
     }
 }
@@ -122,6 +125,8 @@ pub struct Flow<S> {
     over: bool,
     /// Statements since the last motion.
     idle: u32,
+    /// How often a loop has begun again.
+    turns: u32,
     memo: Memo,
     /// The line of a block that is carried out alone, its front blanked, and its words.
     text: Vec<u8>,
@@ -144,6 +149,7 @@ impl<S: Source> Flow<S> {
             started: false,
             over: false,
             idle: 0,
+            turns: 0,
             memo: Memo::default(),
             text: Vec::new(),
             blanked: Vec::new(),
@@ -260,10 +266,20 @@ impl<S: Source> Flow<S> {
 
     /// Refuses to go on in a loop that has not moved anything for long.
     fn mind_budget(&self, span: Span) -> Result<(), Alarm> {
-        if self.idle <= self.rules.budget {
-            return Ok(());
-        }
-        let figure = [Arg::Int(i64::from(self.rules.budget))];
-        Err(Alarm::new(Code::RunawayLoop, span).with(figure))
+        within(self.idle, self.rules.budget, Code::RunawayLoop, span)
     }
+
+    /// A loop, or a pass of a call, begins again.
+    fn turn(&mut self, span: Span) -> Result<(), Alarm> {
+        self.mind_budget(span)?;
+        self.turns = self.turns.saturating_add(1);
+        within(self.turns, self.rules.turns, Code::EndlessProgram, span)
+    }
+}
+
+fn within(count: u32, limit: u32, code: Code, span: Span) -> Result<(), Alarm> {
+    if count <= limit {
+        return Ok(());
+    }
+    Err(Alarm::new(code, span).with([Arg::Int(i64::from(limit))]))
 }

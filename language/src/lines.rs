@@ -45,6 +45,12 @@ impl Place {
         column: 0,
     };
 
+    /// True where this place comes earlier in the text.
+    #[must_use]
+    pub const fn is_before(self, other: Self) -> bool {
+        self.byte < other.byte || (self.byte == other.byte && self.column < other.column)
+    }
+
     /// Another byte of the same line.
     #[must_use]
     pub const fn in_line(self, column: usize) -> Self {

@@ -81,12 +81,14 @@ impl<S: Source> Flow<S> {
 
     /// Goes to the block with this N.
     pub(super) fn jump(&mut self, number: i64, span: Span) -> Result<(), Trouble> {
-        self.mind_budget(span)?;
         let found = match u32::try_from(number) {
             Ok(number) => self.find_label(number, self.at)?,
             Err(_) => None,
         };
         let found = found.ok_or_else(|| no_label(number, span))?;
+        if found.place.is_before(self.at) {
+            self.turn(span)?;
+        }
         self.at = found.place;
         self.top_mut().loops = found.loops;
         Ok(())
@@ -133,8 +135,9 @@ impl<S: Source> Flow<S> {
         let (number, span) = loop_number(cursor)?;
         match self.top().loops.last() {
             Some(inner) if inner.number == number => {
-                self.mind_budget(inner.span)?;
-                self.at = inner.place;
+                let (place, span) = (inner.place, inner.span);
+                self.turn(span)?;
+                self.at = place;
                 Ok(())
             }
             _ => Err(unmatched(number, span).into()),

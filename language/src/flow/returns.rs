@@ -17,7 +17,6 @@ impl<S: Source> Flow<S> {
         to: Option<Word>,
         machine: &mut impl Machine,
     ) -> Result<(), Trouble> {
-        self.mind_budget(word.span)?;
         let to = to.map(|to| Ok::<_, Alarm>((to.count(0, HIGHEST)?, to.span)));
         let to = to.transpose()?;
         if self.frames.len() == 1 {
@@ -27,7 +26,9 @@ impl<S: Source> Flow<S> {
         frame.loops.clear();
         if frame.left > 0 {
             frame.left -= 1;
+            let called = frame.called;
             let (entry, arguments) = (frame.entry, frame.arguments.clone());
+            self.turn(called)?;
             self.at = entry;
             if let Some(arguments) = arguments {
                 self.variables.close();
@@ -60,11 +61,11 @@ impl<S: Source> Flow<S> {
         let here = self.at;
         if let Some((number, span)) = to {
             self.jump(i64::from(number), span)?;
-            let ahead = (self.at.byte, self.at.column) >= (here.byte, here.column);
-            if ahead || self.rules.repeat {
+            if !self.at.is_before(here) || self.rules.repeat {
                 return Ok(());
             }
         } else if self.rules.repeat {
+            self.mind_budget(word.span)?;
             let main = self.top_mut();
             main.loops.clear();
             self.at = main.entry;

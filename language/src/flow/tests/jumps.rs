@@ -82,14 +82,14 @@ fn loops_must_close_and_may_not_cross() {
 }
 
 #[test]
-fn a_loop_without_a_motion_ends_and_names_its_line() {
+fn a_loop_without_an_end_is_refused_at_its_line() {
     assert_eq!(refused("X1\nWHILE[1]DO1\n#1=#1+1\nEND1"), (4850, 2, 11, 12));
     assert_eq!(refused("X1\nN5 #1=#1+1\nGOTO 5"), (4850, 3, 6, 7));
     assert_eq!(
         refused("M98 P2 L9999\nM30\nO2\nM98 P3 L9999\nM99\nO3\nM99"),
-        (4850, 7, 1, 4)
+        (4850, 4, 5, 7)
     );
-    // A motion now and then is all that it takes.
+    // A motion now and then is all that it takes, but not for ever.
     let text = "WHILE[#1LT5000]DO1\n#1=#1+1\nX1\nEND1";
     let rules = super::Rules {
         budget: 10,
@@ -97,4 +97,23 @@ fn a_loop_without_a_motion_ends_and_names_its_line() {
     };
     let (machine, alarm) = super::run_with(text, rules);
     assert_eq!((machine.heard.len(), alarm), (5000, None));
+    let rules = super::Rules {
+        turns: 100,
+        ..super::Rules::default()
+    };
+    let ended = |text: &str| {
+        let alarm = super::run_with(text, rules).1.expect("an alarm");
+        (alarm.number(), alarm.span.line, alarm.span.column)
+    };
+    assert_eq!(ended("X1\nN5 X2\nGOTO 5"), (4852, 3, 6));
+    assert_eq!(ended("WHILE[1]DO1\nX2\nEND1"), (4852, 1, 11));
+    assert_eq!(ended("M98 P2 L200\nM30\nO2 X1\nM99"), (4852, 1, 5));
+    // Neither jumps forward nor calls are loops.
+    let text = "GOTO 1\nN1 M98 P2\n".repeat(101) + "M30\nO2 X1\nM99";
+    let text = (0..101).fold(text, |text, n| {
+        let text = text.replacen("GOTO 1\n", &format!("GOTO {}\n", n + 2), 1);
+        text.replacen("N1 M98", &format!("N{} M98", n + 2), 1)
+    });
+    let (machine, alarm) = super::run_with(&text, rules);
+    assert_eq!((machine.heard.len(), alarm), (203, None));
 }
