@@ -916,6 +916,10 @@ codes! {
         "该循环已执行 {0} 条语句而没有移动", "请修改结束循环的条件";
     /// A subprogram that does not return; {0} the number by which it was called.
     SubprogramOpen = 4851, "what P{0} called ends without M99", "write M99 at its end", "P{0} 调用的程序末尾没有 M99", "请在末尾写 M99";
+    /// Loops that go on for ever; {0} how often they may begin again in one program.
+    EndlessProgram = 4852, "loops of this program have begun again {0} times: it seems to have no end",
+        "correct the condition that ends this one; a program that is to repeat itself has M99 at its end",
+        "本程序的循环已重复 {0} 次，似乎没有结束", "请修改结束该循环的条件；需要重复执行的程序应在末尾写 M99";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.

@@ -51,7 +51,7 @@ pub fn language(data: &[u8]) {
     let rules = Rules {
         repeat: choice & 8 != 0,
         budget: BUDGET,
-        ..Rules::default()
+        turns: STEPS / 2,
     };
     let whole = read(text, &params, options, rules);
     let size = usize::from(choice >> 4) + 1;
