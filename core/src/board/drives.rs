@@ -80,7 +80,7 @@ impl Figures {
 }
 
 /// X, Z, C and the spindles.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Drives {
     axes: [DriveMaster; 3],
     /// Increments that a drive counts in addition to its axis' position: for an axis whose reference was lost and whose
@@ -137,16 +137,16 @@ impl Drives {
         }
     }
 
-    /// As [`new`](Self::new), with three exceptions: the positions of axes whose reference was lost stay, the error codes
-    /// of the drives stay, and SYNC goes on counting.
-    pub(super) fn begin_anew(&mut self, params: &Params, figures: &Figures) {
+    /// Becomes `fresh`, with three exceptions: the positions of axes whose reference was lost stay, the error codes of the
+    /// drives stay, and SYNC goes on counting.
+    pub(super) fn begin_anew(&mut self, fresh: &Self) {
         let (offsets, sync) = (self.offsets, self.sync);
         // Error codes by node number.
         let mut told = [None; DRIVES];
         for (place, drive) in told.iter_mut().zip(self.all()) {
             *place = Some((drive.config().node, drive.error_code()));
         }
-        *self = Self::new(params, figures);
+        *self = *fresh;
         for (node, code) in told.into_iter().flatten() {
             if let Some(drive) = self.all().find(|drive| drive.config().node == node) {
                 drive.set_error_code(code);
@@ -154,11 +154,6 @@ impl Drives {
         }
         self.offsets = offsets;
         self.sync = sync;
-    }
-
-    /// The producer of the board's SYNC.
-    pub(super) const fn sync(&mut self) -> &mut SyncProducer {
-        &mut self.sync
     }
 
     /// The drives' node numbers.

@@ -30,10 +30,9 @@ mod stopping;
 mod transition;
 mod withheld;
 
-use core::mem::MaybeUninit;
-
 use heapless::Vec;
 
+pub use self::anew::Renewal;
 use self::away::Away;
 use self::course::Course;
 use self::journal::Journal;
@@ -45,11 +44,12 @@ use super::event::{Command, Event, Switching};
 use super::kept::Found;
 use super::nodes::DriveNodes;
 use super::operator::Operator;
-use super::queue::{DetourOut, EventIn, SegmentOut, put};
+use super::queue::{EventIn, put};
+use super::queues::TickEnds;
 use super::spindles::Spindle;
 use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::bus::Frame;
 use crate::bus::Setpoints;
-use crate::bus::{Frame, SyncProducer};
 use crate::journal::TapRecord;
 use crate::motion::{Arrival, Conditions, Epoch, Executor, Setpoint};
 use crate::params::Params;
@@ -80,16 +80,6 @@ pub struct Output {
     pub switching: Switching,
     /// The setpoints of all drives in one frame of CAN FD (9031). This frame follows the other frames of the period.
     pub together: Option<Setpoints>,
-}
-
-/// The queues of one tick.
-pub struct Ends<'a, 'q> {
-    /// The program's segments.
-    pub segments: &'a mut SegmentOut<'q>,
-    /// The answer to a [`Route`].
-    pub detours: &'a mut DetourOut<'q>,
-    /// Events.
-    pub events: &'a mut EventIn<'q>,
 }
 
 /// The tick side of a board.
@@ -123,7 +113,7 @@ pub struct Ticker {
 
 /// Values from the parameters.
 #[derive(Clone, Copy, Debug)]
-struct Given {
+pub(super) struct Given {
     /// Time from the sample to the instant at which a setpoint takes effect, on X and on Z.
     ahead_x: Ticks,
     ahead_z: Ticks,
@@ -138,7 +128,7 @@ struct Given {
 
 impl Given {
     /// `None` for a tick of zero length.
-    fn of(params: &Params) -> Option<Self> {
+    pub(super) fn of(params: &Params) -> Option<Self> {
         let tick_us = params.tick_us();
         let ticks_per_minute = 60_000_000_u32.checked_div(tick_us)?;
         let ramp_ms = u64::from(params.spindle_ramp_ms())
@@ -168,37 +158,11 @@ impl Given {
 }
 
 impl Ticker {
-    /// A tick side for a parameter set. `None` where the set cannot work (a scale or a tick of zero); the checks of the
-    /// parameter set refuse such a set.
-    #[must_use]
-    pub fn new(
-        params: &Params,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Option<Self> {
-        let given = Given::of(params)?;
-        let figures = Figures::of(params)?;
-        Some(Self::made(params, &given, &figures, remembered, tap))
-    }
-
-    /// The same, written to its place.
-    pub fn put<'a>(
-        place: &'a mut MaybeUninit<Self>,
-        params: &Params,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Option<&'a mut Self> {
-        let figures = (Given::of(params), Figures::of(params));
-        let (Some(given), Some(figures)) = &figures else {
-            return None;
-        };
-        Some(place.write(Self::made(params, given, figures, remembered, tap)))
-    }
-
+    /// The machine at power-up; see [`Tick::new`](super::Tick::new).
     // Written straight to the place that the caller names. As a function of its own, the value would be copied there
     // [D146].
     #[inline(always)]
-    fn made(
+    pub(super) fn made(
         params: &Params,
         given: &Given,
         figures: &Figures,
@@ -237,7 +201,7 @@ impl Ticker {
     }
 
     /// A program begins: until its end an empty queue is a wait, not idleness.
-    pub const fn program_begins(&mut self) {
+    pub(super) const fn program_begins(&mut self) {
         self.course.begin_program();
     }
 
@@ -254,12 +218,12 @@ impl Ticker {
     }
 
     /// Takes an operator's command; it acts in the next tick.
-    pub const fn command(&mut self, command: Command) {
+    pub(super) const fn command(&mut self, command: Command) {
         self.operator.take(command);
     }
 
     /// `awaits`: a machine function has been switched and not answered yet. Until it is answered, no other segment begins.
-    pub const fn await_machine(&mut self, awaits: bool) {
+    pub(super) const fn await_machine(&mut self, awaits: bool) {
         self.awaits = awaits;
     }
 
@@ -270,21 +234,16 @@ impl Ticker {
     }
 
     /// Sets the inputs; they act in the next tick.
-    pub const fn signals(&mut self, signals: Signals) {
+    pub(super) const fn signals(&mut self, signals: Signals) {
         self.operator.signals = signals;
     }
 
-    /// The producer of the board's SYNC, for an owner who sends SYNC while the ticker is made anew.
-    pub const fn sync(&mut self) -> &mut SyncProducer {
-        self.drives.sync()
-    }
-
     /// One SYNC period. `received`: the frames since the last tick.
-    pub fn tick(
+    pub(super) fn tick(
         &mut self,
         sample: EncoderSample,
         received: &[Frame],
-        ends: &mut Ends<'_, '_>,
+        ends: &mut TickEnds<'_>,
         output: &mut Output,
     ) {
         for frame in received {
@@ -319,7 +278,7 @@ impl Ticker {
     }
 
     /// A finished segment leaves its queue.
-    fn release(&mut self, ends: &mut Ends<'_, '_>) {
+    fn release(&mut self, ends: &mut TickEnds<'_>) {
         if self.executor.is_free() {
             // A pass that feed hold has left stays in the queue, because it is repeated.
             let is_left = self.away.stage() == Detour::Leaving;
@@ -328,7 +287,7 @@ impl Ticker {
         }
     }
 
-    fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_, '_>) {
+    fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut TickEnds<'_>) {
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.given.ahead_x,
@@ -347,7 +306,7 @@ impl Ticker {
         }
     }
 
-    fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_, '_>) {
+    fn observe(&mut self, mut sample: EncoderSample, ends: &mut TickEnds<'_>) {
         if !self.given.edge_time {
             sample.edge_age_ns = None;
         }
@@ -371,7 +330,7 @@ impl Ticker {
 
     #[cold]
     #[inline(never)]
-    fn slip(&mut self, counts: i32, ends: &mut Ends<'_, '_>) {
+    fn slip(&mut self, counts: i32, ends: &mut TickEnds<'_>) {
         self.slipped = true;
         self.begin_new_count();
         let alarm = Alarm::of(Code::IndexSlipped, &[Arg::Int(i64::from(counts))]);
@@ -380,11 +339,11 @@ impl Ticker {
         if in_cycle || self.executor.thread().is_some() || self.executor.is_floating() {
             self.raise(&alarm, ends);
         } else {
-            emit(ends.events, Event::Warning(alarm));
+            emit(&mut ends.events, Event::Warning(alarm));
         }
     }
 
-    fn watch_drives(&mut self, ends: &mut Ends<'_, '_>) {
+    fn watch_drives(&mut self, ends: &mut TickEnds<'_>) {
         match self.state {
             State::Alarm(_) => return self.drives.let_go(true),
             State::Stopping(Outcome::Alarm(_)) => return self.drives.let_go(false),
@@ -399,15 +358,15 @@ impl Ticker {
     /// The drives are enabled.
     #[cold]
     #[inline(never)]
-    fn come_up(&mut self, ends: &mut Ends<'_, '_>) {
-        emit(ends.events, Event::Ready);
+    fn come_up(&mut self, ends: &mut TickEnds<'_>) {
+        emit(&mut ends.events, Event::Ready);
         let mut position = self.drives.position(self.remembered.take());
         self.place_tap(&mut position, ends);
         self.transition_to_ready(position);
         self.tell_found(ends);
     }
 
-    fn obey(&mut self, ends: &mut Ends<'_, '_>) {
+    fn obey(&mut self, ends: &mut TickEnds<'_>) {
         if self.operator.asks() {
             self.act(ends);
         }
@@ -419,7 +378,7 @@ impl Ticker {
     /// Carries out what the operator asks for: stop, reset, resume, in this order.
     #[cold]
     #[inline(never)]
-    fn act(&mut self, ends: &mut Ends<'_, '_>) {
+    fn act(&mut self, ends: &mut TickEnds<'_>) {
         if let Some(code) = self.operator.takes_stop() {
             self.raise(&Alarm::new(code, Span::default()), ends);
         }
@@ -436,7 +395,7 @@ impl Ticker {
         }
     }
 
-    fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_, '_>) {
+    fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut TickEnds<'_>) {
         // Frozen in a thread cycle, and also while a reset leaves that cycle.
         let frozen = match self.state {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
