@@ -23,7 +23,7 @@ use super::device::Device;
 use super::event::Event;
 use super::kept::PowerUp;
 use super::planner::{Planner, Settings};
-use super::queue::{Calls, take};
+use super::queue::{Calls, drop_oldest, take};
 use super::queues::BackgroundEnds;
 use super::reference::Measured;
 use super::snapshot::Snapshot;
@@ -110,8 +110,7 @@ impl Background {
         }
     }
 
-    /// Takes what was found of the parameters at power-up. The tick side must [withhold](super::Ticker::withhold) motion
-    /// accordingly.
+    /// Takes what was found of the parameters at power-up. The tick side's [`Setup`](super::Setup) has to say the same.
     pub fn power_up(&mut self, up: &PowerUp) {
         self.device.power_up(up);
     }
@@ -234,7 +233,19 @@ impl<'a> BackgroundSide<'a> {
     /// Hears what the tick has told: one report, and everything that was told before it. True where there was a report.
     #[inline(never)]
     pub fn hear(&mut self) -> bool {
-        let report = take(&mut self.ends.reports);
+        // Looked at while it is in the queue: it is large.
+        let report = self.ends.reports.peek();
+        let heard = report.is_some();
+        if let Some(report) = report {
+            let state = &mut *self.state;
+            state.snapshot = report.snapshot;
+            state.begun = report.begun;
+            state.elapsed = state.elapsed.saturating_add(report.elapsed);
+            state.measured = report.measured;
+            state.has_begun_anew |= state.orders.hear(report.orders);
+            state.device.set_late(report.late);
+            drop_oldest(&mut self.ends.reports);
+        }
         // Takes everything that was told before that report, and perhaps more.
         while let Some(notice) = take(&mut self.ends.notices) {
             // The entry of the same tick goes first.
@@ -248,20 +259,11 @@ impl<'a> BackgroundSide<'a> {
                 .heed(&notice, &mut calls, detours, &state.limits, tap);
         }
         self.enter();
-        let Some(report) = report else {
-            return false;
-        };
-        let state = &mut *self.state;
-        state.snapshot = report.snapshot;
-        state.begun = report.begun;
-        state.elapsed = state.elapsed.saturating_add(report.elapsed);
-        state.measured = report.measured;
-        state.has_begun_anew |= state.orders.hear(report.orders);
-        state.device.set_late(report.late);
-        true
+        heard
     }
 
     /// Takes new entries of the tap journal. Of those that are not stored yet, only the newest counts.
+    #[inline(never)]
     fn enter(&mut self) {
         while let Some(record) = take(&mut self.ends.entries) {
             self.state.journal.newest = Some(record);

@@ -61,6 +61,6 @@ pub use request::StoreRequest;
 pub use snapshot::{Contacts, Snapshot};
 pub use store::{Region, StoreError};
 pub use tick_side::{Inputs, Tick, TickSide};
-pub use ticker::{Outcome, Output, State, Ticker};
+pub use ticker::{Outcome, Output, Setup, State, Ticker};
 pub use trouble::{BusTrouble, Intrusion, Victim};
 pub use whole::Board;

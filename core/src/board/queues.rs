@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | segments, detours | background | tick | wait in the background |
 //! | orders: commands, inputs, answers of the storage, a new beginning | background | tick | wait in the background |
-//! | renewals: the parts of a tick side for another parameter set | background | tick | never full |
+//! | setups: what the tick needs of another parameter set | background | tick | never full |
 //! | events | tick | background | the newest is lost |
 //! | entries of the tap journal | tick | background | wait in the tick; only the newest counts |
 //! | notices: start again from here, plan a way | tick | background | wait in the tick; only the newest counts |
@@ -17,16 +17,14 @@ use heapless::spsc::{Consumer, Producer, Queue};
 
 use super::event::Event;
 use super::message::{Order, Report};
-use super::queue::{
-    DetourIn, DetourOut, Detours, EventIn, Events, SegmentIn, SegmentOut, Segments,
-};
-use super::ticker::{Notice, Renewal};
+use super::queue::{DetourIn, Detours, Events, SegmentIn, Segments};
+use super::ticker::{Ends as TickerEnds, Notice, Setup};
 use crate::bus::Frame;
 use crate::journal::TapRecord;
 
 // One place of a ring stays empty.
 const ORDERS: usize = 17;
-const RENEWALS: usize = 2;
+const SETUPS: usize = 2;
 /// The reports that wait at most, and the place that stays empty.
 const REPORTS: usize = 4;
 const ENTRIES: usize = 3;
@@ -39,7 +37,7 @@ pub struct Queues {
     pub(super) segments: Segments,
     detours: Detours,
     orders: Queue<Order, ORDERS>,
-    renewals: Queue<Renewal, RENEWALS>,
+    setups: Queue<Setup, SETUPS>,
     events: Events,
     entries: Queue<TapRecord, ENTRIES>,
     notices: Queue<Notice, NOTICES>,
@@ -49,11 +47,9 @@ pub struct Queues {
 
 /// The ends that the tick side owns.
 pub struct TickEnds<'q> {
-    pub(super) segments: SegmentOut<'q>,
-    pub(super) detours: DetourOut<'q>,
+    pub(super) ticker: TickerEnds<'q>,
     pub(super) orders: Consumer<'q, Order>,
-    pub(super) renewals: Consumer<'q, Renewal>,
-    pub(super) events: EventIn<'q>,
+    pub(super) setups: Consumer<'q, Setup>,
     pub(super) entries: Producer<'q, TapRecord>,
     pub(super) notices: Producer<'q, Notice>,
     pub(super) strangers: Producer<'q, Frame>,
@@ -65,7 +61,7 @@ pub struct BackgroundEnds<'q> {
     pub(super) segments: SegmentIn<'q>,
     pub(super) detours: DetourIn<'q>,
     pub(super) orders: Producer<'q, Order>,
-    pub(super) renewals: Producer<'q, Renewal>,
+    pub(super) setups: Producer<'q, Setup>,
     pub(super) events: Consumer<'q, Event>,
     pub(super) entries: Consumer<'q, TapRecord>,
     pub(super) notices: Consumer<'q, Notice>,
@@ -81,7 +77,7 @@ impl Queues {
             segments: Segments::new(),
             detours: Detours::new(),
             orders: Queue::new(),
-            renewals: Queue::new(),
+            setups: Queue::new(),
             events: Events::new(),
             entries: Queue::new(),
             notices: Queue::new(),
@@ -95,18 +91,20 @@ impl Queues {
         let (segments_in, segments_out) = self.segments.split();
         let (detours_in, detours_out) = self.detours.split();
         let (orders_in, orders_out) = self.orders.split();
-        let (renewals_in, renewals_out) = self.renewals.split();
+        let (setups_in, setups_out) = self.setups.split();
         let (events_in, events_out) = self.events.split();
         let (entries_in, entries_out) = self.entries.split();
         let (notices_in, notices_out) = self.notices.split();
         let (strangers_in, strangers_out) = self.strangers.split();
         let (reports_in, reports_out) = self.reports.split();
         let tick = TickEnds {
-            segments: segments_out,
-            detours: detours_out,
+            ticker: TickerEnds {
+                segments: segments_out,
+                detours: detours_out,
+                events: events_in,
+            },
             orders: orders_out,
-            renewals: renewals_out,
-            events: events_in,
+            setups: setups_out,
             entries: entries_in,
             notices: notices_in,
             strangers: strangers_in,
@@ -116,7 +114,7 @@ impl Queues {
             segments: segments_in,
             detours: detours_in,
             orders: orders_in,
-            renewals: renewals_in,
+            setups: setups_in,
             events: events_out,
             entries: entries_out,
             notices: notices_out,

@@ -25,7 +25,7 @@ pub(super) enum Spindle {
 const ROUND: u32 = 4;
 
 /// All spindles of a machine.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) struct Spindles {
     /// Only the first `present` of them exist.
     masters: [SpindleMaster; 4],

@@ -7,11 +7,8 @@
 //! Firmware calls the three in an interrupt; an owner with one thread calls them in turn with the background's work. It
 //! must not know hardware: what the pins say and what has come from the bus are arguments.
 
-use core::mem::MaybeUninit;
-
 use heapless::Vec;
 
-use super::drives::Figures;
 use super::event::Command;
 use super::message::{Order, Report};
 use super::nodes::DriveNodes;
@@ -19,11 +16,10 @@ use super::queue::{drop_oldest, put, take};
 use super::queues::TickEnds;
 use super::reference::Reference;
 use super::snapshot::{Contacts, Snapshot};
-use super::ticker::{Given, Output, Ticker};
+use super::ticker::{Output, Setup, Ticker};
 use crate::alarm::Code;
 use crate::bus::{Frame, Service};
 use crate::journal::TapRecord;
-use crate::params::Params;
 use crate::program::Position;
 use crate::signals::Signals;
 use crate::spindle::EncoderSample;
@@ -73,43 +69,14 @@ pub struct Tick {
 
 impl Tick {
     /// The state at power-up. `remembered`: the last position of the machine, if known; it counts where the drives'
-    /// positions agree with it to their increment. `tap`: the stored entry of the tap journal. `None` where the set cannot
-    /// work (a scale or a tick of zero); the checks of the parameter set refuse such a set.
-    #[must_use]
-    pub fn new(
-        params: &Params,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Option<Self> {
-        let (given, figures) = (Given::of(params)?, Figures::of(params)?);
-        Some(Self::made(params, &given, &figures, remembered, tap))
-    }
-
-    /// The same, written to its place.
-    pub fn put<'a>(
-        place: &'a mut MaybeUninit<Self>,
-        params: &Params,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Option<&'a mut Self> {
-        let figures = (Given::of(params), Figures::of(params));
-        let (Some(given), Some(figures)) = &figures else {
-            return None;
-        };
-        Some(place.write(Self::made(params, given, figures, remembered, tap)))
-    }
-
-    // Written straight to the place that the caller names [D146].
+    /// positions agree with it to their increment. `tap`: the stored entry of the tap journal.
+    // Written straight to the place that the caller names. As a function of its own, the value would be copied there
+    // [D146].
     #[inline(always)]
-    fn made(
-        params: &Params,
-        given: &Given,
-        figures: &Figures,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Self {
+    #[must_use]
+    pub fn new(setup: &Setup, remembered: Option<Position>, tap: Option<TapRecord>) -> Self {
         Self {
-            ticker: Ticker::made(params, given, figures, remembered, tap),
+            ticker: Ticker::new(setup, remembered, tap),
             reference: Reference::default(),
             entry: None,
             received: Vec::new(),
@@ -127,7 +94,7 @@ impl Tick {
         &self.ticker
     }
 
-    /// The machine before its first tick: what withholds motion is told to it.
+    /// The machine before its first tick.
     pub const fn ticker_mut(&mut self) -> &mut Ticker {
         &mut self.ticker
     }
@@ -168,10 +135,12 @@ impl<'a> TickSide<'a> {
     }
 
     /// Observes, executes and makes the frames of this period; see [`Ticker`].
+    // Only the ticker's own ends have to be there.
+    #[inline(always)]
     pub fn run(&mut self, sample: EncoderSample, output: &mut Output) {
         let tick = &mut *self.tick;
         tick.ticker
-            .tick(sample, &tick.received, &mut self.ends, output);
+            .tick(sample, &tick.received, &mut self.ends.ticker, output);
     }
 
     /// There was room for a report within the last quarter of a second: the background takes them. Otherwise it hangs.
@@ -204,7 +173,7 @@ impl<'a> TickSide<'a> {
         {
             ticker.notice_heard();
         }
-        let head = self.ends.segments.peek();
+        let head = self.ends.ticker.segments.peek();
         let setpoint = &output.setpoint;
         let measured = tick.reference.error(ticker, head, setpoint);
         let contacts = Contacts {
@@ -290,9 +259,9 @@ impl<'a> TickSide<'a> {
     fn begin_anew(&mut self) {
         let tick = &mut *self.tick;
         tick.reference = Reference::default();
-        if let Some(renewal) = self.ends.renewals.peek() {
-            tick.ticker.begin_anew(renewal);
-            drop_oldest(&mut self.ends.renewals);
+        if let Some(setup) = self.ends.setups.peek() {
+            tick.ticker.begin_anew(setup);
+            drop_oldest(&mut self.ends.setups);
         }
     }
 }

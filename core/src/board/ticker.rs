@@ -24,6 +24,7 @@ mod away;
 mod begin;
 mod course;
 mod journal;
+mod setup;
 mod spindle;
 mod state;
 mod stopping;
@@ -32,31 +33,29 @@ mod withheld;
 
 use heapless::Vec;
 
-pub use self::anew::Renewal;
 use self::away::Away;
 use self::course::Course;
 use self::journal::Journal;
+use self::setup::Given;
+pub use self::setup::Setup;
 use self::spindle::SpindleMode;
 pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
-use super::drives::{Drives, FRAMES, Figures};
+use super::drives::{Drives, FRAMES};
 use super::event::{Command, Event, Switching};
 use super::kept::Found;
 use super::nodes::DriveNodes;
 use super::operator::Operator;
-use super::queue::{EventIn, put};
-use super::queues::TickEnds;
+use super::queue::{DetourOut, EventIn, SegmentOut, put};
 use super::spindles::Spindle;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::Frame;
 use crate::bus::Setpoints;
 use crate::journal::TapRecord;
-use crate::motion::{Arrival, Conditions, Epoch, Executor, Setpoint};
-use crate::params::Params;
+use crate::motion::{Conditions, Epoch, Executor, Setpoint};
 use crate::program::Position;
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
-use crate::units::{Axis, Ticks};
 
 /// A message of the tick to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +79,16 @@ pub struct Output {
     pub switching: Switching,
     /// The setpoints of all drives in one frame of CAN FD (9031). This frame follows the other frames of the period.
     pub together: Option<Setpoints>,
+}
+
+/// The queues of a ticker.
+pub(super) struct Ends<'q> {
+    /// The program's segments.
+    pub segments: SegmentOut<'q>,
+    /// The answer to a [`Route`].
+    pub detours: DetourOut<'q>,
+    /// Events.
+    pub events: EventIn<'q>,
 }
 
 /// The tick side of a board.
@@ -111,64 +120,13 @@ pub struct Ticker {
     executor: Executor,
 }
 
-/// Values from the parameters.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Given {
-    /// Time from the sample to the instant at which a setpoint takes effect, on X and on Z.
-    ahead_x: Ticks,
-    ahead_z: Ticks,
-    arrival: Arrival,
-    /// Ticks in a second.
-    second: u32,
-    /// Leaving position mode waits for RGTAP = 0 (5200.2).
-    waits_for_rgtap: bool,
-    edge_time: bool,
-    hold_retracts: bool,
-}
-
-impl Given {
-    /// `None` for a tick of zero length.
-    pub(super) fn of(params: &Params) -> Option<Self> {
-        let tick_us = params.tick_us();
-        let ticks_per_minute = 60_000_000_u32.checked_div(tick_us)?;
-        let ramp_ms = u64::from(params.spindle_ramp_ms())
-            .saturating_mul(u64::from(params.spindle_max_rpm()))
-            / 1000;
-        // Twice the time from rest to the highest speed, plus a second.
-        let speed_ticks = ramp_ms
-            .saturating_mul(2)
-            .saturating_add(1000)
-            .saturating_mul(u64::from(ticks_per_minute / 60))
-            / 1000;
-        let ahead = |axis| Ticks::one_and(params.latency_us(axis), tick_us);
-        Some(Self {
-            ahead_x: ahead(Axis::X),
-            ahead_z: ahead(Axis::Z),
-            arrival: Arrival {
-                tolerance_percent: params.spindle_tolerance_percent(),
-                speed_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
-                ticks_per_minute,
-            },
-            second: ticks_per_minute / 60,
-            waits_for_rgtap: params.tap_wait_rgtap(),
-            edge_time: params.encoder_edge_time(),
-            hold_retracts: params.thread_hold_retracts(),
-        })
-    }
-}
-
 impl Ticker {
     /// The machine at power-up; see [`Tick::new`](super::Tick::new).
     // Written straight to the place that the caller names. As a function of its own, the value would be copied there
     // [D146].
     #[inline(always)]
-    pub(super) fn made(
-        params: &Params,
-        given: &Given,
-        figures: &Figures,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Self {
+    pub(super) fn new(setup: &Setup, remembered: Option<Position>, tap: Option<TapRecord>) -> Self {
+        let given = setup.given;
         Self {
             state: State::Starting,
             slipped: false,
@@ -178,26 +136,16 @@ impl Ticker {
             course: Course::new(),
             away: Away::new(),
             spindle: SpindleMode::new(),
-            found: Found::default(),
+            found: setup.found,
             operator: Operator::new(),
-            given: *given,
-            observer: Self::observer_of(params),
+            given,
+            observer: setup.observer,
             remembered,
             notice: None,
             journal: Journal::new(tap, given.second),
-            drives: Drives::new(params, figures),
+            drives: Drives::new(&setup.figures),
             executor: Executor::new(given.arrival),
         }
-    }
-
-    #[inline(never)]
-    fn observer_of(params: &Params) -> Observer {
-        Observer::new(
-            params.encoder_counts(),
-            params.observer_bandwidth_hz(),
-            params.tick_us(),
-        )
-        .for_ramp(params.spindle_ramp_ms())
     }
 
     /// A program begins: until its end an empty queue is a wait, not idleness.
@@ -218,6 +166,8 @@ impl Ticker {
     }
 
     /// Takes an operator's command; it acts in the next tick.
+    // Called in many places.
+    #[inline(never)]
     pub(super) const fn command(&mut self, command: Command) {
         self.operator.take(command);
     }
@@ -243,7 +193,7 @@ impl Ticker {
         &mut self,
         sample: EncoderSample,
         received: &[Frame],
-        ends: &mut TickEnds<'_>,
+        ends: &mut Ends<'_>,
         output: &mut Output,
     ) {
         for frame in received {
@@ -278,7 +228,7 @@ impl Ticker {
     }
 
     /// A finished segment leaves its queue.
-    fn release(&mut self, ends: &mut TickEnds<'_>) {
+    fn release(&mut self, ends: &mut Ends<'_>) {
         if self.executor.is_free() {
             // A pass that feed hold has left stays in the queue, because it is repeated.
             let is_left = self.away.stage() == Detour::Leaving;
@@ -287,7 +237,7 @@ impl Ticker {
         }
     }
 
-    fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut TickEnds<'_>) {
+    fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_>) {
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.given.ahead_x,
@@ -306,7 +256,7 @@ impl Ticker {
         }
     }
 
-    fn observe(&mut self, mut sample: EncoderSample, ends: &mut TickEnds<'_>) {
+    fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_>) {
         if !self.given.edge_time {
             sample.edge_age_ns = None;
         }
@@ -330,7 +280,7 @@ impl Ticker {
 
     #[cold]
     #[inline(never)]
-    fn slip(&mut self, counts: i32, ends: &mut TickEnds<'_>) {
+    fn slip(&mut self, counts: i32, ends: &mut Ends<'_>) {
         self.slipped = true;
         self.begin_new_count();
         let alarm = Alarm::of(Code::IndexSlipped, &[Arg::Int(i64::from(counts))]);
@@ -343,7 +293,7 @@ impl Ticker {
         }
     }
 
-    fn watch_drives(&mut self, ends: &mut TickEnds<'_>) {
+    fn watch_drives(&mut self, ends: &mut Ends<'_>) {
         match self.state {
             State::Alarm(_) => return self.drives.let_go(true),
             State::Stopping(Outcome::Alarm(_)) => return self.drives.let_go(false),
@@ -358,7 +308,7 @@ impl Ticker {
     /// The drives are enabled.
     #[cold]
     #[inline(never)]
-    fn come_up(&mut self, ends: &mut TickEnds<'_>) {
+    fn come_up(&mut self, ends: &mut Ends<'_>) {
         emit(&mut ends.events, Event::Ready);
         let mut position = self.drives.position(self.remembered.take());
         self.place_tap(&mut position, ends);
@@ -366,7 +316,7 @@ impl Ticker {
         self.tell_found(ends);
     }
 
-    fn obey(&mut self, ends: &mut TickEnds<'_>) {
+    fn obey(&mut self, ends: &mut Ends<'_>) {
         if self.operator.asks() {
             self.act(ends);
         }
@@ -378,7 +328,7 @@ impl Ticker {
     /// Carries out what the operator asks for: stop, reset, resume, in this order.
     #[cold]
     #[inline(never)]
-    fn act(&mut self, ends: &mut TickEnds<'_>) {
+    fn act(&mut self, ends: &mut Ends<'_>) {
         if let Some(code) = self.operator.takes_stop() {
             self.raise(&Alarm::new(code, Span::default()), ends);
         }
@@ -395,7 +345,7 @@ impl Ticker {
         }
     }
 
-    fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut TickEnds<'_>) {
+    fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_>) {
         // Frozen in a thread cycle, and also while a reset leaves that cycle.
         let frozen = match self.state {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,

@@ -22,7 +22,7 @@ use super::request::StoreRequest;
 use super::snapshot::{Contacts, Snapshot};
 use super::store::{Region, StoreError};
 use super::tick_side::{Inputs, Tick, TickSide};
-use super::ticker::{Output, Ticker};
+use super::ticker::{Output, Setup, Ticker};
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::{Controller, FdFrame, Frame, NodeId};
 use crate::journal::TapRecord;
@@ -54,16 +54,7 @@ impl Board {
         remembered: Option<Position>,
         tap: Option<TapRecord>,
     ) -> Result<Self, Alarm> {
-        let Some(tick) = Tick::new(params, remembered, tap) else {
-            return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
-        };
-        let snapshot = Snapshot::new(&tick.ticker, &Setpoint::default(), Contacts::default());
-        Ok(Self {
-            queues: Queues::new(),
-            background: Background::new(params, remembered.unwrap_or_default(), tap, snapshot),
-            tick,
-            events: Deque::new(),
-        })
+        Self::power_up(&PowerUp::given(params), remembered, tap)
     }
 
     /// A board at power-up with its stored parameters. It starts with that set. If the set is faulty, an alarm withholds
@@ -76,10 +67,20 @@ impl Board {
         remembered: Option<Position>,
         tap: Option<TapRecord>,
     ) -> Result<Self, Alarm> {
-        let mut board = Self::new(&up.params, remembered, tap)?;
-        board.background.power_up(up);
-        board.tick.ticker.withhold(up.found);
-        Ok(board)
+        let params = &up.params;
+        let Some(setup) = Setup::of(params, up.found) else {
+            return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
+        };
+        let tick = Tick::new(&setup, remembered, tap);
+        let snapshot = Snapshot::new(&tick.ticker, &Setpoint::default(), Contacts::default());
+        let mut background = Background::new(params, remembered.unwrap_or_default(), tap, snapshot);
+        background.power_up(up);
+        Ok(Self {
+            queues: Queues::new(),
+            tick,
+            background,
+            events: Deque::new(),
+        })
     }
 
     /// Joins a network as `node`: from now on the board hears and sends frames. An NMT master starts it.

@@ -4,7 +4,8 @@ use core::mem::MaybeUninit;
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::board::{
-    self, Background, BackgroundSide, Contacts, Event, Output, Queues, Snapshot, Tick, TickSide,
+    self, Background, BackgroundSide, Contacts, Event, Output, Queues, Setup, Snapshot, Tick,
+    TickSide,
 };
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::journal::TapRecord;
@@ -97,10 +98,10 @@ impl Memory {
 
 #[inline(never)]
 fn new_tick<'a>(place: &'a mut MaybeUninit<Tick>, up: &PowerUp<'_>) -> Result<&'a mut Tick, Alarm> {
-    let Some(tick) = Tick::put(place, &up.set.params, up.remembered, up.tap) else {
+    let Some(setup) = Setup::of(&up.set.params, up.set.found) else {
         return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
     };
-    tick.ticker_mut().withhold(up.set.found);
+    let tick = place.write(Tick::new(&setup, up.remembered, up.tap));
     if let Some(failure) = up.failure {
         tick.ticker_mut().begin_in_alarm(failure.alarm());
     }

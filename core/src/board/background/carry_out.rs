@@ -3,7 +3,7 @@
 use super::BackgroundSide;
 use crate::board::message::Order;
 use crate::board::queue::put;
-use crate::board::ticker::Renewal;
+use crate::board::ticker::Setup;
 use crate::motion::Limits;
 
 impl BackgroundSide<'_> {
@@ -33,6 +33,7 @@ impl BackgroundSide<'_> {
 
     /// A parameter set comes into force: here at once, in the tick with the next order. Nothing moves; the drives are
     /// enabled again.
+    #[inline(never)]
     fn take_params(&mut self) {
         let state = &mut *self.state;
         let Some(params) = state.device.take_params() else {
@@ -40,10 +41,10 @@ impl BackgroundSide<'_> {
         };
         state.params.clone_from(params);
         state.limits = Limits::from_params(&state.params);
-        // The set was checked before it was staged, and there is room for one renewal at a time; otherwise the board stays
-        // as it is [D148].
-        if let Some(renewal) = Renewal::of(&state.params, state.device.found())
-            && put(&mut self.ends.renewals, renewal).is_ok()
+        // The set was checked before it was staged, and there is room for one setup; otherwise the board stays as it is
+        // [D148].
+        if let Some(setup) = Setup::of(&state.params, state.device.found())
+            && put(&mut self.ends.setups, setup).is_ok()
         {
             self.ends.order(&mut state.orders, Order::BeginAnew);
         }

@@ -2,39 +2,9 @@
 
 use super::away::Away;
 use super::spindle::SpindleMode;
-use super::{Given, Notice, State, Ticker};
-use crate::board::drives::{Drives, Figures};
+use super::{Notice, Setup, State, Ticker};
 use crate::board::event::Switching;
-use crate::board::kept::Found;
 use crate::board::operator::Operator;
-use crate::params::Params;
-use crate::spindle::Observer;
-
-/// The parts of a tick side that follow from a parameter set. The background makes them, because that takes longer than a
-/// tick may; the tick copies them [D131].
-#[derive(Clone, Copy, Debug)]
-pub struct Renewal {
-    given: Given,
-    observer: Observer,
-    drives: Drives,
-    found: Found,
-}
-
-impl Renewal {
-    /// The parts for `params`; `None` for a set that does not pass its own checks. `found`: the present state of the stored
-    /// parameters.
-    // The value is large: it has the stack for itself.
-    #[inline(never)]
-    #[must_use]
-    pub fn of(params: &Params, found: Found) -> Option<Self> {
-        Some(Self {
-            given: Given::of(params)?,
-            observer: Ticker::observer_of(params),
-            drives: Drives::new(params, &Figures::of(params)?),
-            found,
-        })
-    }
-}
 
 impl Ticker {
     /// Starts again with another parameter set: the drives are enabled again, and the knowledge of taps in holes stays.
@@ -42,7 +12,7 @@ impl Ticker {
     /// machine may not move any more.
     ///
     /// The machine must stand.
-    pub fn begin_anew(&mut self, renewal: &Renewal) {
+    pub fn begin_anew(&mut self, setup: &Setup) {
         if self.state.stays_at_rest() {
             return;
         }
@@ -83,14 +53,14 @@ impl Ticker {
         let epoch = course.begin_anew();
         *away = Away::new();
         *spindle = SpindleMode::new();
-        *withheld = renewal.found;
+        *withheld = setup.found;
         *operator = Operator::new();
-        *given = renewal.given;
-        *observer = renewal.observer;
+        *given = setup.given;
+        *observer = setup.observer;
         *remembered = position;
         *notice = Some(Notice::Restart(position.unwrap_or_default(), epoch));
         journal.begin_anew(given.second);
-        drives.begin_anew(&renewal.drives);
+        drives.begin_anew(&setup.figures);
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.
         executor.set_position(told);

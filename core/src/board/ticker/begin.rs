@@ -2,7 +2,7 @@
 
 use super::away::LastPass;
 use super::course::Source;
-use super::{Detour, State, TickEnds, Ticker, emit};
+use super::{Detour, Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Code};
 use crate::board::event::{Event, Switching};
 use crate::motion::{Action, Motion};
@@ -10,7 +10,7 @@ use crate::motion::{Action, Motion};
 impl Ticker {
     /// Begins the next segment if it may begin now. Returns number and line of a segment that is over at once, or that
     /// waits for the spindle.
-    pub(super) fn take_up(&mut self, ends: &mut TickEnds<'_>) -> Option<(u32, u32, Motion)> {
+    pub(super) fn take_up(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         if !self.executor.is_free() {
             return None;
         }
@@ -51,7 +51,7 @@ impl Ticker {
     }
 
     /// Begins the segment at the head of the program's queue.
-    pub(super) fn start(&mut self, ends: &mut TickEnds<'_>) -> Option<(u32, u32, Motion)> {
+    pub(super) fn start(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let task = ends.segments.peek()?;
         let segment = task.segment;
         let events = &mut ends.events;
@@ -135,7 +135,7 @@ impl Ticker {
     }
 
     /// Changes the state after a motion has come to rest. `moved`: a segment was under way in this tick.
-    pub(super) fn settle(&mut self, motion: Motion, moved: bool, ends: &mut TickEnds<'_>) {
+    pub(super) fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_>) {
         match self.state {
             State::Stopping(_) => {
                 if !self.executor.is_free() || self.away.is_under_way() {

@@ -3,7 +3,7 @@
 //! Knows the heads of the two queues. Must not know drives, the spindle or the state of the machine.
 
 use super::super::queue::take;
-use super::TickEnds;
+use super::Ends;
 use crate::motion::{Cut, Epoch, Segment, Stops, Task};
 
 /// Which queue the segment under way is in. It stays at the head of its queue until it is done.
@@ -92,7 +92,7 @@ impl Course {
     }
 
     /// Drops a segment that does not count any more. One segment per tick.
-    pub(super) fn drop_stale(&self, ends: &mut TickEnds<'_>) {
+    pub(super) fn drop_stale(&self, ends: &mut Ends<'_>) {
         let epoch = ends.segments.head().map(|oldest| oldest.epoch);
         if epoch.is_some_and(|epoch| epoch != self.epoch) {
             ends.segments.take();
@@ -100,13 +100,13 @@ impl Course {
     }
 
     /// The oldest segment of the program, if it counts.
-    pub(super) fn next<'a>(&self, ends: &'a TickEnds<'_>) -> Option<&'a Segment> {
+    pub(super) fn next<'a>(&self, ends: &'a Ends<'_>) -> Option<&'a Segment> {
         let epoch = self.epoch;
         ends.segments.head().filter(|next| next.epoch == epoch)
     }
 
     /// The next segment is the retract of a stroke, so the machine must not rest here.
-    pub(super) fn must_go_on(&self, ends: &TickEnds<'_>) -> bool {
+    pub(super) fn must_go_on(&self, ends: &Ends<'_>) -> bool {
         !self.paused
             && ends
                 .segments
@@ -125,7 +125,7 @@ impl Course {
     }
 
     /// The segment under way, with its plan.
-    pub(super) fn current<'a>(&self, ends: &'a TickEnds<'_>) -> Option<Task<'a>> {
+    pub(super) fn current<'a>(&self, ends: &'a Ends<'_>) -> Option<Task<'a>> {
         match self.source {
             Source::None => None,
             Source::Program => ends.segments.peek(),
@@ -138,7 +138,7 @@ impl Course {
 
     /// Removes the finished segment from its queue. `is_left`: a segment of the program stays, because it is repeated.
     /// `is_whole`: nothing has stopped the segment.
-    pub(super) fn release(&mut self, is_left: bool, is_whole: bool, ends: &mut TickEnds<'_>) {
+    pub(super) fn release(&mut self, is_left: bool, is_whole: bool, ends: &mut Ends<'_>) {
         match core::mem::take(&mut self.source) {
             Source::None => {}
             Source::Program if is_left => {}

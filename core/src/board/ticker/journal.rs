@@ -7,7 +7,7 @@
 
 use super::super::event::Event;
 use super::super::store::StoreError;
-use super::{Output, State, TickEnds, Ticker, emit};
+use super::{Ends, Output, State, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::journal::{TapHole, TapRecord};
 use crate::motion::{Motion, Tap, TapPart, Task};
@@ -194,7 +194,7 @@ impl Ticker {
 
     /// The drives have just been enabled. If a tap is in its hole since before the power went, its axis stands at the
     /// bottom [D26]. A warning tells so.
-    pub(super) fn place_tap(&mut self, position: &mut Position, ends: &mut TickEnds<'_>) {
+    pub(super) fn place_tap(&mut self, position: &mut Position, ends: &mut Ends<'_>) {
         if !core::mem::take(&mut self.journal.assumed) {
             return;
         }
@@ -211,10 +211,7 @@ impl Ticker {
     }
 
     /// A hole may begin once its entry is known to be stored. `Some`: the hole waits, or has failed.
-    pub(super) fn wait_for_journal(
-        &mut self,
-        ends: &mut TickEnds<'_>,
-    ) -> Option<(u32, u32, Motion)> {
+    pub(super) fn wait_for_journal(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let tap = ends.segments.peek()?.tap()?;
         if tap.part.returns || tap.hole.spindle != self.spindle.taps_with() {
             return None;
@@ -227,7 +224,7 @@ impl Ticker {
 
     #[cold]
     #[inline(never)]
-    fn wait_for_entry(&mut self, ends: &mut TickEnds<'_>) -> Option<(u32, u32, Motion)> {
+    fn wait_for_entry(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let task = ends.segments.peek()?;
         let (segment, tap) = (task.segment, task.tap()?);
         let (number, span) = (segment.number, segment.span);
@@ -250,7 +247,7 @@ impl Ticker {
 
     /// At the end of a tick: writes entries for reversals and for the end of a hole, and the entry of the next hole, so
     /// that this hole need not wait.
-    pub(super) fn keep_journal(&mut self, ends: &mut TickEnds<'_>, output: &mut Output) {
+    pub(super) fn keep_journal(&mut self, ends: &mut Ends<'_>, output: &mut Output) {
         if self.executor.has_turned() {
             self.note();
         }
@@ -269,7 +266,7 @@ impl Ticker {
         }
     }
 
-    fn between_holes(&mut self, ends: &TickEnds<'_>) {
+    fn between_holes(&mut self, ends: &Ends<'_>) {
         if core::mem::take(&mut self.journal.returned) {
             self.spindle.leave();
         }

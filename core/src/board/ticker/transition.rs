@@ -9,7 +9,7 @@
 //!
 //! Says what a state brings with it. Must not know when a state changes: the files that call these functions do.
 
-use super::{Notice, Outcome, State, TickEnds, Ticker, emit};
+use super::{Ends, Notice, Outcome, State, Ticker, emit};
 use crate::alarm::Alarm;
 use crate::board::event::{Event, Switching};
 use crate::board::queue::EventIn;
@@ -53,11 +53,7 @@ impl Ticker {
     }
 
     /// The axes come to rest on their path, and what is queued is forgotten.
-    pub(super) fn transition_to_stopping_on_alarm(
-        &mut self,
-        alarm: &Alarm,
-        ends: &mut TickEnds<'_>,
-    ) {
+    pub(super) fn transition_to_stopping_on_alarm(&mut self, alarm: &Alarm, ends: &mut Ends<'_>) {
         self.executor.stop(self.course.current(ends));
         // A reset may have been on its way out of a thread: an alarm moves nothing any more.
         self.away.forget();
@@ -69,7 +65,7 @@ impl Ticker {
 
     /// A stroke is left along the slope of its run-out until the tool is clear of the crests or at the start level. The way
     /// out after a stroke goes on until then. Anything else stops on its path. The spindle turns until the axes stand.
-    pub(super) fn transition_to_stopping_by_reset(&mut self, ends: &TickEnds<'_>) {
+    pub(super) fn transition_to_stopping_by_reset(&mut self, ends: &Ends<'_>) {
         self.course.forget_pauses();
         self.away.forget();
         self.spindle.stay_rigid();

@@ -1,7 +1,7 @@
 //! Withheld motion: a board whose stored parameters are damaged enables its drives and then stands on an alarm, again after
 //! every reset, until it has accepted a parameter set [D115].
 
-use super::{State, TickEnds, Ticker, emit};
+use super::{Ends, State, Ticker, emit};
 use crate::alarm::Alarm;
 use crate::board::event::Event;
 use crate::board::kept::Found;
@@ -13,13 +13,8 @@ impl Ticker {
         self.state = State::Alarm(alarm);
     }
 
-    /// Tells the state of the stored parameters. Call this before the drives are enabled.
-    pub const fn withhold(&mut self, found: Found) {
-        self.found = found;
-    }
-
     /// Reports the state of the stored parameters once the drives are enabled. This may raise an alarm.
-    pub(super) fn tell_found(&mut self, ends: &mut TickEnds<'_>) {
+    pub(super) fn tell_found(&mut self, ends: &mut Ends<'_>) {
         if let Some(alarm) = self.found.alarm() {
             self.raise(&alarm, ends);
         } else if let Some(warning) = self.found.warning() {
