@@ -48,6 +48,8 @@ pub struct Background {
     elapsed: u32,
     measured: Option<Measured>,
     orders: Orders,
+    /// The set in force is not on its way to the tick yet: an earlier one is.
+    setup_waits: bool,
     /// The application has begun anew, and the owner does not know.
     has_begun_anew: bool,
     journal: Entries,
@@ -95,6 +97,7 @@ impl Background {
             elapsed: 0,
             measured: None,
             orders: Orders::default(),
+            setup_waits: false,
             has_begun_anew: false,
             storing: None,
             device: Device::new(NodeId::BOARD, params, snapshot),
@@ -202,9 +205,9 @@ impl Background {
         self.planner.is_busy() || !self.calls.is_empty()
     }
 
-    /// True while the tick has not begun anew as it was asked to: nothing is planned meanwhile.
+    /// True while the tick has not begun anew with the set in force: nothing is planned meanwhile.
     const fn is_renewing(&self) -> bool {
-        self.orders.begin_anew()
+        self.orders.begin_anew() || self.setup_waits
     }
 
     /// True where the machine takes calls, as far as the background knows.

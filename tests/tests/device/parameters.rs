@@ -197,8 +197,6 @@ fn a_running_machine_and_a_protected_one_refuse_with_their_reasons() {
 
     let enable = parameter(9026, 0);
     assert_eq!(write(&mut gateway, &mut sim, enable, 0, 1), Ok(()));
-    // The tick begins anew in its next period; before, there is no other change.
-    sim.step();
     assert_eq!(
         write(&mut gateway, &mut sim, tolerance, 10, 1),
         refused(Abort::LocalControl)
@@ -208,7 +206,6 @@ fn a_running_machine_and_a_protected_one_refuse_with_their_reasons() {
         refused(Abort::LocalControl)
     );
     assert_eq!(write(&mut gateway, &mut sim, enable, 1, 1), Ok(()));
-    sim.step();
     assert_eq!(write(&mut gateway, &mut sim, tolerance, 10, 1), Ok(()));
 }
 

@@ -26,21 +26,22 @@ impl BackgroundSide<'_> {
             // Where this is not possible, the device has refused it already.
             self.ends.order(&mut self.state.orders, Order::DiscardTap);
         }
-        if self.ends.has_room() && !self.state.is_renewing() {
-            self.take_params();
+        if let Some(params) = self.state.device.take_params() {
+            self.state.params.clone_from(params);
+            self.state.limits = Limits::from_params(&self.state.params);
+            self.state.setup_waits = true;
+        }
+        if self.state.setup_waits && !self.state.orders.begin_anew() && self.ends.has_room() {
+            self.state.setup_waits = false;
+            self.begin_anew();
         }
     }
 
-    /// A parameter set comes into force: here at once, in the tick with the next order. Nothing moves; the drives are
+    /// A parameter set that is in force here comes into force in the tick with the next order. Nothing moves; the drives are
     /// enabled again.
     #[inline(never)]
-    fn take_params(&mut self) {
+    fn begin_anew(&mut self) {
         let state = &mut *self.state;
-        let Some(params) = state.device.take_params() else {
-            return;
-        };
-        state.params.clone_from(params);
-        state.limits = Limits::from_params(&state.params);
         // The set was checked before it was staged, and there is room for one setup; otherwise the board stays as it is
         // [D148].
         if let Some(setup) = Setup::of(&state.params, state.device.found())
