@@ -14,10 +14,10 @@ pub use row::{Doing, Row, SpindleAngle, TapPoint};
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Board, Command, Event, Outcome, Output, PowerUp, State};
-use leadscrew_core::bus::{FdFrame, Frame, Periods};
+use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::call::Call;
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::motion::{Motion, Setpoint};
+use leadscrew_core::motion::Motion;
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -70,8 +70,6 @@ pub struct Sim {
     sample: EncoderSample,
     /// Frames on their way to the board.
     answers: Vec<Frame, ANSWERS>,
-    /// The last setpoint.
-    setpoint: Setpoint,
     pending: Deque<Pending, LATENCY_TICKS>,
     /// The frame with all setpoints of the last tick.
     together: Option<FdFrame>,
@@ -165,7 +163,6 @@ impl Sim {
             ticks: 0,
             sample: EncoderSample::default(),
             answers: Vec::new(),
-            setpoint: Setpoint::default(),
             pending: Deque::new(),
             together: None,
             line: None,
@@ -306,12 +303,12 @@ impl Sim {
     }
 
     /// Gives the board an operator's command.
-    pub const fn command(&mut self, command: Command) {
+    pub fn command(&mut self, command: Command) {
         self.board.command(command);
     }
 
     /// Sets the inputs; they act in the next tick, and on the next call that is taken up.
-    pub const fn signals(&mut self, signals: Signals) {
+    pub fn signals(&mut self, signals: Signals) {
         self.board.signals(signals);
     }
 
@@ -362,7 +359,6 @@ impl Sim {
         let mut output = Output::default();
         self.board.tick(self.sample, &self.answers, &mut output);
         let setpoint = output.setpoint;
-        self.setpoint = setpoint;
         let law = self.law(setpoint.locked);
         let ahead = self.ahead(setpoint.locked);
         let doing = match (self.board.ticker().state(), setpoint.motion) {
@@ -395,10 +391,10 @@ impl Sim {
         self.tell_together(&output);
         self.keep();
         if self.board.device().has_joined() {
-            self.serve(Periods::new(1));
+            self.serve();
         } else {
             // Nobody asks for anything: the board only keeps its records.
-            self.board.serve(Periods::new(1), &self.setpoint);
+            self.board.serve();
         }
         // This row was released above when it was due, so there is always room.
         let _ = self.pending.push_back(Pending { row, law, ahead });

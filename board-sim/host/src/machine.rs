@@ -14,7 +14,7 @@ use leadscrew_common::state::StateFile;
 use leadscrew_common::words::Both;
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::board::{Board, DriveNodes, Event, Output, PowerUp, State};
-use leadscrew_core::bus::{BusState, Frame, NmtCommand, NodeId, Periods, Service};
+use leadscrew_core::bus::{BusState, Frame, NmtCommand, NodeId, Service};
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Axis;
@@ -247,7 +247,7 @@ impl Machine {
         if count > 0 && has_power {
             self.keep()?;
             if self.has_power() {
-                self.serve(0)?;
+                self.serve()?;
             }
         }
         Ok(count > 0)
@@ -287,7 +287,7 @@ impl Machine {
 
     /// Applies the faults of the wire to this tick.
     fn suffer(&mut self, tick: u64) -> Outcome {
-        let rejoin = self.board.may_rejoin();
+        let rejoin = self.board.device().may_rejoin();
         self.mind_controller(tick, rejoin);
         let second = self.line.tick(tick, rejoin);
         self.out.clear();
@@ -396,11 +396,9 @@ impl Machine {
     }
 
     /// Runs the background until no work is left, and sends their frames.
-    fn serve(&mut self, elapsed: u32) -> Outcome {
-        let mut elapsed = Periods::new(elapsed);
+    fn serve(&mut self) -> Outcome {
         loop {
-            let mut worked = self.board.serve(elapsed, &self.output.setpoint);
-            elapsed = Periods::new(0);
+            let mut worked = self.board.serve();
             worked |= self.feed()?;
             while self.board.background() {
                 worked = true;
@@ -456,7 +454,7 @@ impl Machine {
         while let Some(event) = self.board.event() {
             self.tell(&event);
         }
-        self.serve(1)
+        self.serve()
     }
 
     /// Sends the frame with all setpoints, where the drives get them in one frame: to the drives here, and to the wire.

@@ -26,7 +26,7 @@ impl Sim {
 
     /// Applies the faults of the wire to this tick.
     pub(super) fn suffer(&mut self) {
-        let rejoin = self.board.may_rejoin();
+        let rejoin = self.board.device().may_rejoin();
         let second = self.wire.tick(self.ticks, rejoin);
         for way in [Way::Statuses, Way::In, Way::Out] {
             let Some(frame) = self.wire.release(way) else {

@@ -1,7 +1,7 @@
 //! The machine with a network: the other nodes on the bus.
 
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::bus::{FdFrame, Frame, NodeId, Periods};
+use leadscrew_core::bus::{FdFrame, Frame, NodeId};
 
 use super::Sim;
 use crate::line::Way;
@@ -61,7 +61,7 @@ impl Sim {
 
     /// Does all work of the background, and lets no time pass.
     pub fn settle(&mut self) {
-        self.serve(Periods::new(0));
+        self.serve();
     }
 
     /// True where a tick would come too early in lock-step: the program runs, and its next call has not come.
@@ -73,17 +73,17 @@ impl Sim {
     /// True while a transfer runs. Where virtual time is fast, time has to wait for a client that knows real time only.
     #[must_use]
     pub const fn is_transferring(&self) -> bool {
-        self.board.is_transferring()
+        self.board.device().is_transferring()
     }
 
-    pub(super) fn serve(&mut self, elapsed: Periods) {
-        let mut worked = self.board.serve(elapsed, &self.setpoint);
+    pub(super) fn serve(&mut self) {
+        let mut worked = self.board.serve();
         while worked {
             worked = false;
             while self.board.background() {
                 worked = true;
             }
-            worked |= self.board.serve(Periods::new(0), &self.setpoint);
+            worked |= self.board.serve();
         }
     }
 }

@@ -1,58 +1,60 @@
-//! The background half of a board: it plans, stores parameters, and communicates on the bus.
+//! The background side of a board: it plans, stores parameters, and communicates on the bus, a small piece of work at a
+//! time.
 //!
 //! ```text
 //! frames ◄─► Device ─ calls ─► Planner ─ segments ─► (the tick side)
 //!              │                  ▲                        │
-//!              └── orders ────────┼───► TickPort ──────────┘
-//!                                 └──── notices, entries, snapshots
+//!              └── orders ────────┼────────────────────────┤
+//!                                 └── notices, entries, ───┘
+//!                                     events, reports
+//!
+//! hear ─► event until there is none ─► receive each frame ─► serve ─► plan ─► store, load ─► transmit
 //! ```
 //!
-//! The owner runs the background in turn with the tick side, or in a context of its own. The background's requests to the
-//! tick go through a [`TickPort`]; the owner hands the tick's messages to the background. Knows nothing of how either
-//! travels.
+//! Firmware runs this in a context of its own; an owner with one thread runs it in turn with the tick side. It knows the
+//! tick side as that was last reported. It must not know hardware, sockets, clocks or flash.
 
+mod carry_out;
+mod orders;
+mod store;
+
+use self::orders::Orders;
 use super::device::Device;
-use super::event::{Command, Event};
-use super::kept::{Held, PowerUp};
-use super::operator::Operator;
+use super::event::Event;
+use super::kept::PowerUp;
 use super::planner::{Planner, Settings};
-use super::queue::{Calls, DetourIn, SegmentIn};
+use super::queue::{Calls, drop_oldest, take};
+use super::queues::BackgroundEnds;
 use super::reference::Measured;
-use super::request::{Content, StoreRequest};
 use super::snapshot::Snapshot;
-use super::store::{Region, StoreError};
-use super::ticker::Notice;
+use super::store::Region;
+use super::ticker::State;
 use crate::alarm::Alarm;
 use crate::bus::FdFrame;
 use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::call::{Call, Position};
 use crate::journal::TapRecord;
-use crate::motion::{Epoch, Limits};
+use crate::motion::Limits;
 use crate::params::Params;
-use crate::signals::Signals;
 
-/// Requests of the background to the tick side. Each acts in the next tick, in the order of the requests.
-pub trait TickPort {
-    /// True where there is room for a [`command`](Self::command) and two more requests.
-    fn has_room(&self) -> bool;
-    /// As [`Ticker::takes_calls`](super::Ticker::takes_calls).
-    fn takes_calls(&self) -> bool;
-    /// As [`Ticker::program_begins`](super::Ticker::program_begins), if segments of this epoch still count.
-    fn program_begins(&mut self, epoch: Epoch);
-    /// As [`Ticker::command`](super::Ticker::command).
-    fn command(&mut self, command: Command);
-    /// As [`Ticker::signals`](super::Ticker::signals).
-    fn signals(&mut self, signals: Signals);
-    /// As [`Ticker::discard_tap`](super::Ticker::discard_tap).
-    fn discard_tap(&mut self);
-    /// As [`Ticker::stored`](super::Ticker::stored).
-    fn stored(&mut self, sequence: u32, result: Result<(), StoreError>);
-}
-
-/// The background half.
+/// The state of the background side.
 #[derive(Debug)]
 pub struct Background {
+    /// The tick side as last reported.
+    pub(super) snapshot: Snapshot,
+    /// The oldest segment is under way, as last reported.
+    begun: bool,
+    /// Of the reports that the device has not seen: SYNC periods, and the last error.
+    elapsed: u32,
+    measured: Option<Measured>,
+    orders: Orders,
+    /// The set in force is not on its way to the tick yet: an earlier one is.
+    setup_waits: bool,
+    /// The application has begun anew, and the owner does not know.
+    has_begun_anew: bool,
     journal: Entries,
+    /// What is being stored.
+    storing: Option<Region>,
     limits: Limits,
     device: Device,
     planner: Planner,
@@ -71,13 +73,10 @@ struct Entries {
     under_way: Option<u32>,
 }
 
-/// Hands a call over to the planner. Returns false and changes nothing where that is not possible.
-fn offer(port: &mut impl TickPort, calls: &mut Calls, epoch: Epoch, call: &Call) -> bool {
-    let taken = port.takes_calls() && port.has_room() && calls.enqueue(*call).is_ok();
-    if taken {
-        port.program_begins(epoch);
-    }
-    taken
+/// The background side: its state and its ends of the queues.
+pub struct BackgroundSide<'a> {
+    state: &'a mut Background,
+    ends: BackgroundEnds<'a>,
 }
 
 impl Background {
@@ -93,6 +92,14 @@ impl Background {
         snapshot: Snapshot,
     ) -> Self {
         Self {
+            snapshot,
+            begun: false,
+            elapsed: 0,
+            measured: None,
+            orders: Orders::default(),
+            setup_waits: false,
+            has_begun_anew: false,
+            storing: None,
             device: Device::new(NodeId::BOARD, params, snapshot),
             params: params.clone(),
             limits: Limits::from_params(params),
@@ -106,8 +113,7 @@ impl Background {
         }
     }
 
-    /// Takes what was found of the parameters at power-up. The tick side must [withhold](super::Ticker::withhold) motion
-    /// accordingly, now and whenever it starts again.
+    /// Takes what was found of the parameters at power-up. The tick side's [`Setup`](super::Setup) has to say the same.
     pub fn power_up(&mut self, up: &PowerUp) {
         self.device.power_up(up);
     }
@@ -133,155 +139,15 @@ impl Background {
         self.device.join(&self.params)
     }
 
-    /// Takes a message of the tick. The background obeys it before any other work, and after the journal's entry of the
-    /// same tick.
-    pub fn heed(&mut self, notice: &Notice, detours: &mut DetourIn<'_>) {
-        let (_, mut calls) = self.calls.split();
-        let tap = self.journal.newest.as_ref();
-        self.planner
-            .heed(notice, &mut calls, detours, &self.limits, tap);
+    /// Takes an event that no tick has made.
+    pub fn note(&mut self, event: &Event) {
+        self.device.note(event);
     }
 
-    /// Takes a new entry of the tap journal. Of the entries that are not stored yet, only the newest counts.
-    pub const fn enter(&mut self, record: TapRecord) {
-        self.journal.newest = Some(record);
-        self.journal.wanted = true;
-    }
-
-    /// Hands a call over. Returns false and changes nothing where there is no room now, or while the machine starts, stops
-    /// or stands on an alarm, because such a call would have to be dropped.
+    /// The tick side, as last reported.
     #[must_use]
-    pub fn offer(&mut self, call: &Call, port: &mut impl TickPort) -> bool {
-        !self.device.is_changing() && offer(port, &mut self.calls, self.planner.epoch(), call)
-    }
-
-    /// Does one piece of planning. False where no planning can be done now. Returns a warning too. `begun`: the oldest
-    /// segment is under way.
-    pub fn plan(
-        &mut self,
-        segments: &mut SegmentIn<'_>,
-        operator: &Operator,
-        begun: bool,
-    ) -> (bool, Option<Alarm>) {
-        let settings = Settings {
-            params: &self.params,
-            limits: &self.limits,
-            spindle_percent: operator.spindle_percent(),
-            begun,
-            signals: operator.signals,
-            tap: self.journal.newest.as_ref(),
-        };
-        let (_, mut calls) = self.calls.split();
-        self.planner.step(&mut calls, segments, &settings)
-    }
-
-    /// Takes a frame from the bus. True for a frame of the tick side. Requests of the frame wait for
-    /// [`carry_out`](Self::carry_out).
-    #[must_use]
-    pub fn receive(&mut self, frame: &Frame) -> bool {
-        !self.device.receive(frame, &self.params)
-    }
-
-    /// Takes a frame of CAN FD from the bus.
-    pub fn receive_fd(&mut self, frame: &FdFrame) {
-        self.device.receive_fd(frame, &self.params);
-    }
-
-    /// Runs the device, `elapsed` periods after the last call. `measured`: what the [`Reference`](super::Reference) says of
-    /// the last period. True where a call went to the planner. Requests wait for [`carry_out`](Self::carry_out).
-    pub fn serve(
-        &mut self,
-        elapsed: Periods,
-        snapshot: Snapshot,
-        measured: Option<Measured>,
-        port: &mut impl TickPort,
-    ) -> bool {
-        if elapsed != Periods::new(0) {
-            self.device.set_measured(measured);
-        }
-        let (calls, epoch) = (&mut self.calls, self.planner.epoch());
-        let mut offer = |call: &_| offer(port, calls, epoch, call);
-        self.device
-            .poll(elapsed, snapshot, &self.params, &mut offer)
-    }
-
-    /// Carries out the device's requests. True where a parameter set came with them: the set is in force here. The owner
-    /// then restarts the tick side with [`params`](Self::params) and calls [`begin_anew`](Self::begin_anew).
-    #[must_use]
-    pub fn carry_out(&mut self, port: &mut impl TickPort) -> bool {
-        while port.has_room()
-            && let Some(command) = self.device.command()
-        {
-            port.command(command);
-        }
-        if port.has_room()
-            && let Some(signals) = self.device.signals()
-        {
-            port.signals(signals);
-        }
-        if port.has_room() && self.device.drops_tap() {
-            // Where this is not possible, the device has refused it already.
-            port.discard_tap();
-        }
-        let Some(params) = self.device.take_params() else {
-            return false;
-        };
-        self.params.clone_from(params);
-        self.limits = Limits::from_params(&self.params);
-        true
-    }
-
-    /// The tick side has started again, at `position` if it is known.
-    pub fn begin_anew(&mut self, position: Option<Position>) {
-        self.calls = Calls::new();
-        self.planner
-            .begin_anew(position.unwrap_or_default(), Epoch::default());
-    }
-
-    /// The next write for the storage; the owner answers it with [`stored`](Self::stored). `None` where nothing is to be
-    /// stored, or where the last write has not been answered yet. Of entries that come meanwhile, only the newest counts.
-    pub fn store(&mut self) -> Option<StoreRequest<'_>> {
-        match self.journal.newest.as_ref() {
-            Some(record) if self.journal.wanted && self.journal.under_way.is_none() => {
-                self.journal.wanted = false;
-                self.journal.under_way = Some(record.sequence);
-                Some(StoreRequest {
-                    region: Region::TapJournal,
-                    content: Content::Tap(record.encode()),
-                })
-            }
-            _ => self.device.store(),
-        }
-    }
-
-    /// The next region to read; the owner answers with [`loaded`](Self::loaded).
-    pub const fn load(&mut self) -> Option<Region> {
-        self.device.load()
-    }
-
-    /// The content of the region that [`load`](Self::load) asked for.
-    pub fn loaded(&mut self, held: Held<'_>) {
-        self.device.loaded(held);
-    }
-
-    /// The last write of [`store`](Self::store) has been done, or has failed. A parameter set may come into force with it:
-    /// [`carry_out`](Self::carry_out) says so.
-    pub fn stored(
-        &mut self,
-        region: Region,
-        result: Result<(), StoreError>,
-        port: &mut impl TickPort,
-    ) {
-        match region {
-            Region::TapJournal => {
-                if let Some(sequence) = self.journal.under_way.take() {
-                    port.stored(sequence, result);
-                }
-            }
-            Region::ParametersA | Region::ParametersB | Region::ParametersMark => {
-                self.device.has_stored(region, result);
-            }
-        }
+    pub const fn snapshot(&self) -> &Snapshot {
+        &self.snapshot
     }
 
     /// The newest entry of the tap journal, stored or on its way there.
@@ -290,50 +156,11 @@ impl Background {
         self.journal.newest.as_ref()
     }
 
-    /// Takes an event. The owner hands over every event, in order.
-    pub fn note(&mut self, event: &Event) {
-        self.device.note(event);
-    }
-
-    /// The next frame of the device to send.
-    pub fn transmit(&mut self) -> Option<Frame> {
-        self.device.transmit()
-    }
-
-    /// True while a call has not been planned and queued.
-    #[must_use]
-    pub fn is_planning(&self) -> bool {
-        self.planner.is_busy() || !self.calls.is_empty()
-    }
-
-    /// True while an entry of the tap journal, or a change of the parameter set, is not known to be stored.
-    #[must_use]
-    pub fn is_storing(&self) -> bool {
-        self.journal.wanted || self.journal.under_way.is_some() || self.device.is_changing()
-    }
-
-    /// True while a transfer is under way.
-    #[must_use]
-    pub const fn is_transferring(&self) -> bool {
-        self.device.is_transferring()
-    }
-
     /// True where the next call of a running program has not come and would have room, or where the gateway must read what
     /// would be overwritten. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {
         self.device.awaits_program() && !self.calls.is_full() || self.device.awaits_reader()
-    }
-
-    /// Sets the number of setpoints that were late for their SYNC since power-up.
-    pub const fn set_late(&mut self, late: u32) {
-        self.device.set_late(late);
-    }
-
-    /// Sets the state of the CAN controller; see [`Device::set_controller`]. Requests wait for
-    /// [`carry_out`](Self::carry_out).
-    pub fn set_controller(&mut self, controller: Controller) {
-        self.device.set_controller(controller, &self.params);
     }
 
     /// The board as a CANopen device.
@@ -352,5 +179,216 @@ impl Background {
     #[must_use]
     pub const fn limits(&self) -> &Limits {
         &self.limits
+    }
+
+    /// The next frame of the device to send.
+    pub fn transmit(&mut self) -> Option<Frame> {
+        self.device.transmit()
+    }
+
+    /// True while work is under way in the background or in the tick, as far as the background knows. What waits in the
+    /// queues comes on top.
+    pub(super) fn is_busy(&self) -> bool {
+        let at_rest = matches!(self.snapshot.state, State::Idle | State::Alarm(_));
+        let is_storing =
+            self.journal.wanted || self.journal.under_way.is_some() || self.device.is_changing();
+        let waits = self.is_planning() || self.is_renewing();
+        !at_rest
+            || is_storing
+            || waits
+            || self.orders.wait()
+            || self.snapshot.operator.reset_waits()
+    }
+
+    /// True while a call has not been planned and queued.
+    fn is_planning(&self) -> bool {
+        self.planner.is_busy() || !self.calls.is_empty()
+    }
+
+    /// True while the tick has not begun anew with the set in force: nothing is planned meanwhile.
+    const fn is_renewing(&self) -> bool {
+        self.orders.begin_anew() || self.setup_waits
+    }
+
+    /// True where the machine takes calls, as far as the background knows.
+    const fn takes_calls(&self) -> bool {
+        self.snapshot.takes_calls() && !self.is_renewing()
+    }
+}
+
+impl<'a> BackgroundSide<'a> {
+    /// The side with this state.
+    pub const fn new(state: &'a mut Background, ends: BackgroundEnds<'a>) -> Self {
+        Self { state, ends }
+    }
+
+    /// Its state, to read from.
+    #[must_use]
+    pub const fn state(&self) -> &Background {
+        self.state
+    }
+
+    /// Its state, for the work that needs no queue.
+    pub const fn state_mut(&mut self) -> &mut Background {
+        self.state
+    }
+
+    /// Hears what the tick has told: one report, and everything that was told before it. True where there was a report.
+    #[inline(never)]
+    pub fn hear(&mut self) -> bool {
+        // Looked at while it is in the queue: it is large.
+        let report = self.ends.reports.peek();
+        let heard = report.is_some();
+        if let Some(report) = report {
+            let state = &mut *self.state;
+            state.snapshot = report.snapshot;
+            state.begun = report.begun;
+            state.elapsed = state.elapsed.saturating_add(report.elapsed);
+            state.measured = report.measured;
+            state.has_begun_anew |= state.orders.hear(report.orders);
+            state.device.set_late(report.late);
+            drop_oldest(&mut self.ends.reports);
+        }
+        // Takes everything that was told before that report, and perhaps more.
+        while let Some(notice) = take(&mut self.ends.notices) {
+            // The entry of the same tick goes first.
+            self.enter();
+            let state = &mut *self.state;
+            let (_, mut calls) = state.calls.split();
+            let tap = state.journal.newest.as_ref();
+            let detours = &mut self.ends.detours;
+            state
+                .planner
+                .heed(&notice, &mut calls, detours, &state.limits, tap);
+        }
+        self.enter();
+        heard
+    }
+
+    /// Takes new entries of the tap journal. Of those that are not stored yet, only the newest counts.
+    #[inline(never)]
+    fn enter(&mut self) {
+        while let Some(record) = take(&mut self.ends.entries) {
+            self.state.journal.newest = Some(record);
+            self.state.journal.wanted = true;
+        }
+    }
+
+    /// The tick's oldest event that was not read yet.
+    pub fn event(&mut self) -> Option<Event> {
+        let event = take(&mut self.ends.events)?;
+        self.state.device.note(&event);
+        Some(event)
+    }
+
+    /// The parameter set, once, after the application has begun anew with it. It includes the time between two SYNCs.
+    pub const fn begun_anew(&mut self) -> Option<&Params> {
+        let state = &mut *self.state;
+        let has_begun = core::mem::replace(&mut state.has_begun_anew, false);
+        if !has_begun || state.snapshot.state.stays_at_rest() {
+            return None;
+        }
+        Some(&state.params)
+    }
+
+    /// Takes a frame from the bus. True for a frame of the tick side.
+    #[must_use]
+    pub fn receive(&mut self, frame: &Frame) -> bool {
+        let taken = self.state.device.receive(frame, &self.state.params);
+        self.carry_out();
+        !taken
+    }
+
+    /// Takes a frame of CAN FD from the bus.
+    pub fn receive_fd(&mut self, frame: &FdFrame) {
+        self.state.device.receive_fd(frame, &self.state.params);
+        self.carry_out();
+    }
+
+    /// Sets the state of the CAN controller; see [`Device::set_controller`]. True where a controller that has left the bus
+    /// may be started again: only after the machine has come to rest [D124].
+    pub fn set_controller(&mut self, controller: Controller) -> bool {
+        let state = &mut *self.state;
+        state.device.set_controller(controller, &state.params);
+        self.carry_out();
+        self.state.device.may_rejoin()
+    }
+
+    /// Runs the device, for the periods that were reported since the last call. True where there was anything to do until
+    /// the next report or the next frame.
+    #[inline(never)]
+    pub fn serve(&mut self) -> bool {
+        let mut worked = false;
+        while let Some(frame) = take(&mut self.ends.strangers) {
+            // What is not for the board as a node is a drive's, and has gone to the tick.
+            let _ = self.receive(&frame);
+            worked = true;
+        }
+        let state = &mut *self.state;
+        let elapsed = Periods::new(core::mem::take(&mut state.elapsed));
+        if elapsed != Periods::new(0) {
+            state.device.set_measured(state.measured.take());
+        }
+        // A call that has been handed over counts, even where the tick has not seen it yet.
+        let mut snapshot = state.snapshot;
+        snapshot.in_program |=
+            snapshot.takes_calls() && (state.is_planning() || state.orders.begin_program());
+        let takes_calls = state.takes_calls();
+        let (orders, calls, epoch) = (&mut state.orders, &mut state.calls, state.planner.epoch());
+        let ends = &mut self.ends;
+        let mut offer = |call: &_| takes_calls && ends.offer(orders, calls, epoch, call);
+        worked |= state
+            .device
+            .poll(elapsed, snapshot, &state.params, &mut offer);
+        self.carry_out();
+        worked
+    }
+
+    /// Hands a call over. False, and nothing changes, where there is no room now, or while the machine starts, stops or
+    /// stands on an alarm, because such a call would have to be dropped.
+    #[must_use]
+    pub fn offer(&mut self, call: &Call) -> bool {
+        let state = &mut *self.state;
+        let takes_calls = state.takes_calls() && !state.device.is_changing();
+        takes_calls
+            && self.ends.offer(
+                &mut state.orders,
+                &mut state.calls,
+                state.planner.epoch(),
+                call,
+            )
+    }
+
+    /// Does one piece of planning. False where no planning can be done now. Returns a warning too.
+    #[inline(never)]
+    pub fn plan(&mut self) -> (bool, Option<Event>) {
+        let state = &mut *self.state;
+        if state.is_renewing() {
+            return (false, None);
+        }
+        let operator = &state.snapshot.operator;
+        let settings = Settings {
+            params: &state.params,
+            limits: &state.limits,
+            spindle_percent: operator.spindle_percent(),
+            begun: state.begun,
+            signals: operator.signals,
+            tap: state.journal.newest.as_ref(),
+        };
+        let (_, mut calls) = state.calls.split();
+        let (worked, warning) = state
+            .planner
+            .step(&mut calls, &mut self.ends.segments, &settings);
+        let warning = warning.map(Event::Warning);
+        if let Some(warning) = &warning {
+            state.device.note(warning);
+        }
+        (worked, warning)
+    }
+
+    /// True while a call or a request that was handed over is not carried out, as far as the background knows.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.state.is_busy() || self.ends.segments.filled() > 0
     }
 }

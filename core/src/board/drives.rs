@@ -33,50 +33,84 @@ const SILENCE: u32 = 12;
 /// turn in the periods of [`SILENCE`] at 1250 rpm and 1 ms, and limits a jump to a quarter of the lead [D124].
 const SPINDLE_REACH: u32 = 4;
 
-/// Values of the axes' drives from the parameters, checked.
+/// What the drives need of a parameter set, checked.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Figures {
-    /// Scales of X, Z and C.
-    scales: [Scale; 3],
-    step: Periods,
-    /// A drive without a status for this long is silent.
-    silence: Periods,
-    /// The longest time for which a following error is tolerated.
-    patience: Periods,
-    /// The longest time from a setpoint of the spindle to its effect.
-    latency: Periods,
+    axes: [DriveConfig; 3],
+    /// Of the first spindle; the others are like it, with consecutive nodes.
+    spindle: DriveConfig,
+    /// Number of spindles, 1–4.
+    spindles: u8,
+    /// Increments of a spindle's drive in a turn.
+    per_turn: u32,
+    nodes: DriveNodes,
+    /// All drives get their targets in one frame.
+    together: bool,
 }
 
 impl Figures {
     /// `None` for a tick or a scale of zero.
     pub(super) fn of(params: &Params) -> Option<Self> {
         let tick_us = params.tick_us();
-        let scale = |axis| Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
-        Some(Self {
-            scales: [scale(Axis::X)?, scale(Axis::Z)?, scale(Axis::C)?],
-            step: Periods::from_ms(params.drive_time_ms(), tick_us)?,
-            silence: silence(params),
-            patience: Periods::from_ms(params.following_error_ms(), tick_us)?,
-            latency: Periods::from_ms(params.latency_us(Axis::Z).div_ceil(1000), tick_us)?,
-        })
-    }
-
-    #[inline(never)]
-    fn axis(&self, params: &Params, axis: Axis, nodes: &DriveNodes, scale: Scale) -> DriveMaster {
-        let increments = scale.limit(params.following_error_limit(axis));
-        DriveMaster::new(DriveConfig {
-            letter: axis.letter(),
-            node: nodes.axis(axis),
-            scale,
-            step: self.step,
-            silence: self.silence,
+        let nodes = DriveNodes::of(params);
+        let step = Periods::from_ms(params.drive_time_ms(), tick_us)?;
+        let silence = silence(params);
+        // The longest time for which a following error is tolerated.
+        let patience = Periods::from_ms(params.following_error_ms(), tick_us)?;
+        // The longest time from a setpoint of the spindle to its effect.
+        let latency = Periods::from_ms(params.latency_us(Axis::Z).div_ceil(1000), tick_us)?;
+        let per_turn = params.spindle_increments();
+        let axis = |axis| axis_config(params, axis, &nodes, step, silence, patience);
+        let axes = [axis(Axis::X)?, axis(Axis::Z)?, axis(Axis::C)?];
+        let [.., c] = &axes;
+        let spindle = DriveConfig {
+            letter: b'S',
+            node: nodes.spindle(TapSpindle::First),
             following: Some(FollowingLimit {
-                increments,
-                time: self.patience,
-                standing: false,
+                increments: per_turn / SPINDLE_REACH,
+                // The spindle's statuses answer targets of some time ago.
+                time: patience.plus(latency).plus(silence),
+                standing: true,
             }),
-            reach: increments,
+            reach: per_turn / SPINDLE_REACH,
+            ..*c
+        };
+        Some(Self {
+            axes,
+            spindle,
+            spindles: params.tap_spindles(),
+            per_turn,
+            nodes,
+            together: params.setpoint_frame() == 1,
         })
     }
+}
+
+/// `None` for a scale of zero.
+#[inline(never)]
+fn axis_config(
+    params: &Params,
+    axis: Axis,
+    nodes: &DriveNodes,
+    step: Periods,
+    silence: Periods,
+    patience: Periods,
+) -> Option<DriveConfig> {
+    let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
+    let increments = scale.limit(params.following_error_limit(axis));
+    Some(DriveConfig {
+        letter: axis.letter(),
+        node: nodes.axis(axis),
+        scale,
+        step,
+        silence,
+        following: Some(FollowingLimit {
+            increments,
+            time: patience,
+            standing: false,
+        }),
+        reach: increments,
+    })
 }
 
 /// X, Z, C and the spindles.
@@ -102,51 +136,32 @@ pub(super) struct Drives {
 impl Drives {
     /// Drives that have received no frame yet.
     #[inline(never)]
-    pub(super) fn new(params: &Params, figures: &Figures) -> Self {
-        let [x, z, c] = figures.scales;
-        let per_turn = params.spindle_increments();
-        let nodes = DriveNodes::of(params);
-        let spindle = DriveConfig {
-            letter: b'S',
-            node: nodes.spindle(TapSpindle::First),
-            scale: c,
-            step: figures.step,
-            silence: figures.silence,
-            following: Some(FollowingLimit {
-                increments: per_turn / SPINDLE_REACH,
-                // The spindle's statuses answer targets of some time ago.
-                time: figures.patience.plus(figures.latency).plus(figures.silence),
-                standing: true,
-            }),
-            reach: per_turn / SPINDLE_REACH,
-        };
+    pub(super) fn new(figures: &Figures) -> Self {
+        let [x, z, c] = figures.axes;
         Self {
-            axes: [
-                figures.axis(params, Axis::X, &nodes, x),
-                figures.axis(params, Axis::Z, &nodes, z),
-                figures.axis(params, Axis::C, &nodes, c),
-            ],
+            axes: figures.axes.each_ref().map(master),
             offsets: [0; 3],
-            last: [x.find(0), z.find(0), c.find(0)],
-            spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
+            last: [x.scale.find(0), z.scale.find(0), c.scale.find(0)],
+            spindles: Spindles::new(&figures.spindle, figures.spindles, figures.per_turn),
             sync: SyncProducer::new(),
-            nodes,
+            nodes: figures.nodes,
             are_up: false,
-            together: (params.setpoint_frame() == 1)
-                .then(|| Setpoints::of(params.tap_spindles().saturating_add(3))),
+            together: figures
+                .together
+                .then(|| Setpoints::of(figures.spindles.saturating_add(3))),
         }
     }
 
     /// As [`new`](Self::new), with three exceptions: the positions of axes whose reference was lost stay, the error codes
     /// of the drives stay, and SYNC goes on counting.
-    pub(super) fn begin_anew(&mut self, params: &Params, figures: &Figures) {
+    pub(super) fn begin_anew(&mut self, figures: &Figures) {
         let (offsets, sync) = (self.offsets, self.sync);
         // Error codes by node number.
         let mut told = [None; DRIVES];
         for (place, drive) in told.iter_mut().zip(self.all()) {
             *place = Some((drive.config().node, drive.error_code()));
         }
-        *self = Self::new(params, figures);
+        *self = Self::new(figures);
         for (node, code) in told.into_iter().flatten() {
             if let Some(drive) = self.all().find(|drive| drive.config().node == node) {
                 drive.set_error_code(code);
@@ -154,11 +169,6 @@ impl Drives {
         }
         self.offsets = offsets;
         self.sync = sync;
-    }
-
-    /// The producer of the board's SYNC.
-    pub(super) const fn sync(&mut self) -> &mut SyncProducer {
-        &mut self.sync
     }
 
     /// The drives' node numbers.
@@ -441,6 +451,12 @@ fn silence(params: &Params) -> Periods {
 /// A position in the units of its drives, in the order X, Z, C: nanometres, and for C millionths of a degree.
 const fn figures(position: Position) -> [i64; 3] {
     [position.x.nm(), position.z.nm(), position.c.udeg()]
+}
+
+/// A master that has sent nothing to its drive yet.
+#[inline(never)]
+fn master(config: &DriveConfig) -> DriveMaster {
+    DriveMaster::new(*config)
 }
 
 /// The target of a drive for increments of its axis.

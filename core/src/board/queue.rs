@@ -213,7 +213,7 @@ pub fn take<T>(queue: &mut Consumer<'_, T>) -> Option<T> {
 
 /// Removes the oldest entry in place.
 #[inline(always)]
-fn drop_oldest<T: Copy>(queue: &mut Consumer<'_, T>) {
+pub(super) fn drop_oldest<T: Copy>(queue: &mut Consumer<'_, T>) {
     if queue.ready() && queue.capacity() != usize::MAX {
         let _ = queue.dequeue();
     }

@@ -51,6 +51,8 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// The state after the tick that gave `setpoint`, with these contacts.
+    // Two functions call it.
+    #[inline(never)]
     #[must_use]
     pub fn new(ticker: &Ticker, setpoint: &Setpoint, contacts: Contacts) -> Self {
         Self {

@@ -24,23 +24,24 @@ mod away;
 mod begin;
 mod course;
 mod journal;
+mod setup;
 mod spindle;
 mod state;
 mod stopping;
 mod transition;
 mod withheld;
 
-use core::mem::MaybeUninit;
-
 use heapless::Vec;
 
 use self::away::Away;
 use self::course::Course;
 use self::journal::Journal;
+use self::setup::Given;
+pub use self::setup::Setup;
 use self::spindle::SpindleMode;
 pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
-use super::drives::{Drives, FRAMES, Figures};
+use super::drives::{Drives, FRAMES};
 use super::event::{Command, Event, Switching};
 use super::kept::Found;
 use super::nodes::DriveNodes;
@@ -48,15 +49,13 @@ use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put};
 use super::spindles::Spindle;
 use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::bus::Frame;
 use crate::bus::Setpoints;
-use crate::bus::{Frame, SyncProducer};
 use crate::call::Position;
 use crate::journal::TapRecord;
-use crate::motion::{Arrival, Conditions, Epoch, Executor, Setpoint};
-use crate::params::Params;
+use crate::motion::{Conditions, Epoch, Executor, Setpoint};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
-use crate::units::{Axis, Ticks};
 
 /// A message of the tick to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,14 +81,14 @@ pub struct Output {
     pub together: Option<Setpoints>,
 }
 
-/// The queues of one tick.
-pub struct Ends<'a, 'q> {
+/// The queues of a ticker.
+pub(super) struct Ends<'q> {
     /// The program's segments.
-    pub segments: &'a mut SegmentOut<'q>,
+    pub segments: SegmentOut<'q>,
     /// The answer to a [`Route`].
-    pub detours: &'a mut DetourOut<'q>,
+    pub detours: DetourOut<'q>,
     /// Events.
-    pub events: &'a mut EventIn<'q>,
+    pub events: EventIn<'q>,
 }
 
 /// The tick side of a board.
@@ -121,90 +120,13 @@ pub struct Ticker {
     executor: Executor,
 }
 
-/// Values from the parameters.
-#[derive(Clone, Copy, Debug)]
-struct Given {
-    /// Time from the sample to the instant at which a setpoint takes effect, on X and on Z.
-    ahead_x: Ticks,
-    ahead_z: Ticks,
-    arrival: Arrival,
-    /// Ticks in a second.
-    second: u32,
-    /// Leaving position mode waits for RGTAP = 0 (5200.2).
-    waits_for_rgtap: bool,
-    edge_time: bool,
-    hold_retracts: bool,
-}
-
-impl Given {
-    /// `None` for a tick of zero length.
-    fn of(params: &Params) -> Option<Self> {
-        let tick_us = params.tick_us();
-        let ticks_per_minute = 60_000_000_u32.checked_div(tick_us)?;
-        let ramp_ms = u64::from(params.spindle_ramp_ms())
-            .saturating_mul(u64::from(params.spindle_max_rpm()))
-            / 1000;
-        // Twice the time from rest to the highest speed, plus a second.
-        let speed_ticks = ramp_ms
-            .saturating_mul(2)
-            .saturating_add(1000)
-            .saturating_mul(u64::from(ticks_per_minute / 60))
-            / 1000;
-        let ahead = |axis| Ticks::one_and(params.latency_us(axis), tick_us);
-        Some(Self {
-            ahead_x: ahead(Axis::X),
-            ahead_z: ahead(Axis::Z),
-            arrival: Arrival {
-                tolerance_percent: params.spindle_tolerance_percent(),
-                speed_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
-                ticks_per_minute,
-            },
-            second: ticks_per_minute / 60,
-            waits_for_rgtap: params.tap_wait_rgtap(),
-            edge_time: params.encoder_edge_time(),
-            hold_retracts: params.thread_hold_retracts(),
-        })
-    }
-}
-
 impl Ticker {
-    /// A tick side for a parameter set. `None` where the set cannot work (a scale or a tick of zero); the checks of the
-    /// parameter set refuse such a set.
-    #[must_use]
-    pub fn new(
-        params: &Params,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Option<Self> {
-        let given = Given::of(params)?;
-        let figures = Figures::of(params)?;
-        Some(Self::made(params, &given, &figures, remembered, tap))
-    }
-
-    /// The same, written to its place.
-    pub fn put<'a>(
-        place: &'a mut MaybeUninit<Self>,
-        params: &Params,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Option<&'a mut Self> {
-        let figures = (Given::of(params), Figures::of(params));
-        let (Some(given), Some(figures)) = &figures else {
-            return None;
-        };
-        Some(place.write(Self::made(params, given, figures, remembered, tap)))
-    }
-
+    /// The machine at power-up; see [`Tick::new`](super::Tick::new).
     // Written straight to the place that the caller names. As a function of its own, the value would be copied there
     // [D146].
     #[inline(always)]
-    fn made(
-        params: &Params,
-        given: &Given,
-        figures: &Figures,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Self {
+    pub(super) fn new(setup: &Setup, remembered: Option<Position>, tap: Option<TapRecord>) -> Self {
+        let given = setup.given;
         Self {
             state: State::Starting,
             slipped: false,
@@ -214,30 +136,20 @@ impl Ticker {
             course: Course::new(),
             away: Away::new(),
             spindle: SpindleMode::new(),
-            found: Found::default(),
+            found: setup.found,
             operator: Operator::new(),
-            given: *given,
-            observer: Self::observer_of(params),
+            given,
+            observer: setup.observer,
             remembered,
             notice: None,
             journal: Journal::new(tap, given.second),
-            drives: Drives::new(params, figures),
+            drives: Drives::new(&setup.figures),
             executor: Executor::new(given.arrival),
         }
     }
 
-    #[inline(never)]
-    fn observer_of(params: &Params) -> Observer {
-        Observer::new(
-            params.encoder_counts(),
-            params.observer_bandwidth_hz(),
-            params.tick_us(),
-        )
-        .for_ramp(params.spindle_ramp_ms())
-    }
-
     /// A program begins: until its end an empty queue is a wait, not idleness.
-    pub const fn program_begins(&mut self) {
+    pub(super) const fn program_begins(&mut self) {
         self.course.begin_program();
     }
 
@@ -254,12 +166,14 @@ impl Ticker {
     }
 
     /// Takes an operator's command; it acts in the next tick.
-    pub const fn command(&mut self, command: Command) {
+    // Called in many places.
+    #[inline(never)]
+    pub(super) const fn command(&mut self, command: Command) {
         self.operator.take(command);
     }
 
     /// `awaits`: a machine function has been switched and not answered yet. Until it is answered, no other segment begins.
-    pub const fn await_machine(&mut self, awaits: bool) {
+    pub(super) const fn await_machine(&mut self, awaits: bool) {
         self.awaits = awaits;
     }
 
@@ -270,21 +184,16 @@ impl Ticker {
     }
 
     /// Sets the inputs; they act in the next tick.
-    pub const fn signals(&mut self, signals: Signals) {
+    pub(super) const fn signals(&mut self, signals: Signals) {
         self.operator.signals = signals;
     }
 
-    /// The producer of the board's SYNC, for an owner who sends SYNC while the ticker is made anew.
-    pub const fn sync(&mut self) -> &mut SyncProducer {
-        self.drives.sync()
-    }
-
     /// One SYNC period. `received`: the frames since the last tick.
-    pub fn tick(
+    pub(super) fn tick(
         &mut self,
         sample: EncoderSample,
         received: &[Frame],
-        ends: &mut Ends<'_, '_>,
+        ends: &mut Ends<'_>,
         output: &mut Output,
     ) {
         for frame in received {
@@ -319,7 +228,7 @@ impl Ticker {
     }
 
     /// A finished segment leaves its queue.
-    fn release(&mut self, ends: &mut Ends<'_, '_>) {
+    fn release(&mut self, ends: &mut Ends<'_>) {
         if self.executor.is_free() {
             // A pass that feed hold has left stays in the queue, because it is repeated.
             let is_left = self.away.stage() == Detour::Leaving;
@@ -328,7 +237,7 @@ impl Ticker {
         }
     }
 
-    fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_, '_>) {
+    fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_>) {
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.given.ahead_x,
@@ -347,7 +256,7 @@ impl Ticker {
         }
     }
 
-    fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_, '_>) {
+    fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_>) {
         if !self.given.edge_time {
             sample.edge_age_ns = None;
         }
@@ -371,7 +280,7 @@ impl Ticker {
 
     #[cold]
     #[inline(never)]
-    fn slip(&mut self, counts: i32, ends: &mut Ends<'_, '_>) {
+    fn slip(&mut self, counts: i32, ends: &mut Ends<'_>) {
         self.slipped = true;
         self.begin_new_count();
         let alarm = Alarm::of(Code::IndexSlipped, &[Arg::Int(i64::from(counts))]);
@@ -380,11 +289,11 @@ impl Ticker {
         if in_cycle || self.executor.thread().is_some() || self.executor.is_floating() {
             self.raise(&alarm, ends);
         } else {
-            emit(ends.events, Event::Warning(alarm));
+            emit(&mut ends.events, Event::Warning(alarm));
         }
     }
 
-    fn watch_drives(&mut self, ends: &mut Ends<'_, '_>) {
+    fn watch_drives(&mut self, ends: &mut Ends<'_>) {
         match self.state {
             State::Alarm(_) => return self.drives.let_go(true),
             State::Stopping(Outcome::Alarm(_)) => return self.drives.let_go(false),
@@ -399,15 +308,15 @@ impl Ticker {
     /// The drives are enabled.
     #[cold]
     #[inline(never)]
-    fn come_up(&mut self, ends: &mut Ends<'_, '_>) {
-        emit(ends.events, Event::Ready);
+    fn come_up(&mut self, ends: &mut Ends<'_>) {
+        emit(&mut ends.events, Event::Ready);
         let mut position = self.drives.position(self.remembered.take());
         self.place_tap(&mut position, ends);
         self.transition_to_ready(position);
         self.tell_found(ends);
     }
 
-    fn obey(&mut self, ends: &mut Ends<'_, '_>) {
+    fn obey(&mut self, ends: &mut Ends<'_>) {
         if self.operator.asks() {
             self.act(ends);
         }
@@ -419,7 +328,7 @@ impl Ticker {
     /// Carries out what the operator asks for: stop, reset, resume, in this order.
     #[cold]
     #[inline(never)]
-    fn act(&mut self, ends: &mut Ends<'_, '_>) {
+    fn act(&mut self, ends: &mut Ends<'_>) {
         if let Some(code) = self.operator.takes_stop() {
             self.raise(&Alarm::new(code, Span::default()), ends);
         }
@@ -436,7 +345,7 @@ impl Ticker {
         }
     }
 
-    fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_, '_>) {
+    fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_>) {
         // Frozen in a thread cycle, and also while a reset leaves that cycle.
         let frozen = match self.state {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,

@@ -1,6 +1,6 @@
 #![no_std]
 #![no_main]
-//! The board's image for a NUCLEO-G474RE: the two sides of `leadscrew-app` on this chip.
+//! The board's image for a NUCLEO-G474RE: the two sides of a board on this chip.
 //!
 //! | priority | runs | owns |
 //! |---|---|---|
@@ -16,7 +16,7 @@
 //! | the number of the tick, and when it began ([`wire`]) | tick | interrupt |
 //! | places that hold the tick's frames, and their number ([`wire`]) | tick; interrupt, with the tick kept out | both |
 //! | the period of SYNC ([`beat`]) | background | timer, interrupt |
-//! | the queues of `leadscrew-app` | one side each | one side each |
+//! | the queues between the two sides | one side each | one side each |
 //!
 //! Nothing else is shared. A tick that takes longer than its period leaves frames unsent. The next tick calls them back
 //! and counts them as late.
@@ -39,12 +39,12 @@ use core::mem::MaybeUninit;
 
 use cortex_m_rt::entry;
 use embassy_stm32::pac::{UID, interrupt};
-use leadscrew_app::{
-    BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickPlace,
-    TickSide, TickerPlace, serial_of,
-};
+use leadscrew_app::{Machine, Memory, PowerUp, Sides, TickMachine, serial_of};
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest, Switching};
+use leadscrew_core::board::{
+    BackgroundSide, Event, Held, Inputs, Output, Region, StoreError, StoreRequest, Switching,
+    TickSide,
+};
 use leadscrew_core::bus::{Controller, Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
@@ -67,15 +67,13 @@ const FALLBACK: BitTiming = BitTiming {
     jump: 3,
 };
 
-static QUEUES: Once<Queues> = Once::new(Queues::new());
-static TICK_SIDE: Once<TickPlace> = Once::new(TickPlace::uninit());
-static TICKER: Once<TickerPlace> = Once::new(TickerPlace::uninit());
-static BACKGROUND: Once<BackgroundPlace> = Once::new(BackgroundPlace::uninit());
+static MEMORY: Once<Memory> = Once::new(Memory::new());
 static PARTS: Once<MaybeUninit<BackgroundParts>> = Once::new(MaybeUninit::uninit());
 static TICK: Owned<Tick> = Owned::empty();
 
 struct Tick {
-    side: &'static mut TickSide,
+    side: TickSide<'static>,
+    output: &'static mut Output,
     parts: TickParts,
 }
 
@@ -198,12 +196,12 @@ fn main() -> ! {
     // stack. The same memory then serves the rest of the thread with the interrupts (`cargo xtask sizes` counts on
     // that). The start waits for no interrupt; those that come meanwhile run after it.
     cortex_m::interrupt::disable();
-    let (background, parts) = start();
+    let (mut background, parts) = start();
     // SAFETY: no critical section is open, and everything that the handlers use is in place.
     unsafe { cortex_m::interrupt::enable() };
     loop {
-        while background.step(parts) {}
-        parts.switches.show(background.snapshot());
+        while leadscrew_app::step(&mut background, parts) {}
+        parts.switches.show(background.state().snapshot());
         log::lost_frames();
         cortex_m::asm::wfi();
     }
@@ -211,7 +209,7 @@ fn main() -> ! {
 
 /// Does everything up to the first tick. A function of its own, so that its stack is free afterwards.
 #[inline(never)]
-fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
+fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
     let (cause, failure) = fault::start(reset::flags());
     clock::start();
     pins::start();
@@ -239,18 +237,21 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         failure,
         cause,
     };
-    let (queues, tick) = (QUEUES.take(), TICK_SIDE.take());
-    let (ticker, background) = (TICKER.take(), BACKGROUND.take());
-    let sides = queues.power_up(tick, ticker, background, &up);
-    let Ok((side, background)) = sides else {
+    let Ok(sides) = MEMORY.take().power_up(&up) else {
         panic!("a set that has passed its checks works");
     };
     let (tick_end, background_end) = wire::start(kbit);
     let encoder = Encoder::start();
     let contacts = pins::contacts();
     watchdog::start();
+    let Sides {
+        tick: side,
+        output,
+        background,
+    } = sides;
     let tick = Tick {
         side,
+        output,
         parts: TickParts {
             encoder,
             contacts,
@@ -281,5 +282,5 @@ fn TIM6_DAC() {
     beat::begun();
     leadscrew_fault::tick();
     // SAFETY: this is the value's interrupt.
-    unsafe { TICK.with(|tick| tick.side.tick(&mut tick.parts)) };
+    unsafe { TICK.with(|tick| leadscrew_app::tick(&mut tick.side, tick.output, &mut tick.parts)) };
 }

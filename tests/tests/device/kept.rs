@@ -6,10 +6,9 @@ use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::device::{CommitState, LOAD, SAVE};
-use leadscrew_core::board::{Board, Event, KeptSet, Mark, Output, Region, StoreError};
+use leadscrew_core::board::{Board, Event, KeptSet, Mark, Region, StoreError};
 use leadscrew_core::bus::{
-    Abort, BoardState, Object, Order, Periods, SdoBuffer, SdoDownload, SdoError, SdoProtocol,
-    SdoUpload,
+    Abort, BoardState, Object, Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
 use leadscrew_core::link::{EventReader, ImageWriter, decode_alarm, identity};
 use leadscrew_core::params::Params;
@@ -400,7 +399,6 @@ fn a_write_that_fails_leaves_the_old_set_in_force_and_stored() {
 #[test]
 fn a_set_without_its_mark_is_stored_and_told() {
     let mut board = Board::new(&Params::slant_bed(), None, None).expect("a board");
-    let output = Output::default();
     board.join(NODE).expect("room");
     let save = Object::new(0x1010, 1);
     let (now, patience) = (Duration::ZERO, Duration::from_secs(1));
@@ -421,7 +419,7 @@ fn a_set_without_its_mark_is_stored_and_told() {
     board.stored(Region::ParametersMark, Err(StoreError::Full));
     assert!(!board.device().is_changing());
     assert!(board.store().is_none());
-    board.serve(Periods::new(1), &output.setpoint);
+    board.serve();
     assert_eq!(board.device().commit_state(), CommitState::Done);
     let events = transfer(&mut board, Object::new(0x5040, 3));
     let events: Vec<_> = EventReader::new(&events)
@@ -433,7 +431,6 @@ fn a_set_without_its_mark_is_stored_and_told() {
 /// Reads an object of a board that nobody ticks.
 fn transfer(board: &mut Board, object: Object) -> Vec<u8> {
     let (now, patience) = (Duration::ZERO, Duration::from_secs(1));
-    let output = Output::default();
     let mut room = vec![0; 4096];
     let mut sink = SdoBuffer::new(&mut room);
     let protocol = SdoProtocol::Segmented;
@@ -442,7 +439,7 @@ fn transfer(board: &mut Board, object: Object) -> Vec<u8> {
         while let Some(frame) = upload.poll(now) {
             assert!(!board.receive(&frame));
         }
-        board.serve(Periods::new(0), &output.setpoint);
+        board.serve();
         while let Some(frame) = board.transmit() {
             upload.receive(&frame, now);
         }

@@ -5,8 +5,8 @@ use core::time::Duration;
 
 use leadscrew_board_sim::plant::{Flash, Tear};
 use leadscrew_core::board::device::CommitState;
-use leadscrew_core::board::{Board, Output, Region};
-use leadscrew_core::bus::{Object, Periods, SdoDownload, SdoProtocol};
+use leadscrew_core::board::{Board, Region};
+use leadscrew_core::bus::{Object, SdoDownload, SdoProtocol};
 use leadscrew_core::params::Entry;
 use leadscrew_store::{BUFFER, Store};
 use leadscrew_tests::gateway::NODE;
@@ -20,7 +20,6 @@ const CHANGES: u32 = 14;
 /// A board without a machine around it, which stands.
 struct Bench {
     board: Board,
-    output: Output,
 }
 
 impl Bench {
@@ -28,10 +27,7 @@ impl Bench {
         let up = power_up(flash);
         let mut board = Board::power_up(&up, None, None).expect("a set that works");
         board.join(NODE).expect("there is room on the bus");
-        Self {
-            board,
-            output: Output::default(),
-        }
+        Self { board }
     }
 
     /// Asks for a set over the bus. It is not stored by that.
@@ -46,7 +42,7 @@ impl Bench {
             while let Some(frame) = transfer.poll(now) {
                 assert!(!self.board.receive(&frame), "for the board");
             }
-            self.board.serve(Periods::new(0), &self.output.setpoint);
+            self.board.serve();
             while let Some(frame) = self.board.transmit() {
                 transfer.receive(&frame, now);
             }

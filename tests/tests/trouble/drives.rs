@@ -182,7 +182,8 @@ fn a_fault_keeps_its_code_when_the_node_is_reset() {
                 let reset = NmtCommand::ResetNode.frame(Some(NodeId::BOARD));
                 bench.alarm = None;
                 bench.sim.receive(&reset);
-                bench.tick();
+                // The device asks for it in this period, the tick carries it out in the next.
+                bench.ticks(2);
                 assert_eq!(bench.state(), State::Starting, "{what}");
             }
             bench.until(&what, 50, |bench| bench.alarm.is_some());

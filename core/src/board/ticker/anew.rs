@@ -2,23 +2,19 @@
 
 use super::away::Away;
 use super::spindle::SpindleMode;
-use super::{Given, State, Ticker};
-use crate::board::drives::Figures;
+use super::{Notice, Setup, State, Ticker};
 use crate::board::event::Switching;
-use crate::board::kept::Found;
 use crate::board::operator::Operator;
-use crate::call::Position;
-use crate::params::Params;
 
 impl Ticker {
-    /// Starts again with `params`: the drives are enabled again, and the knowledge of taps in holes stays. Returns the last
-    /// position, if it is known. Returns `None` and changes nothing for a set that does not pass its own checks, or where
-    /// the machine may not move any more. `found`: the present state of the stored parameters.
+    /// Starts again with another parameter set: the drives are enabled again, and the knowledge of taps in holes stays.
+    /// What is queued does not count any more; a notice tells the background the last position. Changes nothing where the
+    /// machine may not move any more.
     ///
-    /// The machine must stand. The owner of the queues empties them.
-    pub fn begin_anew(&mut self, params: &Params, found: Found) -> Option<Option<Position>> {
+    /// The machine must stand.
+    pub fn begin_anew(&mut self, setup: &Setup) {
         if self.state.stays_at_rest() {
-            return None;
+            return;
         }
         let told = self.executor.position();
         let position = match self.state {
@@ -26,12 +22,7 @@ impl Ticker {
             State::Starting => self.remembered,
             _ => Some(told),
         };
-        let figures = (Given::of(params), Figures::of(params));
-        let (Some(given), Some(figures)) = &figures else {
-            return None;
-        };
-        // Field by field: a whole new value would be on the stack twice, and most of it is the memory of a profile that
-        // stands.
+        // Field by field: most of a tick side is the memory of a profile that stands.
         let Self {
             state,
             slipped,
@@ -43,7 +34,7 @@ impl Ticker {
             spindle,
             found: withheld,
             operator,
-            given: before,
+            given,
             observer,
             remembered,
             notice,
@@ -59,20 +50,19 @@ impl Ticker {
             false => Switching::Reset,
         };
         *stood = 0;
-        course.begin_anew();
+        let epoch = course.begin_anew();
         *away = Away::new();
         *spindle = SpindleMode::new();
-        *withheld = found;
+        *withheld = setup.found;
         *operator = Operator::new();
-        *before = *given;
-        *observer = Self::observer_of(params);
+        *given = setup.given;
+        *observer = setup.observer;
         *remembered = position;
-        *notice = None;
+        *notice = Some(Notice::Restart(position.unwrap_or_default(), epoch));
         journal.begin_anew(given.second);
-        drives.begin_anew(params, figures);
+        drives.begin_anew(&setup.figures);
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.
         executor.set_position(told);
-        Some(position)
     }
 }

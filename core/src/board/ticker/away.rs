@@ -83,17 +83,17 @@ impl Away {
     }
 
     /// Drops a leg of a way asked for earlier. One leg per tick.
-    pub(super) fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
+    pub(super) fn drop_stale(&self, ends: &mut Ends<'_>) {
         let leg = ends.detours.peek().map(|oldest| oldest.epoch);
         if leg.is_some_and(|epoch| epoch != self.epoch) {
-            take(ends.detours);
+            take(&mut ends.detours);
         }
     }
 }
 
 impl Ticker {
     /// Feed hold with immediate retract [D11]. A stroke that is nearly over is finished instead.
-    pub(super) fn leave_stroke(&mut self, ends: &Ends<'_, '_>) {
+    pub(super) fn leave_stroke(&mut self, ends: &Ends<'_>) {
         if self.away.is_under_way() || !matches!(self.state, State::Running) {
             return;
         }
@@ -120,7 +120,7 @@ impl Ticker {
     }
 
     /// Begins the next leg of a detour. The mark after the last leg ends the detour.
-    pub(super) fn go_on_with_detour(&mut self, ends: &mut Ends<'_, '_>) {
+    pub(super) fn go_on_with_detour(&mut self, ends: &mut Ends<'_>) {
         if self.away.stage == Detour::Leaving {
             let Some(pass) = &self.away.pass else {
                 self.away.stage = Detour::None;
@@ -148,7 +148,7 @@ impl Ticker {
             }
             return;
         }
-        take(ends.detours);
+        take(&mut ends.detours);
         self.away.stage = match self.away.stage {
             Detour::Home => Detour::AtHome,
             Detour::Back => {

@@ -10,7 +10,7 @@ use crate::motion::{Action, Motion};
 impl Ticker {
     /// Begins the next segment if it may begin now. Returns number and line of a segment that is over at once, or that
     /// waits for the spindle.
-    pub(super) fn take_up(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
+    pub(super) fn take_up(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         if !self.executor.is_free() {
             return None;
         }
@@ -51,10 +51,10 @@ impl Ticker {
     }
 
     /// Begins the segment at the head of the program's queue.
-    pub(super) fn start(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
+    pub(super) fn start(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let task = ends.segments.peek()?;
         let segment = task.segment;
-        let events = &mut *ends.events;
+        let events = &mut ends.events;
         let (number, line, stops) = (segment.number, segment.span.line, segment.stops);
         let instant = match segment.action {
             Action::Planned
@@ -109,7 +109,7 @@ impl Ticker {
             Action::TapOut => {
                 self.tap_is_out();
                 ends.segments.take();
-                emit(ends.events, Event::Started { number, line });
+                emit(&mut ends.events, Event::Started { number, line });
                 return Some((number, line, Motion::Run));
             }
             Action::Aux(aux) => {
@@ -128,14 +128,14 @@ impl Ticker {
             }
         };
         ends.segments.take();
-        emit(ends.events, Event::Started { number, line });
-        emit(ends.events, instant);
+        emit(&mut ends.events, Event::Started { number, line });
+        emit(&mut ends.events, instant);
         self.course.pause_after(stops, self.operator.single_block);
         Some((number, line, Motion::Run))
     }
 
     /// Changes the state after a motion has come to rest. `moved`: a segment was under way in this tick.
-    pub(super) fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_, '_>) {
+    pub(super) fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_>) {
         match self.state {
             State::Stopping(_) => {
                 if !self.executor.is_free() || self.away.is_under_way() {
@@ -147,7 +147,7 @@ impl Ticker {
                     self.route(Detour::Clearing, [Some(target), None]);
                     return;
                 }
-                self.transition_from_stopping(ends.events);
+                self.transition_from_stopping(&mut ends.events);
             }
             State::Running | State::Held => {
                 let free = self.executor.is_free();
@@ -168,7 +168,7 @@ impl Ticker {
                 if !resting {
                     self.transition_to_running();
                 } else if matches!(self.state, State::Running) {
-                    self.transition_to_held(ends.events);
+                    self.transition_to_held(&mut ends.events);
                 }
             }
             // The program is held before its first block.
@@ -177,7 +177,7 @@ impl Ticker {
                     && self.course.next(ends).is_some()
                     && !self.course.must_go_on(ends)
                 {
-                    self.transition_to_held(ends.events);
+                    self.transition_to_held(&mut ends.events);
                 }
             }
             State::Alarm(_) => self.stood = self.stood.saturating_add(1),

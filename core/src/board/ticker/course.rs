@@ -47,12 +47,16 @@ impl Course {
         }
     }
 
-    /// The application starts again: the program is forgotten. The last thread or hole stays.
-    pub(super) fn begin_anew(&mut self) {
+    /// The application starts again: the program is forgotten, and what is queued does not count any more. The last thread
+    /// or hole stays. Returns the new epoch.
+    pub(super) fn begin_anew(&mut self) -> Epoch {
+        let epoch = self.drop_queued();
         *self = Self {
             done: self.done,
+            epoch,
             ..Self::new()
         };
+        epoch
     }
 
     /// A program begins.
@@ -88,7 +92,7 @@ impl Course {
     }
 
     /// Drops a segment that does not count any more. One segment per tick.
-    pub(super) fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
+    pub(super) fn drop_stale(&self, ends: &mut Ends<'_>) {
         let epoch = ends.segments.head().map(|oldest| oldest.epoch);
         if epoch.is_some_and(|epoch| epoch != self.epoch) {
             ends.segments.take();
@@ -96,13 +100,13 @@ impl Course {
     }
 
     /// The oldest segment of the program, if it counts.
-    pub(super) fn next<'a>(&self, ends: &'a Ends<'_, '_>) -> Option<&'a Segment> {
+    pub(super) fn next<'a>(&self, ends: &'a Ends<'_>) -> Option<&'a Segment> {
         let epoch = self.epoch;
         ends.segments.head().filter(|next| next.epoch == epoch)
     }
 
     /// The next segment is the retract of a stroke, so the machine must not rest here.
-    pub(super) fn must_go_on(&self, ends: &Ends<'_, '_>) -> bool {
+    pub(super) fn must_go_on(&self, ends: &Ends<'_>) -> bool {
         !self.paused
             && ends
                 .segments
@@ -121,7 +125,7 @@ impl Course {
     }
 
     /// The segment under way, with its plan.
-    pub(super) fn current<'a>(&self, ends: &'a Ends<'_, '_>) -> Option<Task<'a>> {
+    pub(super) fn current<'a>(&self, ends: &'a Ends<'_>) -> Option<Task<'a>> {
         match self.source {
             Source::None => None,
             Source::Program => ends.segments.peek(),
@@ -134,7 +138,7 @@ impl Course {
 
     /// Removes the finished segment from its queue. `is_left`: a segment of the program stays, because it is repeated.
     /// `is_whole`: nothing has stopped the segment.
-    pub(super) fn release(&mut self, is_left: bool, is_whole: bool, ends: &mut Ends<'_, '_>) {
+    pub(super) fn release(&mut self, is_left: bool, is_whole: bool, ends: &mut Ends<'_>) {
         match core::mem::take(&mut self.source) {
             Source::None => {}
             Source::Program if is_left => {}
@@ -147,7 +151,7 @@ impl Course {
                 ends.segments.take();
             }
             Source::Detour => {
-                take(ends.detours);
+                take(&mut ends.detours);
             }
         }
     }

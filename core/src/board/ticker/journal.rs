@@ -194,7 +194,7 @@ impl Ticker {
 
     /// The drives have just been enabled. If a tap is in its hole since before the power went, its axis stands at the
     /// bottom [D26]. A warning tells so.
-    pub(super) fn place_tap(&mut self, position: &mut Position, ends: &mut Ends<'_, '_>) {
+    pub(super) fn place_tap(&mut self, position: &mut Position, ends: &mut Ends<'_>) {
         if !core::mem::take(&mut self.journal.assumed) {
             return;
         }
@@ -207,14 +207,11 @@ impl Ticker {
         }
         let args = [Arg::Letter(hole.letter()), hole.figure(hole.bottom)];
         let warning = Alarm::of(Code::TapInHoleSincePower, &args);
-        emit(ends.events, Event::Warning(warning));
+        emit(&mut ends.events, Event::Warning(warning));
     }
 
     /// A hole may begin once its entry is known to be stored. `Some`: the hole waits, or has failed.
-    pub(super) fn wait_for_journal(
-        &mut self,
-        ends: &mut Ends<'_, '_>,
-    ) -> Option<(u32, u32, Motion)> {
+    pub(super) fn wait_for_journal(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let tap = ends.segments.peek()?.tap()?;
         if tap.part.returns || tap.hole.spindle != self.spindle.taps_with() {
             return None;
@@ -227,7 +224,7 @@ impl Ticker {
 
     #[cold]
     #[inline(never)]
-    fn wait_for_entry(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
+    fn wait_for_entry(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let task = ends.segments.peek()?;
         let (segment, tap) = (task.segment, task.tap()?);
         let (number, span) = (segment.number, segment.span);
@@ -250,7 +247,7 @@ impl Ticker {
 
     /// At the end of a tick: writes entries for reversals and for the end of a hole, and the entry of the next hole, so
     /// that this hole need not wait.
-    pub(super) fn keep_journal(&mut self, ends: &mut Ends<'_, '_>, output: &mut Output) {
+    pub(super) fn keep_journal(&mut self, ends: &mut Ends<'_>, output: &mut Output) {
         if self.executor.has_turned() {
             self.note();
         }
@@ -260,7 +257,7 @@ impl Ticker {
         if self.journal.failed && self.journal.begun {
             self.journal.failed = false;
             let warning = Alarm::of(Code::TapJournalStale, &[]);
-            emit(ends.events, Event::Warning(warning));
+            emit(&mut ends.events, Event::Warning(warning));
         }
         output.journal = None;
         if self.journal.fresh {
@@ -269,7 +266,7 @@ impl Ticker {
         }
     }
 
-    fn between_holes(&mut self, ends: &Ends<'_, '_>) {
+    fn between_holes(&mut self, ends: &Ends<'_>) {
         if core::mem::take(&mut self.journal.returned) {
             self.spindle.leave();
         }

@@ -151,7 +151,7 @@ impl Ticker {
 
     /// Enters position mode once spindle 1 and the tapping spindle stand and the drive has told its position. From then on
     /// the spindle is at its commanded angle.
-    pub(super) fn enter_rigid(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
+    pub(super) fn enter_rigid(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let taps_with = self.spindle.taps_with;
         let Rigid::Entering {
             number,
@@ -208,10 +208,7 @@ impl Ticker {
 
     /// 5200.2 = 1: the command that ends rigid mode waits for RGTAP = 0, for a second at most [D92]. Returns number and
     /// line of its move while it waits.
-    pub(super) fn wait_for_release(
-        &mut self,
-        ends: &mut Ends<'_, '_>,
-    ) -> Option<(u32, u32, Motion)> {
+    pub(super) fn wait_for_release(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let next = ends.segments.head()?;
         let waits =
             matches!(next.action, Action::Spindle(_)) && self.operator.signals.rgtap == Some(true);

@@ -51,7 +51,7 @@ impl State {
     }
 
     /// True after too many failures: neither a reset nor other parameters let the machine move any more.
-    pub(super) const fn stays_at_rest(&self) -> bool {
+    pub(in crate::board) const fn stays_at_rest(&self) -> bool {
         matches!(self, Self::Alarm(alarm) if matches!(alarm.code, Code::FailsAgain))
     }
 }

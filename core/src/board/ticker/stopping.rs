@@ -10,14 +10,14 @@ impl Ticker {
     /// An alarm. The first one stays.
     #[cold]
     #[inline(never)]
-    pub(super) fn raise(&mut self, alarm: &Alarm, ends: &mut Ends<'_, '_>) {
+    pub(super) fn raise(&mut self, alarm: &Alarm, ends: &mut Ends<'_>) {
         if self.state.alarm().is_none() {
             self.transition_to_stopping_on_alarm(alarm, ends);
         }
     }
 
     /// A reset acts as soon as the machine is not on its way to rest with an alarm [D110].
-    pub(super) fn reset(&mut self, ends: &Ends<'_, '_>) {
+    pub(super) fn reset(&mut self, ends: &Ends<'_>) {
         match self.state {
             State::Stopping(Outcome::Alarm(_)) => return,
             State::Alarm(_) if self.state.stays_at_rest() => {}
@@ -55,7 +55,7 @@ impl Ticker {
 
     /// What is wrong with the bus is an alarm; drives that nothing reaches any more are let go.
     #[inline(never)]
-    pub(super) fn suffer(&mut self, ends: &mut Ends<'_, '_>) {
+    pub(super) fn suffer(&mut self, ends: &mut Ends<'_>) {
         let Some(trouble) = self.operator.takes_trouble() else {
             return;
         };

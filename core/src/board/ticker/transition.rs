@@ -53,23 +53,19 @@ impl Ticker {
     }
 
     /// The axes come to rest on their path, and what is queued is forgotten.
-    pub(super) fn transition_to_stopping_on_alarm(
-        &mut self,
-        alarm: &Alarm,
-        ends: &mut Ends<'_, '_>,
-    ) {
+    pub(super) fn transition_to_stopping_on_alarm(&mut self, alarm: &Alarm, ends: &mut Ends<'_>) {
         self.executor.stop(self.course.current(ends));
         // A reset may have been on its way out of a thread: an alarm moves nothing any more.
         self.away.forget();
         self.spindle.stop();
         self.spindle.stay_rigid();
         self.state = State::Stopping(Outcome::Alarm(*alarm));
-        emit(ends.events, Event::Alarm(*alarm));
+        emit(&mut ends.events, Event::Alarm(*alarm));
     }
 
     /// A stroke is left along the slope of its run-out until the tool is clear of the crests or at the start level. The way
     /// out after a stroke goes on until then. Anything else stops on its path. The spindle turns until the axes stand.
-    pub(super) fn transition_to_stopping_by_reset(&mut self, ends: &Ends<'_, '_>) {
+    pub(super) fn transition_to_stopping_by_reset(&mut self, ends: &Ends<'_>) {
         self.course.forget_pauses();
         self.away.forget();
         self.spindle.stay_rigid();

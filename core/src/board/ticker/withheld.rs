@@ -13,19 +13,14 @@ impl Ticker {
         self.state = State::Alarm(alarm);
     }
 
-    /// Tells the state of the stored parameters. Call this before the drives are enabled.
-    pub const fn withhold(&mut self, found: Found) {
-        self.found = found;
-    }
-
     /// Reports the state of the stored parameters once the drives are enabled. This may raise an alarm.
-    pub(super) fn tell_found(&mut self, ends: &mut Ends<'_, '_>) {
+    pub(super) fn tell_found(&mut self, ends: &mut Ends<'_>) {
         if let Some(alarm) = self.found.alarm() {
             self.raise(&alarm, ends);
         } else if let Some(warning) = self.found.warning() {
             // One report is enough.
             self.found = Found::Newest;
-            emit(ends.events, Event::Warning(warning));
+            emit(&mut ends.events, Event::Warning(warning));
         }
     }
 }

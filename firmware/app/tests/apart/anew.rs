@@ -18,7 +18,7 @@ fn a_set_that_names_other_nodes_is_followed_from_its_restart_on() {
     // The drive is still on its old node.
     let deadline = 3000;
     assert_eq!(alarm(&mut apart, deadline), Some(Code::DriveNoAnswer));
-    let State::Alarm(alarm) = apart.background.snapshot().state else {
+    let State::Alarm(alarm) = apart.snapshot().state else {
         panic!("it stands on it");
     };
     assert_eq!(alarm.args[..2], [Arg::Letter(b'X'), Arg::Int(50)]);
@@ -33,7 +33,7 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
     let syncs = apart.bench.syncs;
     apart.restart();
     apart.step();
-    assert_eq!(apart.background.snapshot().state, State::Starting);
+    assert_eq!(apart.snapshot().state, State::Starting);
     assert_eq!(apart.bench.periods, [params.tick_us()]);
     apart.steps(100);
     assert_eq!(apart.bench.events, [Event::Ready]);
@@ -54,7 +54,7 @@ fn a_board_that_is_made_anew_goes_on_counting_its_syncs() {
     let mut before = count(&apart);
     let mut tick = |apart: &mut Apart| {
         apart.bench.given = None;
-        apart.tick.tick(&mut apart.bench);
+        apart.tick();
         let now = count(apart);
         assert_eq!(now, before % SyncProducer::LAST + 1);
         before = now;
@@ -81,16 +81,16 @@ fn a_feed_hold_that_stays_pressed_outlives_a_restart_of_the_application() {
         apart.bench.inputs.hold = true;
         apart.step();
         apart.step();
-        assert!(apart.background.snapshot().operator.hold);
+        assert!(apart.snapshot().operator.hold);
         apart.bench.inputs.hold = pressed;
         apart.step();
         apart.restart();
         apart.steps(100);
         assert_eq!(apart.bench.events, [Event::Ready]);
-        assert_eq!(apart.background.snapshot().operator.hold, pressed);
+        assert_eq!(apart.snapshot().operator.hold, pressed);
         apart.order(Order::Resume);
         apart.bench.inputs.hold = false;
         apart.steps(4);
-        assert!(!apart.background.snapshot().operator.hold);
+        assert!(!apart.snapshot().operator.hold);
     }
 }

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use leadscrew_app::{Inputs, Machine, TickMachine};
+use leadscrew_app::{Machine, TickMachine};
 use leadscrew_board_sim::plant::Plant;
-use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest, Switching};
+use leadscrew_core::board::{Event, Held, Inputs, Region, StoreError, StoreRequest, Switching};
 use leadscrew_core::bus::{Controller, Frame, is_sync};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;

@@ -2,13 +2,12 @@
 
 use std::collections::VecDeque;
 
-use leadscrew_app::{
-    BackgroundPlace, BackgroundSide, Failure, Inputs, PowerUp, Queues, ResetCause, TickPlace,
-    TickSide, TickerPlace,
-};
+use leadscrew_app::{Failure, Memory, PowerUp, ResetCause, Sides, step, tick};
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{self, Event, State};
+use leadscrew_core::board::{
+    self, BackgroundSide, Event, Inputs, Output, Snapshot, State, TickSide,
+};
 use leadscrew_core::bus::{
     BoardCommand, BoardState, CobId, Controller, Frame, NmtCommand, NodeId, Order, Service,
 };
@@ -23,8 +22,9 @@ use crate::bench::Bench;
 
 /// A board on its bench.
 pub struct Apart {
-    pub tick: &'static mut TickSide,
-    pub background: &'static mut BackgroundSide,
+    tick: TickSide<'static>,
+    pub output: &'static mut Output,
+    pub background: BackgroundSide<'static>,
     pub bench: Bench,
     hash: SetpointHash,
     /// The number of the last order.
@@ -128,11 +128,8 @@ impl Apart {
     }
 
     pub fn started(params: &Params, failure: Option<Failure>, cause: ResetCause) -> Self {
-        // Leaked, so that they live for ever, as in an image.
-        let queues = Box::leak(Box::new(Queues::new()));
-        let tick = Box::leak(Box::new(TickPlace::uninit()));
-        let ticker = Box::leak(Box::new(TickerPlace::uninit()));
-        let background = Box::leak(Box::new(BackgroundPlace::uninit()));
+        // Leaked, so that it lives for ever, as in an image.
+        let memory = Box::leak(Box::new(Memory::new()));
         let options = PlantOptions::default();
         let up = PowerUp {
             set: &board::PowerUp::given(params),
@@ -144,11 +141,14 @@ impl Apart {
             failure,
             cause,
         };
-        let (tick, background) = queues
-            .power_up(tick, ticker, background, &up)
-            .expect("the parameters work");
+        let Sides {
+            tick,
+            output,
+            background,
+        } = memory.power_up(&up).expect("the parameters work");
         Self {
             tick,
+            output,
             background,
             bench: Bench {
                 plant: Plant::new(params, &options).expect("the plant works"),
@@ -186,11 +186,21 @@ impl Apart {
             .extend([start, command.frame(NodeId::BOARD)]);
     }
 
+    /// Runs a tick; the background does nothing.
+    pub fn tick(&mut self) {
+        tick(&mut self.tick, self.output, &mut self.bench);
+    }
+
+    /// The tick side, as the background knows it.
+    pub fn snapshot(&self) -> &Snapshot {
+        self.background.state().snapshot()
+    }
+
     /// Runs a tick, and then all work that the background can do.
     pub fn step(&mut self) {
-        self.tick.tick(&mut self.bench);
+        self.tick();
         self.rest();
-        let (setpoint, snapshot) = (&self.tick.output().setpoint, self.background.snapshot());
+        let (setpoint, snapshot) = (&self.output.setpoint, self.snapshot());
         let spindle = setpoint
             .spindle
             .map(|angle| (snapshot.spindle_in_use, angle));
@@ -206,7 +216,7 @@ impl Apart {
     }
 
     pub fn rest(&mut self) {
-        while self.background.step(&mut self.bench) {}
+        while step(&mut self.background, &mut self.bench) {}
     }
 
     /// Runs a program to its end, or to an alarm.
@@ -223,7 +233,7 @@ impl Apart {
             }
             self.step();
             let over = calls.is_empty() && !self.background.is_busy();
-            if over || matches!(self.background.snapshot().state, State::Alarm(_)) {
+            if over || matches!(self.snapshot().state, State::Alarm(_)) {
                 return self.hash.value();
             }
         }
@@ -243,7 +253,7 @@ pub fn calls(text: &str, params: &Params) -> Vec<Call> {
 /// The alarm on which the machine stands, after this number of ticks.
 pub fn alarm(apart: &mut Apart, ticks: u32) -> Option<Code> {
     apart.steps(ticks);
-    match apart.background.snapshot().state {
+    match apart.snapshot().state {
         State::Alarm(alarm) => Some(alarm.code),
         _ => None,
     }

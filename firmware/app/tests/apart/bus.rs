@@ -30,7 +30,7 @@ fn leaves(state: BusState, code: Code) {
         }
         apart.step();
     }
-    assert_eq!(apart.background.snapshot().state, State::Running);
+    assert_eq!(apart.snapshot().state, State::Running);
     apart.bench.controller = Controller {
         state,
         errors: ErrorCounts {
@@ -45,12 +45,7 @@ fn leaves(state: BusState, code: Code) {
     // The drives have been let go, as far as they receive the frame.
     for drive in [NodeId::DRIVE_X, NodeId::DRIVE_Z, NodeId::DRIVE_C] {
         let told = CobId::of(Service::Rpdo1, drive);
-        let told = apart
-            .tick
-            .output()
-            .frames
-            .iter()
-            .find(|frame| frame.id() == told);
+        let told = apart.output.frames.iter().find(|frame| frame.id() == told);
         let control = told.expect("a setpoint").payload().first_chunk();
         assert_eq!(control, Some(&[0x06, 0x00]), "{drive:?}");
     }

@@ -2,9 +2,8 @@
 
 use std::collections::VecDeque;
 
-use leadscrew_app::Inputs;
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{Event, State};
+use leadscrew_core::board::{Event, Inputs, State};
 use leadscrew_core::bus::Order;
 use leadscrew_core::call::Call;
 use leadscrew_core::link::{ThreadKind, ThreadState};
@@ -27,17 +26,17 @@ fn the_emergency_stop_stops_by_itself_and_holds_until_it_is_released() {
         }
         apart.step();
     }
-    assert_eq!(apart.background.snapshot().state, State::Running);
+    assert_eq!(apart.snapshot().state, State::Running);
     apart.bench.inputs.stop = true;
     // The background does nothing meanwhile.
     for _ in 0..2000 {
-        apart.tick.tick(&mut apart.bench);
+        apart.tick();
     }
-    let stopped = apart.tick.output().setpoint.position;
+    let stopped = apart.output.setpoint.position;
     apart.rest();
     apart.step();
-    let State::Alarm(alarm) = apart.background.snapshot().state else {
-        panic!("{:?}", apart.background.snapshot().state);
+    let State::Alarm(alarm) = apart.snapshot().state else {
+        panic!("{:?}", apart.snapshot().state);
     };
     assert_eq!(alarm.code, Code::EmergencyStop);
     // A reset while the button is still pressed has no effect.
@@ -45,9 +44,9 @@ fn the_emergency_stop_stops_by_itself_and_holds_until_it_is_released() {
         apart.bench.inputs.stop = pressed;
         apart.order(Order::Reset);
         apart.steps(1000);
-        let up = apart.background.snapshot().state == State::Idle;
+        let up = apart.snapshot().state == State::Idle;
         assert_eq!(up, !pressed);
-        assert_eq!(apart.tick.output().setpoint.position, stopped);
+        assert_eq!(apart.output.setpoint.position, stopped);
     }
 }
 
@@ -71,7 +70,7 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
     // Nothing resumes while the contact is pressed, or its wire is broken [D192].
     apart.order(Order::Resume);
     assert_eq!(told(&mut apart, true, false), 0x1000);
-    assert!(apart.background.snapshot().operator.hold);
+    assert!(apart.snapshot().operator.hold);
     assert_eq!(told(&mut apart, false, false), 0x1000);
     apart.order(Order::Resume);
     apart.steps(2);
@@ -79,13 +78,13 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
     // One press holds the program until it is resumed.
     assert_eq!(told(&mut apart, true, false), 0x1000);
     assert_eq!(told(&mut apart, false, false), 0x1000);
-    assert!(apart.background.snapshot().operator.hold);
+    assert!(apart.snapshot().operator.hold);
     // The emergency stop is reported until its alarm is reset.
     assert_eq!(told(&mut apart, false, true), 0x5000);
     assert_eq!(told(&mut apart, false, false), 0x5000);
     apart.order(Order::Reset);
     apart.steps(1000);
-    assert_eq!(apart.background.snapshot().state, State::Idle);
+    assert_eq!(apart.snapshot().state, State::Idle);
     assert_eq!(told(&mut apart, false, false), 0);
     // After another alarm the stop raises no alarm of its own, but its bit is still set.
     apart.bench.inputs.trouble = Some(Code::NetworkStop);
@@ -93,7 +92,7 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
     assert_eq!(told(&mut apart, false, false), 0);
     assert_eq!(told(&mut apart, false, true), 0x4000);
     assert_eq!(told(&mut apart, false, false), 0);
-    let alarm = apart.background.snapshot().alarm().map(|alarm| alarm.code);
+    let alarm = apart.snapshot().alarm().map(|alarm| alarm.code);
     assert_eq!(alarm, Some(Code::NetworkStop));
 }
 
@@ -124,7 +123,7 @@ fn a_reset_in_a_thread_or_a_tap_leaves_one_record_of_it() {
                 apart.rest();
             }
             apart.step();
-            ticks += u32::from(apart.tick.output().setpoint.locked);
+            ticks += u32::from(apart.output.setpoint.locked);
             if ticks == 300 {
                 ticks += 1;
                 waiting.clear();

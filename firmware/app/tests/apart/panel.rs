@@ -6,9 +6,8 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
-use leadscrew_app::Inputs;
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{Event, State, Switching};
+use leadscrew_core::board::{Event, Inputs, State, Switching};
 use leadscrew_core::bus::{BusState, Controller, Order};
 use leadscrew_core::call::{Call, Position};
 use leadscrew_core::params::{Entry, Params};
@@ -99,16 +98,16 @@ impl Wired {
     }
 
     fn state(&self) -> State {
-        self.apart.background.snapshot().state
+        self.apart.snapshot().state
     }
 
     fn alarm(&self) -> Option<Code> {
-        let alarm = self.apart.background.snapshot().alarm();
+        let alarm = self.apart.snapshot().alarm();
         alarm.map(|alarm| alarm.code)
     }
 
     fn at(&self) -> Position {
-        self.apart.background.snapshot().setpoint.position
+        self.apart.snapshot().setpoint.position
     }
 
     fn step(&mut self) {
@@ -132,7 +131,7 @@ impl Wired {
         for switching in self.apart.bench.switched.drain(..) {
             parts.0.switch(switching);
         }
-        parts.1.show(self.apart.background.snapshot());
+        parts.1.show(self.apart.snapshot());
         // The clamp's contact is closed while the clamp holds.
         if self.clamped.0.get() == self.clamp.0.get() {
             self.moving += 1;
@@ -236,7 +235,7 @@ fn a_reset_with_the_hold_circuit_open_comes_to_its_end() {
     let text = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\n\
                 G76 X76 Z-30 P20000 Q15000 F3\nM30\n";
     wired.begin(text, &params);
-    wired.until(20_000, |wired| wired.apart.tick.output().setpoint.locked);
+    wired.until(20_000, |wired| wired.apart.output.setpoint.locked);
     wired.steps(50);
     wired.hold.0.set(true);
     wired.steps(10);
@@ -390,8 +389,8 @@ fn the_spindle_is_enabled_on_an_alarm_until_it_stands() {
         wired.until(2000, |wired| matches!(wired.state(), State::Alarm(_)));
         assert_eq!(wired.alarm(), Some(down));
         let turns = |wired: &Wired| {
-            wired.apart.tick.output().setpoint.spindle.is_none()
-                && wired.apart.background.snapshot().speed.abs().rpm().get() > 0
+            wired.apart.output.setpoint.spindle.is_none()
+                && wired.apart.snapshot().speed.abs().rpm().get() > 0
         };
         assert!(turns(&wired), "it brakes");
         assert!(wired.spindle.0.get());
@@ -426,7 +425,7 @@ fn a_spindle_with_a_tap_in_its_hole_stays_enabled() {
         "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-50 P30 F2000\nG80\nM30\n",
         &params,
     );
-    wired.until(20_000, |wired| wired.apart.tick.output().setpoint.locked);
+    wired.until(20_000, |wired| wired.apart.output.setpoint.locked);
     wired.steps(300);
     wired.stop.0.set(true);
     wired.until(2000, |wired| matches!(wired.state(), State::Alarm(_)));

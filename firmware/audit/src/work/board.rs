@@ -1,7 +1,7 @@
 //! Whole ticks of the board, with the plant around it; a step is a tick. The plant and the background are not counted.
 
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
-use leadscrew_core::board::{self, Board, Command, Output};
+use leadscrew_core::board::{self, Board, Command, Inputs, Output};
 use leadscrew_core::bus::{Frame, SyncProducer};
 use leadscrew_core::call::Call;
 use leadscrew_core::motion::Motion;
@@ -248,19 +248,23 @@ impl Work for WholeBoard {
         }
         while machine.board.background() {}
         machine.sample = machine.plant.advance();
-    }
-
-    fn step(&self, machine: &mut Machine, _: usize) {
         let received = machine
             .answers
             .get(..machine.answered)
             .unwrap_or(&machine.answers);
-        machine
-            .board
-            .tick(machine.sample, received, &mut machine.output);
+        let (mut tick, _) = machine.board.split();
+        tick.begin(&Inputs::default(), received.iter().copied());
+    }
+
+    fn step(&self, machine: &mut Machine, _: usize) {
+        let (mut tick, _) = machine.board.split();
+        tick.run(machine.sample, &mut machine.output);
     }
 
     fn finish(&self, machine: &mut Machine, (): &()) {
+        let (mut tick, _) = machine.board.split();
+        tick.report(&machine.output, true);
+        machine.board.hear();
         // The storage finishes at once.
         if let Some(request) = machine.board.store() {
             let region = request.region;

@@ -13,7 +13,7 @@ use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
 use heapless::spsc::{Consumer, Producer, Queue};
-use leadscrew_app::TickSide;
+use leadscrew_core::board::{Output, TickSide};
 use static_cell::ConstStaticCell;
 
 use crate::shop::Shop;
@@ -59,12 +59,12 @@ impl<T> Owned<T> {
     }
 }
 
-static TICK_SIDE: Owned<(&'static mut TickSide, Shop)> = Owned::none();
+static TICK_SIDE: Owned<(TickSide<'static>, &'static mut Output, Shop)> = Owned::none();
 static BYTES_IN: Owned<Producer<'static, u8>> = Owned::none();
 
 /// Gives the tick's interrupt its own data.
-pub fn own_tick(tick: &'static mut TickSide, shop: Shop) {
-    TICK_SIDE.give((tick, shop));
+pub fn own_tick(tick: TickSide<'static>, output: &'static mut Output, shop: Shop) {
+    TICK_SIDE.give((tick, output, shop));
 }
 
 /// Gives the UART's interrupt its end of the ring, and the caller the other end.
@@ -100,7 +100,7 @@ pub fn tick() {
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     match u16::try_from(number) {
-        Ok(TICK) => TICK_SIDE.with(|(tick, shop)| tick.tick(shop)),
+        Ok(TICK) => TICK_SIDE.with(|(tick, output, shop)| leadscrew_app::tick(tick, output, shop)),
         Ok(uart::INTERRUPT) => BYTES_IN.with(|bytes| {
             if let Some(byte) = uart::receive() {
                 // Where the thread is this late, a line is damaged and its frame is repeated.

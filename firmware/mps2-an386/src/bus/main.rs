@@ -31,7 +31,7 @@ use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
 use heapless::spsc::Queue;
-use leadscrew_app::{BackgroundPlace, PowerUp, Queues, ResetCause, TickPlace, TickerPlace};
+use leadscrew_app::{Memory, PowerUp, ResetCause, Sides};
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::params::Params;
@@ -47,11 +47,7 @@ const TRAFFIC: usize = 64;
 
 #[entry]
 fn main() -> ! {
-    static QUEUES: ConstStaticCell<Queues> = ConstStaticCell::new(Queues::new());
-    static TICK: ConstStaticCell<TickPlace> = ConstStaticCell::new(TickPlace::uninit());
-    static TICKER: ConstStaticCell<TickerPlace> = ConstStaticCell::new(TickerPlace::uninit());
-    static BACKGROUND: ConstStaticCell<BackgroundPlace> =
-        ConstStaticCell::new(BackgroundPlace::uninit());
+    static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
     static TOLD: ConstStaticCell<Queue<Frame, TRAFFIC>> = ConstStaticCell::new(Queue::new());
     static ASKED: ConstStaticCell<Queue<Frame, TRAFFIC>> = ConstStaticCell::new(Queue::new());
     static OUTSIDE: StaticCell<Outside> = StaticCell::new();
@@ -91,14 +87,18 @@ fn main() -> ! {
         failure,
         cause,
     };
-    let (tick, background) = QUEUES
+    let Sides {
+        tick,
+        output,
+        background,
+    } = MEMORY
         .take()
-        .power_up(TICK.take(), TICKER.take(), BACKGROUND.take(), &up)
+        .power_up(&up)
         .expect("what was stored was good, and what is built in");
     let plant = kept.unwrap_or_else(|| around::new(&set.params, &begins));
     let (told_in, told_out) = TOLD.take().split();
     let (asked_in, asked_out) = ASKED.take().split();
-    interrupts::own_tick(tick, Shop::new(plant, options, told_in, asked_out));
+    interrupts::own_tick(tick, output, Shop::new(plant, options, told_in, asked_out));
     let bytes = interrupts::own_uart();
     let outside = OUTSIDE.init(Outside::new(bytes, told_out, asked_in, flash));
     interrupts::enable();

@@ -5,8 +5,7 @@
 //! - A machine with nothing to do runs whole turns of the SYNC counter, 240 ticks each, in real time. So every program
 //!   begins at the same count, and its frames are the same at any time of its start.
 
-use leadscrew_app::BackgroundSide;
-use leadscrew_core::board::State;
+use leadscrew_core::board::{BackgroundSide, State};
 use leadscrew_core::bus::SyncProducer;
 use leadscrew_core::params::Params;
 
@@ -68,24 +67,24 @@ impl Pace {
     }
 
     /// The main loop of the thread.
-    pub fn run(mut self, background: &mut BackgroundSide, outside: &mut Outside) -> ! {
+    pub fn run(mut self, mut background: BackgroundSide<'static>, outside: &mut Outside) -> ! {
         loop {
             let now = self.clock.ms();
             let came = outside.pump(now);
             if outside.has_heard_gateway() {
                 self.beat = Some((self.ticks, now));
             }
-            if background.step(outside) || came {
+            if leadscrew_app::step(&mut background, outside) || came {
                 continue;
             }
             if let Some(times) = outside.new_times() {
                 self.times = times;
             }
-            if outside.takes_tick() && self.is_due(background, now) {
+            if outside.takes_tick() && self.is_due(&background, now) {
                 interrupts::tick();
                 self.ticks += 1;
                 self.last = now;
-                if self.up.is_none() && background.snapshot().state == State::Idle {
+                if self.up.is_none() && background.state().snapshot().state == State::Idle {
                     // This is the tick after the machine has come up: the axes stand, and nothing was handed over yet.
                     self.up = Some(self.ticks);
                 }
@@ -100,12 +99,12 @@ impl Pace {
         }
     }
 
-    fn is_due(&mut self, background: &BackgroundSide, now: u64) -> bool {
+    fn is_due(&mut self, background: &BackgroundSide<'_>, now: u64) -> bool {
         let Some(up) = self.up else {
             // While the machine comes up, a tick takes a millisecond at least, as the drives need.
             return now > self.last;
         };
-        let snapshot = background.snapshot();
+        let snapshot = background.state().snapshot();
         let busy = background.is_busy() || snapshot.in_program;
         if busy || !self.ticks.wrapping_sub(up).is_multiple_of(TURN) {
             // Without a program a gateway may come and go.
@@ -119,8 +118,8 @@ impl Pace {
         (now - self.last) * 1000 >= TURN * self.times.tick_us
     }
 
-    fn waits_for_program(&mut self, background: &BackgroundSide, now: u64) -> bool {
-        if !background.awaits_program() {
+    fn waits_for_program(&mut self, background: &BackgroundSide<'_>, now: u64) -> bool {
+        if !background.state().awaits_program() {
             self.waits_since = None;
             return false;
         }

@@ -2,8 +2,9 @@
 
 use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
-use leadscrew_app::{Inputs, TickMachine};
+use leadscrew_app::TickMachine;
 use leadscrew_board_sim::plant::Plant;
+use leadscrew_core::board::Inputs;
 use leadscrew_core::bus::{CobId, Frame, NodeId, Setpoints};
 use leadscrew_core::spindle::EncoderSample;
 

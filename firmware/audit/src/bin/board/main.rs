@@ -24,7 +24,7 @@ pub extern "C" fn entry() {
     while any() {
         tick(board, output);
         hear(board);
-        serve(board, output);
+        serve(board);
         plan(board);
         say(board);
         store(board);
@@ -57,8 +57,8 @@ fn hear(board: &mut Board) {
 }
 
 #[inline(never)]
-fn serve(board: &mut Board, output: &Output) {
-    sink(board.serve(any(), &output.setpoint));
+fn serve(board: &mut Board) {
+    sink(board.serve());
     board.set_late(any());
 }
 

@@ -1,12 +1,12 @@
-//! The part that all images share: the two contexts, the queues between them, and the memory of a failure.
+//! The part that all images share: the two contexts, and the memory of a failure.
 
 use audit::any::{any, sink};
 use leadscrew_app::{
-    BackgroundPlace, Failure, Inputs, Left, Machine, PowerUp, Queues, ResetCause, ResetFlags,
-    TickMachine, TickPlace, TickerPlace, serial_of,
+    Failure, Left, Machine, Memory, PowerUp, ResetCause, ResetFlags, TickMachine, serial_of, step,
+    tick,
 };
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{self, Event, Held, Region, StoreError, StoreRequest};
+use leadscrew_core::board::{self, Event, Held, Inputs, Region, StoreError, StoreRequest};
 use leadscrew_core::bus::{Controller, Frame, Setpoints};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
@@ -134,22 +134,19 @@ fn board() {
         failure: Failure::decode(&any()),
         cause: cause(),
     };
-    let queues = place::<Queues>();
-    *queues = Queues::new();
-    let sides = queues.power_up(
-        place::<TickPlace>(),
-        place::<TickerPlace>(),
-        place::<BackgroundPlace>(),
-        &up,
-    );
-    let Ok((tick, background)) = sides else {
+    let memory = place::<Memory>();
+    *memory = Memory::new();
+    let Ok(mut sides) = memory.power_up(&up) else {
         return;
     };
     while any() {
-        tick.tick(&mut Anything);
-        sink(background.step(&mut Anything));
-        sink(background.offer(&any()));
-        sink((background.awaits_program(), background.is_busy()));
+        tick(&mut sides.tick, sides.output, &mut Anything);
+        sink(step(&mut sides.background, &mut Anything));
+        sink(sides.background.offer(&any()));
+        sink((
+            sides.background.state().awaits_program(),
+            sides.background.is_busy(),
+        ));
     }
 }
 

@@ -59,12 +59,11 @@ fn board() {
     while any() {
         sink(board.receive(&any()));
         board.receive_fd(&any());
-        sink(board.serve(any(), &output.setpoint));
+        sink(board.serve());
         sink((board.transmit(), board.awaits_program()));
         sink(board.device().threads().last());
         board.set_late(any());
-        board.bus_state(any());
-        sink(board.may_rejoin());
+        sink(board.bus_state(any()));
         sink(board.offer(&any()));
         sink(board.background());
         let frames: [Frame; 8] = any();

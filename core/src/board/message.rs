@@ -1,14 +1,15 @@
-//! The messages between the two sides.
+//! The messages between the two contexts that belong to neither of them alone.
 
-use leadscrew_core::board::{Command, Measured, Snapshot, StoreError};
-use leadscrew_core::motion::Epoch;
-use leadscrew_core::signals::Signals;
+use super::event::Command;
+use super::reference::Measured;
+use super::snapshot::Snapshot;
+use super::store::StoreError;
+use crate::motion::Epoch;
+use crate::signals::Signals;
 
 /// What the background asks of the tick. Orders act in the next tick, in the order of asking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
-    /// The background is alive.
-    Alive,
+pub(super) enum Order {
     /// An operator's command.
     Command(Command),
     /// The inputs that are set over the bus.
@@ -19,13 +20,13 @@ pub enum Order {
     DiscardTap,
     /// An entry of the tap journal has been stored, or could not be.
     Stored(u32, Result<(), StoreError>),
-    /// The tick side has to give the ticker to the background, to be made anew.
-    HandOver,
+    /// The application begins anew with the parts that wait in their own queue.
+    BeginAnew,
 }
 
 /// The tick side after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Report {
+pub(super) struct Report {
     /// SYNC periods since the last report.
     pub elapsed: u32,
     /// The state of the machine.
@@ -36,4 +37,6 @@ pub struct Report {
     pub measured: Option<Measured>,
     /// Setpoints that came late for their SYNC, since power-up.
     pub late: u32,
+    /// The number of orders that the tick has carried out. It wraps.
+    pub orders: u32,
 }

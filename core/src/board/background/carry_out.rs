@@ -1,0 +1,53 @@
+//! The device's requests, as orders to the tick.
+
+use super::BackgroundSide;
+use crate::board::message::Order;
+use crate::board::queue::put;
+use crate::board::ticker::Setup;
+use crate::motion::Limits;
+
+impl BackgroundSide<'_> {
+    /// Carries out the device's requests. Where there is no room for an order, they wait in the device.
+    #[inline(never)]
+    pub(super) fn carry_out(&mut self) {
+        while self.ends.has_room()
+            && let Some(command) = self.state.device.command()
+        {
+            self.ends
+                .order(&mut self.state.orders, Order::Command(command));
+        }
+        if self.ends.has_room()
+            && let Some(signals) = self.state.device.signals()
+        {
+            self.ends
+                .order(&mut self.state.orders, Order::Signals(signals));
+        }
+        if self.ends.has_room() && self.state.device.drops_tap() {
+            // Where this is not possible, the device has refused it already.
+            self.ends.order(&mut self.state.orders, Order::DiscardTap);
+        }
+        if let Some(params) = self.state.device.take_params() {
+            self.state.params.clone_from(params);
+            self.state.limits = Limits::from_params(&self.state.params);
+            self.state.setup_waits = true;
+        }
+        if self.state.setup_waits && !self.state.orders.begin_anew() && self.ends.has_room() {
+            self.state.setup_waits = false;
+            self.begin_anew();
+        }
+    }
+
+    /// A parameter set that is in force here comes into force in the tick with the next order. Nothing moves; the drives are
+    /// enabled again.
+    #[inline(never)]
+    fn begin_anew(&mut self) {
+        let state = &mut *self.state;
+        // The set was checked before it was staged, and there is room for one setup; otherwise the board stays as it is
+        // [D148].
+        if let Some(setup) = Setup::of(&state.params, state.device.found())
+            && put(&mut self.ends.setups, setup).is_ok()
+        {
+            self.ends.order(&mut state.orders, Order::BeginAnew);
+        }
+    }
+}

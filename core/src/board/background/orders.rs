@@ -1,0 +1,89 @@
+//! The background's orders to the tick, from their queue to the report that they are carried out.
+
+use crate::board::message::Order;
+use crate::board::queue::{Calls, put, room};
+use crate::board::queues::BackgroundEnds;
+use crate::call::Call;
+use crate::motion::Epoch;
+
+/// The most orders that one piece of work asks for.
+const SPARE: usize = 3;
+
+/// Orders are numbered. The numbers wrap; far fewer are on their way at a time.
+#[derive(Debug, Default)]
+pub(super) struct Orders {
+    /// The number of the last one.
+    asked: u32,
+    /// The number of the last one that the tick has reported as carried out.
+    done: u32,
+    /// The order to begin anew, until it is carried out.
+    anew: Option<u32>,
+    /// The last order that begins a program, until it is carried out.
+    program: Option<u32>,
+}
+
+impl Orders {
+    /// The tick has carried out this number of orders. True where the application has begun anew with that.
+    pub(super) fn hear(&mut self, done: u32) -> bool {
+        self.done = done;
+        let outstanding = self.asked.wrapping_sub(done);
+        let waits = |number: &u32| {
+            let ahead = number.wrapping_sub(done);
+            ahead != 0 && ahead <= outstanding
+        };
+        self.program = self.program.filter(waits);
+        let asked = self.anew.is_some();
+        self.anew = self.anew.filter(waits);
+        asked && self.anew.is_none()
+    }
+
+    /// An order has not been carried out.
+    pub(super) const fn wait(&self) -> bool {
+        self.asked != self.done
+    }
+
+    /// The order to begin anew has not been carried out.
+    pub(super) const fn begin_anew(&self) -> bool {
+        self.anew.is_some()
+    }
+
+    /// An order that begins a program has not been carried out.
+    pub(super) const fn begin_program(&self) -> bool {
+        self.program.is_some()
+    }
+}
+
+impl BackgroundEnds<'_> {
+    /// True where there is room for the orders of one piece of work.
+    pub(super) fn has_room(&self) -> bool {
+        room(&self.orders) >= SPARE
+    }
+
+    /// Orders. The caller has seen that there is room.
+    pub(super) fn order(&mut self, orders: &mut Orders, order: Order) {
+        if put(&mut self.orders, order).is_err() {
+            return;
+        }
+        orders.asked = orders.asked.wrapping_add(1);
+        match order {
+            Order::BeginAnew => orders.anew = Some(orders.asked),
+            Order::ProgramBegins(_) => orders.program = Some(orders.asked),
+            _ => {}
+        }
+    }
+
+    /// Hands a call over to the planner. Returns false and changes nothing where there is no room.
+    pub(super) fn offer(
+        &mut self,
+        orders: &mut Orders,
+        calls: &mut Calls,
+        epoch: Epoch,
+        call: &Call,
+    ) -> bool {
+        let taken = self.has_room() && calls.enqueue(*call).is_ok();
+        if taken {
+            self.order(orders, Order::ProgramBegins(epoch));
+        }
+        taken
+    }
+}
