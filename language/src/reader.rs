@@ -169,6 +169,7 @@ impl Core<'_> {
         let zero = modal.origin;
         let number = match number {
             4001 => modal.motion.into(),
+            // There is no G96.
             4002 => 97.0,
             4005 => 98.0 + f64::from(u8::from(modal.per_turn)),
             4006 => 21.0 - f64::from(u8::from(self.interpreter.is_inch())),

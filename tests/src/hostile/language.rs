@@ -52,6 +52,7 @@ pub fn language(data: &[u8]) {
         repeat: choice & 8 != 0,
         budget: BUDGET,
         turns: STEPS / 2,
+        ..Rules::default()
     };
     let whole = read(text, &params, options, rules);
     let size = usize::from(choice >> 4) + 1;
