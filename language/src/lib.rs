@@ -9,6 +9,11 @@
 //!          macros, flow   core::program            contour                        nose
 //! ```
 //!
+//! - [`text`] cuts lines into blocks; [`lines`] reads them from any place of the text.
+//! - [`statement`] tells what a block is; [`expression`] and [`word`] calculate in it, with [`variables`].
+//! - [`flow`] carries out assignments, jumps, loops and calls, and so decides which block comes next; [`outline`] is what
+//!   its searches see.
+//! - [`reader`] is the whole way: text in, events of the core out.
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
 //!
 //! This crate has floating point: a macro calculates in it, and so does geometry between exact ends. Each function comes

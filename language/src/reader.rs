@@ -168,6 +168,7 @@ impl Core<'_> {
         let zero = now.origin;
         let number = match number {
             4001 => now.motion.into(),
+            // There is no G96.
             4002 => 97.0,
             4005 => 98.0 + f64::from(u8::from(now.per_turn)),
             4006 => 21.0 - f64::from(u8::from(self.interpreter.is_inch())),

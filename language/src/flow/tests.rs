@@ -3,6 +3,7 @@
 mod calls;
 mod jumps;
 mod macros_a;
+mod random;
 
 use super::*;
 use crate::value::Value;

@@ -1,6 +1,7 @@
 //! Notation: spaces, case, line endings, comments, block skip, places.
 
 use super::*;
+use crate::units::Decimal;
 
 #[test]
 fn notation_makes_no_difference() {
@@ -91,4 +92,55 @@ fn a_line_holds_one_line() {
     let mut count = 0;
     assert_eq!(interpreter.line(b"G0 X3", 3, &mut |_| count += 1), Ok(()));
     assert_eq!(count, 0);
+}
+
+#[test]
+fn words_are_a_block_like_a_written_one() {
+    let params = Params::slant_bed();
+    for text in [
+        "N7 G1 X40.5 Z-2 F100 M8",
+        "G0 X1 X2",
+        "G1 X5",
+        "O5",
+        "A1",
+        "T0102",
+        "M30",
+        "",
+    ] {
+        let mut written = Interpreter::new(&params, Options::default());
+        let mut given = written.clone();
+        let (mut expected, mut found) = (Vec::new(), Vec::new());
+        let end = written.line(text.as_bytes(), 3, &mut |event| expected.push(event));
+        let mut column = 1;
+        let words = text.split_terminator(' ').map(|word| {
+            let place = span(3, column, column + word.len() as u16);
+            column = place.end + 1;
+            let (number, rest) = Decimal::parse(&word.as_bytes()[1..]);
+            assert!(rest.is_empty());
+            (word.as_bytes()[0], number, place)
+        });
+        let same = given.words(3, words, &mut |event| found.push(event));
+        assert_eq!((found, same), (expected, end), "{text}");
+        assert_eq!(given.is_ended(), written.is_ended(), "{text}");
+        assert_eq!(given.modal(), written.modal(), "{text}");
+        let more = given.words(4, [], &mut |event| panic!("{event:?}"));
+        assert_eq!(more, Ok(()), "{text}");
+    }
+}
+
+#[test]
+fn the_modal_state_is_that_of_the_blocks_so_far() {
+    let params = Params::slant_bed();
+    let mut interpreter = Interpreter::new(&params, Options::default());
+    let modal = interpreter.modal();
+    assert_eq!((modal.motion, modal.plane, modal.system), (0, 18, 54));
+    assert_eq!((modal.per_turn, modal.feed, modal.speed), (false, None, 0));
+    let text = b"G3 X0 R9 G17 G56 G99 F0.25 M3 S500";
+    // An arc in the wrong plane is an alarm; what the block has set before stays.
+    assert!(interpreter.line(text, 1, &mut |_| {}).is_err());
+    let modal = interpreter.modal();
+    assert_eq!((modal.motion, modal.plane, modal.system), (3, 17, 56));
+    assert!(modal.per_turn && modal.speed == 500);
+    let feed = modal.feed.map(FeedRate::nominal);
+    assert_eq!(feed.map(|feed| feed.nm_per_min()), Some(125_000_000));
 }
