@@ -1,12 +1,12 @@
 //! The board: calls, frames and encoder samples in; frames, events and setpoints out. Sans-IO.
 //!
-//! Two contexts. The **tick** ([`TickSide`], one SYNC period, bounded) observes the spindle, supervises the drives, executes
-//! segments and makes frames; its machine is the [`Ticker`]. The **background** ([`BackgroundSide`]) communicates on the bus
-//! ([`Device`]), stores parameters, and expands and plans calls ([`Planner`]). Single-producer [`Queues`] join the two
-//! contexts. In the other direction goes one message that plans obey: start again from here, or plan this way. A planned
-//! segment carries the [`Epoch`](crate::motion::Epoch) in which it was planned, and the tick drops segments that are older
-//! than its last start, so the two contexts need not agree on the moment. The background obeys the tick's message before it
-//! takes further calls.
+//! Two contexts. The **tick** ([`TickSide`], one SYNC period, bounded) observes the spindle, supervises the drives,
+//! executes segments and makes frames; its machine is the [`Ticker`]. The **background** ([`BackgroundSide`]) communicates
+//! on the bus ([`Device`]), stores parameters, and expands and plans calls ([`Planner`]). Single-producer [`Queues`] join
+//! the two contexts. In the other direction goes one message that plans obey: start again from here, or plan this way. A
+//! planned segment carries the [`Epoch`](crate::motion::Epoch) in which it was planned, and the tick drops segments that
+//! are older than its last start, so the two contexts need not agree on the moment. The background obeys the tick's message
+//! before it takes further calls.
 //!
 //! Firmware runs the two sides in two contexts. An owner with one thread has a [`Board`], which is the same two sides and
 //! their queues.

@@ -17,7 +17,7 @@ use super::queues::TickEnds;
 use super::reference::Reference;
 use super::snapshot::{Contacts, Snapshot};
 use super::ticker::{Output, Setup, Ticker};
-use crate::alarm::Code;
+use crate::alarm::{Alarm, Code};
 use crate::bus::{Frame, Service};
 use crate::call::Position;
 use crate::journal::TapRecord;
@@ -94,9 +94,10 @@ impl Tick {
         &self.ticker
     }
 
-    /// The machine before its first tick.
-    pub const fn ticker_mut(&mut self) -> &mut Ticker {
-        &mut self.ticker
+    /// Starts on an alarm, because the board did not end in good order the last time. Call this before the first tick. The
+    /// drives are enabled after a reset.
+    pub const fn begin_in_alarm(&mut self, alarm: Alarm) {
+        self.ticker.begin_in_alarm(alarm);
     }
 }
 

@@ -103,7 +103,7 @@ fn new_tick<'a>(place: &'a mut MaybeUninit<Tick>, up: &PowerUp<'_>) -> Result<&'
     };
     let tick = place.write(Tick::new(&setup, up.remembered, up.tap));
     if let Some(failure) = up.failure {
-        tick.ticker_mut().begin_in_alarm(failure.alarm());
+        tick.begin_in_alarm(failure.alarm());
     }
     Ok(tick)
 }

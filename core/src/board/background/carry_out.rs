@@ -37,8 +37,8 @@ impl BackgroundSide<'_> {
         }
     }
 
-    /// A parameter set that is in force here comes into force in the tick with the next order. Nothing moves; the drives are
-    /// enabled again.
+    /// A parameter set that is in force here comes into force in the tick with the next order. Nothing moves; the drives
+    /// are enabled again.
     #[inline(never)]
     fn begin_anew(&mut self) {
         let state = &mut *self.state;

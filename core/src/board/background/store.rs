@@ -7,8 +7,9 @@ use crate::board::request::{Content, StoreRequest};
 use crate::board::store::{Region, StoreError};
 
 impl Background {
-    /// The next write for the storage; the owner answers it with [`stored`](BackgroundSide::stored). `None` where nothing is to be
-    /// stored, or where the last write has not been answered yet. Of entries that come meanwhile, only the newest counts.
+    /// The next write for the storage; the owner answers it with [`stored`](BackgroundSide::stored). `None` where nothing
+    /// is to be stored, or where the last write has not been answered yet. Of entries that come meanwhile, only the newest
+    /// counts.
     pub fn store(&mut self) -> Option<StoreRequest<'_>> {
         let request = match self.journal.newest.as_ref() {
             Some(record) if self.journal.wanted && self.journal.under_way.is_none() => {
@@ -49,7 +50,8 @@ impl BackgroundSide<'_> {
         self.ends.has_room()
     }
 
-    /// The last write of [`store`](Background::store) has been done, or has failed. A parameter set may come into force with it.
+    /// The last write of [`store`](Background::store) has been done, or has failed. A parameter set may come into force
+    /// with it.
     pub fn stored(&mut self, region: Region, result: Result<(), StoreError>) {
         self.state.storing = None;
         match region {

@@ -12,7 +12,7 @@ impl Ticker {
     /// machine may not move any more.
     ///
     /// The machine must stand.
-    pub fn begin_anew(&mut self, setup: &Setup) {
+    pub(in crate::board) fn begin_anew(&mut self, setup: &Setup) {
         if self.state.stays_at_rest() {
             return;
         }

@@ -142,7 +142,7 @@ impl Ticker {
     }
 
     /// The owner has stored the entry with this number, or has failed to.
-    pub fn stored(&mut self, sequence: u32, result: Result<(), StoreError>) {
+    pub(in crate::board) fn stored(&mut self, sequence: u32, result: Result<(), StoreError>) {
         match result {
             // An older entry does not count. The difference wraps.
             Ok(()) => {
@@ -155,7 +155,7 @@ impl Ticker {
 
     /// Drops the entry: the operator says that the tap is out. Returns false and changes nothing where there is no entry or
     /// the machine moves. A position taken from the entry is dropped too; the drive's position counts again.
-    pub fn discard_tap(&mut self) -> bool {
+    pub(in crate::board) fn discard_tap(&mut self) -> bool {
         let stands = matches!(self.state, State::Starting | State::Idle | State::Alarm(_));
         let record = self.journal.record.as_ref();
         if !stands || !record.is_some_and(|record| record.in_hole) {

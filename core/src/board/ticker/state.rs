@@ -79,7 +79,7 @@ impl Ticker {
     /// other message is made while a way is still to be planned. A message that was made between two ticks is told after
     /// the journal's entry that belongs to it.
     #[must_use]
-    pub const fn notice(&self) -> Option<&Notice> {
+    pub(in crate::board) const fn notice(&self) -> Option<&Notice> {
         if self.journal.has_entry() {
             return None;
         }
@@ -87,7 +87,7 @@ impl Ticker {
     }
 
     /// The background has read the message.
-    pub const fn notice_heard(&mut self) {
+    pub(in crate::board) const fn notice_heard(&mut self) {
         self.notice = None;
     }
 

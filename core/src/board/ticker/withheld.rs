@@ -7,9 +7,8 @@ use crate::board::event::Event;
 use crate::board::kept::Found;
 
 impl Ticker {
-    /// Starts on an alarm, because the board did not end in good order the last time. Call this before the first tick. The
-    /// drives are enabled after a reset.
-    pub const fn begin_in_alarm(&mut self, alarm: Alarm) {
+    /// Stands on an alarm before the first tick; see [`Tick::begin_in_alarm`](crate::board::Tick::begin_in_alarm).
+    pub(in crate::board) const fn begin_in_alarm(&mut self, alarm: Alarm) {
         self.state = State::Alarm(alarm);
     }
 

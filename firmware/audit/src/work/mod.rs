@@ -2,6 +2,7 @@
 //!
 //! A work is a sequence of steps with a state of its own. Every step is one tick, or one move.
 
+mod anew;
 mod board;
 mod bus;
 mod calls;
@@ -9,6 +10,7 @@ mod cycle;
 mod motion;
 mod spindle;
 
+use anew::BeginAnew;
 use board::WholeBoard;
 use bus::Commanding;
 use cycle::{Grooves, Threads};
@@ -77,6 +79,7 @@ pub fn all(counter: &mut impl Counter) {
     counter.steps("tick/thread", &pass);
     counter.steps("tick/observer", &Tracking::at_300_rpm());
     counter.steps("tick/drive", &Commanding::x());
+    counter.steps("tick/begin-anew", &BeginAnew::new());
 
     for program in [
         board::MOVES,
