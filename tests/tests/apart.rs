@@ -6,6 +6,7 @@ use std::collections::VecDeque;
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::board::{Board, Command, Event, Inputs, Output, State};
 use leadscrew_core::bus::Frame;
+use leadscrew_core::call::Call;
 use leadscrew_core::params::Params;
 use leadscrew_tests::machine::calls;
 use leadscrew_tests::random::Random;

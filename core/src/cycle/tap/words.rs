@@ -137,10 +137,7 @@ impl Tapping {
                 None => Ok(()),
             };
         }
-        let call = match self.locked {
-            Some(hole) => self.going_on(modal, block, &kept, &turning, span, repeat, &hole)?,
-            None => self.new_hole(modal, block, &kept, &turning, span, repeat)?,
-        };
+        let call = self.hole(modal, block, &kept, &turning, span, repeat)?;
         let (extract, asked) = extraction(modal, &call);
         let call = TapCall { extract, ..call };
         let says_speed = word.is_some() || block.has_any(Letters::of(b"SJ"));
@@ -274,8 +271,9 @@ impl Tapping {
         })
     }
 
-    /// The call that goes on in the hole a K198 has left the tap in: deeper, and in phase [D25].
-    fn going_on(
+    /// The call of a new hole, or the call that goes on in the hole a K198 has left the tap in: deeper, and in phase
+    /// [D25].
+    fn hole(
         &self,
         modal: &Modal<'_>,
         block: &Block,
@@ -283,9 +281,10 @@ impl Tapping {
         turning: &Turning,
         span: Span,
         repeat: Option<(TapRepeat, Word)>,
-        hole: &(TapCall, Span),
     ) -> Result<TapCall, Alarm> {
-        let (before, since) = hole;
+        let Some((before, since)) = &self.locked else {
+            return self.new_hole(modal, block, kept, turning, span, repeat);
+        };
         let at = |span: Span, letter: Option<u8>| {
             let line = [
                 Arg::Int(i64::from(since.line)),

@@ -122,7 +122,7 @@ fn words_are_a_block_like_a_written_one() {
         let same = given.words(3, words, &mut |event| found.push(event));
         assert_eq!((found, same), (expected, end), "{text}");
         assert_eq!(given.is_ended(), written.is_ended(), "{text}");
-        assert_eq!(given.modal(), written.modal(), "{text}");
+        assert_eq!(given.in_force(), written.in_force(), "{text}");
         let more = given.words(4, [], &mut |event| panic!("{event:?}"));
         assert_eq!(more, Ok(()), "{text}");
     }
@@ -132,15 +132,15 @@ fn words_are_a_block_like_a_written_one() {
 fn the_modal_state_is_that_of_the_blocks_so_far() {
     let params = Params::slant_bed();
     let mut interpreter = Interpreter::new(&params, Options::default());
-    let modal = interpreter.modal();
-    assert_eq!((modal.motion, modal.plane, modal.system), (0, 18, 54));
-    assert_eq!((modal.per_turn, modal.feed, modal.speed), (false, None, 0));
+    let now = interpreter.in_force();
+    assert_eq!((now.motion, now.plane, now.system), (0, 18, 54));
+    assert_eq!((now.per_turn, now.feed, now.speed), (false, None, 0));
     let text = b"G3 X0 R9 G17 G56 G99 F0.25 M3 S500";
     // An arc in the wrong plane is an alarm; what the block has set before stays.
     assert!(interpreter.line(text, 1, &mut |_| {}).is_err());
-    let modal = interpreter.modal();
-    assert_eq!((modal.motion, modal.plane, modal.system), (3, 17, 56));
-    assert!(modal.per_turn && modal.speed == 500);
-    let feed = modal.feed.map(FeedRate::nominal);
+    let now = interpreter.in_force();
+    assert_eq!((now.motion, now.plane, now.system), (3, 17, 56));
+    assert!(now.per_turn && now.speed == 500);
+    let feed = now.feed.map(FeedRate::nominal);
     assert_eq!(feed.map(|feed| feed.nm_per_min()), Some(125_000_000));
 }
