@@ -49,8 +49,8 @@ impl<S: Source> Flow<S> {
             return self.plain(here, text, piece, machine);
         }
         let head = head(&mut cursor);
-        let from = here.in_line(head.skipped.unwrap_or(here.column));
-        let skipped = head.skipped.is_some() && self.rules.skip;
+        let from = here.in_line(head.numbered.unwrap_or(here.column));
+        let skipped = head.skip && self.rules.skip;
         cursor.skip();
         let front = cursor.at();
         let kind = if skipped {
