@@ -8,8 +8,10 @@ use crate::text::{Cursor, Glance, glance};
 /// What stands in front of a statement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {
-    /// The byte after `/`, or after its number: the block may be passed over.
-    pub skipped: Option<usize>,
+    /// `/`, with or without a number: the block may be passed over.
+    pub skip: bool,
+    /// The byte after a `/` with a number, which the core does not read.
+    pub numbered: Option<usize>,
     /// N, and the bytes of the line in which it stands.
     pub sequence: Option<(u32, usize, usize)>,
 }
@@ -39,15 +41,10 @@ pub enum Statement {
     Words,
 }
 
-/// Reads `/` and N.
+/// Reads `/` and N, in any order.
 pub fn head(cursor: &mut Cursor<'_>) -> Head {
     let mut head = Head::default();
-    while cursor.take(b'/') {
-        if matches!(cursor.rest(), [b'1'..=b'9', ..]) {
-            cursor.advance();
-        }
-        head.skipped = Some(cursor.at());
-    }
+    skips(cursor, &mut head);
     cursor.skip();
     let from = cursor.at();
     let mut ahead = *cursor;
@@ -56,8 +53,19 @@ pub fn head(cursor: &mut Cursor<'_>) -> Head {
     {
         *cursor = ahead;
         head.sequence = Some((number, from, cursor.at()));
+        skips(cursor, &mut head);
     }
     head
+}
+
+fn skips(cursor: &mut Cursor<'_>, head: &mut Head) {
+    while cursor.take(b'/') {
+        head.skip = true;
+        if matches!(cursor.rest(), [b'1'..=b'9', ..]) {
+            cursor.advance();
+            head.numbered = Some(cursor.at());
+        }
+    }
 }
 
 /// Tells what follows the head. The cursor goes to where the statement says.
@@ -151,8 +159,15 @@ mod tests {
         let head = |text| read(text).0;
         assert_eq!(head("N0010 G0").sequence, Some((10, 0, 5)));
         assert_eq!(head(" /2 N 7#1=2").sequence, Some((7, 4, 7)));
-        let skipped = ["/M8", "/3 M8", "M8"].map(|text| head(text).skipped);
-        assert_eq!(skipped, [Some(1), Some(2), None]);
+        let skipped = ["/M8", "/3 M8", "N5 /M8", "N5/2M8", "M8"].map(|text| {
+            let head = head(text);
+            (head.skip, head.numbered)
+        });
+        let (numbered, plain) = (|at| (true, Some(at)), (true, None));
+        assert_eq!(
+            skipped,
+            [plain, numbered(2), plain, numbered(4), (false, None)]
+        );
         assert_eq!(head("N1.5 G0").sequence, None);
         assert_eq!(head("N#1").sequence, None);
     }

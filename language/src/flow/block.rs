@@ -49,8 +49,10 @@ impl<S: Source> Flow<S> {
             return self.plain(here, text, piece, machine);
         }
         let head = head(&mut cursor);
-        let from = here.in_line(head.skipped.unwrap_or(here.column));
-        let skipped = head.skipped.is_some() && self.rules.skip;
+        let from = here.in_line(head.numbered.unwrap_or(here.column));
+        let skipped = head.skip && self.rules.skip;
+        cursor.skip();
+        let front = cursor.at();
         let kind = if skipped {
             Statement::Empty
         } else {
@@ -71,8 +73,9 @@ impl<S: Source> Flow<S> {
         }
         let sequence = sequence(&head, here.line, text);
         if let Statement::Program(number) = kind {
-            if !self.opens(number, here, machine, &cursor, sequence)? {
-                return self.program_over(&cursor, machine);
+            let place = cursor.span_from(front);
+            if !self.opens(number, here, place, sequence, machine)? {
+                return self.program_over(place, machine);
             }
             // What else stands in the block is carried out like a block of its own.
             let from = here.in_line(cursor.at());

@@ -6,7 +6,6 @@ use leadscrew_core::units::Decimal;
 use super::calls::HIGHEST;
 use super::{Flow, Machine, Trouble};
 use crate::lines::{Place, Source};
-use crate::text::Cursor;
 use crate::word::{Given, Word};
 
 impl<S: Source> Flow<S> {
@@ -77,14 +76,14 @@ impl<S: Source> Flow<S> {
         Ok(())
     }
 
-    /// True where the number of a program opens the one that runs, at `here`.
+    /// True where the number of a program, written at `span` in the block at `here`, opens the one that runs.
     pub(super) fn opens(
         &mut self,
         number: u32,
         here: Place,
-        machine: &mut impl Machine,
-        cursor: &Cursor<'_>,
+        span: Span,
         sequence: Option<Word>,
+        machine: &mut impl Machine,
     ) -> Result<bool, Alarm> {
         if self.started {
             return Ok(self.top().start == here);
@@ -95,21 +94,20 @@ impl<S: Source> Flow<S> {
             letter: b'O',
             given: Given::Written(Decimal::new(i64::from(number), 0)),
             variable: None,
-            span: cursor.span_from(here.column),
+            span,
         };
         let words: Vec<Word> = sequence.into_iter().chain([word]).collect();
         machine.words(here.line, &words)?;
         Ok(true)
     }
 
-    /// Another program begins at the cursor: this one is over.
+    /// Another program begins at `span`: this one is over.
     pub(super) fn program_over(
         &mut self,
-        cursor: &Cursor<'_>,
+        span: Span,
         machine: &mut impl Machine,
     ) -> Result<(), Trouble> {
         if self.frames.len() > 1 {
-            let span = cursor.span_from(cursor.at().saturating_sub(1));
             return Err(self.top().left_open(span).into());
         }
         self.over = true;

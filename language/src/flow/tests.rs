@@ -169,12 +169,17 @@ fn values_are_calculated_where_they_stand() {
 }
 
 #[test]
+fn a_skip_may_stand_after_the_number_of_its_block() {
+    assert_eq!(run("N5 /X[1+1]\nN6 /2 X[1+2]"), "1:N5 X2 | 2:N6 X3");
+}
+
+#[test]
 fn a_skipped_block_is_not_carried_out() {
     let rules = Rules {
         skip: true,
         ..Rules::default()
     };
-    let (machine, alarm) = run_with("/3 X[1/0]\n/#1=\n/GOTO 7\n#1=2\nX#1", rules);
+    let (machine, alarm) = run_with("/3 X[1/0]\n/#1=\nN5 /GOTO 7\n#1=2\nX#1", rules);
     assert_eq!((machine.heard.join("|"), alarm), ("5:X2".into(), None));
 }
 
