@@ -9,8 +9,8 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
 use crate::stack::{self, Users};
 use crate::{run, target};
 
-/// The most flash that an image may take, in bytes: three quarters of the first bank, so that a few bytes never prevent
-/// a new function.
+/// The most flash that an image may take, in bytes. The first bank has 256 KiB; what is left is for functions to come, so
+/// that a few bytes never prevent one.
 const FLASH_LIMIT: u64 = 216 * 1024;
 /// The most RAM that an image may take, its stack included, in bytes: three quarters of the chip's RAM.
 const RAM_LIMIT: u64 = 96 * 1024;
