@@ -1,6 +1,6 @@
 //! Program text in, calls out.
 //!
-//! The interpreter takes blocks of [`text`](crate::text), resolves every modal meaning (units, offsets, increments,
+//! The interpreter takes blocks of `text`, resolves every modal meaning (units, offsets, increments,
 //! dialect, motion, spindle) and yields [`Call`](crate::call::Call)s: linear, in machine units, each with the place it came
 //! from. A block of a cycle goes to the cycle's room. Memory is bounded by one line, whatever the length of the program.
 //! Knows nothing of what a cycle does with its words, nor of motion.

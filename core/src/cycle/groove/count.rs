@@ -1,5 +1,5 @@
-//! Counts the work of a G75 or G74 cycle without making its moves: the columns, the infeeds, and each different move once with
-//! its number of repeats. So a check takes as long for a thousand columns as for three.
+//! Counts the work of a G75 or G74 cycle without making its moves: the columns, the infeeds, and each different move once
+//! with its number of repeats. So a check takes as long for a thousand columns as for three.
 
 use core::num::NonZero;
 

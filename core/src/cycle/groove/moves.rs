@@ -9,9 +9,9 @@ use crate::units::Length;
 
 /// The moves of a G75 or G74 cycle.
 ///
-/// In each column the tool pecks along X (G74: Z) with a retract of e between pecks, moves Δd aside at the bottom, returns to
-/// the start level and goes on to the next column. Targets are absolute and independent of the retract. Moves of zero length
-/// are left out. The last move ends at A. Nothing can fail after the value is made.
+/// In each column the tool pecks along X (G74: Z) with a retract of e between pecks, moves Δd aside at the bottom, returns
+/// to the start level and goes on to the next column. Targets are absolute and independent of the retract. Moves of zero
+/// length are left out. The last move ends at A. Nothing can fail after the value is made.
 #[derive(Clone, Copy, Debug)]
 pub struct GrooveMoves {
     pub(in crate::cycle) call: GrooveCall,

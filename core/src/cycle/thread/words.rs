@@ -81,7 +81,8 @@ pub(crate) struct ThreadWords {
     pub(super) starts: At<u8>,
     /// What G92 keeps as long as its mode lasts.
     pub(super) g92: Single,
-    /// J and K of the latest G78 or G92 that had any: modal as words, because what they leave out follows each thread's own lead.
+    /// J and K of the latest G78 or G92 that had any: modal as words, because what they leave out follows each thread's
+    /// own lead.
     pub(super) run_out: (Option<At<Length>>, Option<At<Length>>),
 }
 
