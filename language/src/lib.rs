@@ -9,6 +9,7 @@
 //!          macros, flow   core::program            contour                        nose
 //! ```
 //!
+//! - [`contour`] makes the moves of the cycles G70–G73 from the contour that their program describes.
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
 //!
 //! This crate has floating point: a macro calculates in it, and so does geometry between exact ends. Each function comes
@@ -17,4 +18,5 @@
 //! It must not know sockets, files, boards or commands. Its input are bytes that can be read again from a place, its
 //! output are the calls of the core, with alarms that name line, column, cause and remedy.
 
+pub mod contour;
 pub mod plane;

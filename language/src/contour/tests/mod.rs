@@ -1,0 +1,6 @@
+//! Tests of the contour cycles.
+
+mod cases;
+mod check;
+mod notation;
+mod vectors;
