@@ -250,19 +250,26 @@ impl Profile {
                 && way > 0
                 && (i128::from(place.h) - i128::from(home.h)) * way > rise * from_home
         };
-        self.pieces
+        // A block ns that moves along one axis is no wall.
+        let walls = self
+            .pieces
             .iter()
-            .filter(|piece| piece.element > 0)
-            .any(|piece| {
-                // An arc stays below the corners over it.
-                let over = piece.circle.map(|_| piece.from.h.max(piece.to.h));
-                [piece.from, piece.to].iter().any(|place| {
-                    is_above(Local {
-                        h: over.unwrap_or(place.h),
-                        l: place.l,
-                    })
-                })
-            })
+            .filter(|piece| piece.element > 0 || piece.from.l != piece.to.l);
+        walls.into_iter().any(|piece| {
+            let (from, to) = (piece.from, piece.to);
+            let top = from.h.max(to.h);
+            // An arc stays below the corners over it, and what lies over home below its higher end.
+            let (from_h, to_h) = match piece.circle {
+                Some(_) => (top, top),
+                None => (from.h, to.h),
+            };
+            let over_home = from.l < home.l && home.l < to.l;
+            is_above(Local {
+                h: from_h,
+                l: from.l,
+            }) || is_above(Local { h: to_h, l: to.l })
+                || (over_home && is_above(Local { h: top, l: home.l }))
+        })
     }
 }
 

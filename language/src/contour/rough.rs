@@ -276,7 +276,8 @@ impl<'a> Rough<'a> {
             let end = last.map_or(home, |last| self.shifted(last.end));
             if self.profile.blocks(end, home) {
                 let pieces = self.profile.pieces.iter();
-                let h = pieces.map(|piece| piece.to.h).fold(home.h, i64::max);
+                let high = home.h.max(self.start.h);
+                let h = pieces.map(|piece| piece.to.h).fold(high, i64::max);
                 self.go(Local { h, l: end.l }, true);
                 self.go(Local { h, l: home.l }, true);
             }
