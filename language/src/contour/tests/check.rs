@@ -281,6 +281,11 @@ impl Way {
 
     /// The height at a place strictly between the ends.
     fn height(&self, l: f64) -> Option<f64> {
+        self.grown(l, 0.0)
+    }
+
+    /// The same with a radius that is larger by `more`.
+    fn grown(&self, l: f64, more: f64) -> Option<f64> {
         let ((h0, l0), (h1, l1)) = (self.from, self.to);
         if !(l0.min(l1) < l && l < l0.max(l1)) {
             return None;
@@ -288,7 +293,8 @@ impl Way {
         Some(match self.arc {
             Some(((ch, cl), side)) => {
                 let (a, b) = (h0 - ch, l0 - cl);
-                let square = a.mul_add(a, b * b) - (l - cl) * (l - cl);
+                let radius = a.hypot(b) + more;
+                let square = (radius - (l - cl)) * (radius + (l - cl));
                 ch + side * square.max(0.0).sqrt()
             }
             None => h0 + (h1 - h0) * (l - l0) / (l1 - l0),
@@ -296,7 +302,8 @@ impl Way {
     }
 }
 
-/// The lowest and the highest place of a path near `l`.
+/// The lowest and the highest place of a path near `l`. An arc that begins at a rounded place has a radius that is up to
+/// 1 nm off.
 fn near(path: &[Way], l: f64) -> (f64, f64) {
     let sides = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|part| l + part * ASIDE);
     let on = path.iter().flat_map(|way| {
@@ -305,7 +312,8 @@ fn near(path: &[Way], l: f64) -> (f64, f64) {
         let ends = ends.map(|end| end.0).collect::<Vec<_>>();
         sides
             .iter()
-            .filter_map(|side| way.height(*side))
+            .flat_map(|side| [-1.0, 0.0, 1.0].map(|more| way.grown(*side, more)))
+            .flatten()
             .chain(ends)
             .collect::<Vec<_>>()
     });
@@ -533,6 +541,6 @@ fn check_all(seed: u64, many: usize) {
 
 #[test]
 fn random_contours_are_cut_down_to_their_allowance() {
-    let many = leadscrew_seed::amount(1_000, 100_000);
+    let many = leadscrew_seed::amount(1_000, 40_000);
     leadscrew_seed::volume(71, |seed| check_all(seed, many));
 }
