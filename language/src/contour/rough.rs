@@ -250,7 +250,7 @@ impl<'a> Rough<'a> {
     }
 
     /// Up out of the last pocket, and to where the contour begins.
-    fn to_contour(&mut self) {
+    fn approach_contour(&mut self) {
         if self.at != self.start {
             let high = self.tree.open() + self.words.retract.value.nm();
             let h = self.at.h.max(high);
@@ -383,7 +383,7 @@ impl<'a> Rough<'a> {
                 if self.stroke() {
                     Stage::Strokes
                 } else {
-                    self.to_contour();
+                    self.approach_contour();
                     Stage::Contour
                 }
             }

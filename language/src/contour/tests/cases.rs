@@ -6,7 +6,7 @@ use leadscrew_core::units::Length;
 use super::notation::{contour, expected, moves, path, span};
 use super::vectors::words;
 use crate::contour::{Along, Axes, Contour, Repeats};
-use crate::plane::{Point, Shape};
+use crate::plane::Point;
 
 fn along_z(axes: &str, text: &str, text_words: &str, wanted: &str) {
     let contour = contour("40,0", axes, text);
@@ -48,23 +48,12 @@ fn the_walls_of_a_pocket_may_be_arcs() {
 
 #[test]
 fn a_peak_that_touches_a_level_does_not_divide_it() {
-    let text = "R40,0 F30,-5 F36,-8 F30,-11 F40,-16";
-    let contour = contour("40,0", "XZ", text);
-    let cycle = contour.rough(Along::Z, &words("2 0 0 0")).expect("a cycle");
-    let strokes = cycle.filter(|cut| cut.of.is_none() && cut.element.shape == Shape::Line);
-    let ends: Vec<Point> = strokes.map(|cut| cut.element.end).collect();
-    let wanted = expected("40,0", "F36,-14 F36,-8 F32,-6 F32,-12").into_iter();
-    assert_eq!(ends[0], wanted.clone().map(|it| it.0).next().expect("one"));
-    let levels: Vec<i64> = ends.iter().map(|end| end.x.nm()).collect();
-    assert_eq!(
-        levels.iter().filter(|x| **x == 18_000_000).count(),
-        1,
-        "{ends:?}"
-    );
-    assert_eq!(
-        levels.iter().filter(|x| **x == 16_000_000).count(),
-        2,
-        "{ends:?}"
+    along_z(
+        "XZ",
+        "R40,0 F30,-5 F36,-8 F30,-11 F40,-16",
+        "2 0 0 0",
+        "F36,-2 F36,-14 R36,-2 F32,-4 F32,-6 R36,-6 R36,-8 F32,-10 F32,-12 R40,-12 R40,0 F30,-5 F36,-8 F30,-11 F40,-16 \
+         R40,0",
     );
 }
 
@@ -288,5 +277,16 @@ fn one_pass_of_a_pattern_is_moved_by_the_allowance_alone() {
     assert_eq!(
         moves(pattern.pattern(&words).expect("a cycle")),
         expected("40,0", "R40.4,0.2 R20.4,-0.8 F20.4,-9.8 R40,0")
+    );
+}
+
+#[test]
+fn a_bottom_that_lies_on_a_level_has_no_stroke() {
+    along_z(
+        "XZ",
+        "R40,0 F36,-2 F36,-6 F40,-8 F30,-10 F30,-12 F40,-14",
+        "2 0 0 0",
+        "R40,-8 F36,-8.8 F36,-13.2 R36,-8.8 F32,-9.6 F32,-12.4 R40,-12.4 R40,0 F36,-2 F36,-6 F40,-8 F30,-10 F30,-12 \
+         F40,-14 R40,0",
     );
 }
