@@ -4,7 +4,7 @@
 
 use leadscrew_core::units::Length;
 
-use super::rough::Along;
+use super::words::Along;
 use crate::plane::Point;
 
 /// A place in the frame, nanometres.

@@ -12,20 +12,22 @@
 
 mod finish;
 mod frame;
+mod make;
 mod pattern;
 mod profile;
 mod rough;
 mod tree;
+mod words;
 
 #[cfg(test)]
 mod tests;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
-use leadscrew_core::units::{Diameter, Length};
 
 pub use finish::Finish;
 pub use pattern::{Pattern, Repeats};
-pub use rough::{Along, Rough, Roughing};
+pub use rough::Rough;
+pub use words::{Allowance, Along, Roughing};
 
 use crate::plane::{Element, Point, Shape};
 
@@ -36,25 +38,6 @@ pub struct Axes {
     pub x: bool,
     /// Z or W.
     pub z: bool,
-}
-
-/// What stays on the contour for the finishing cut.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Allowance {
-    /// Δu: a signed diameter.
-    pub x: Diameter,
-    /// Δw: signed.
-    pub z: Length,
-}
-
-impl Allowance {
-    /// `point` on the contour, moved by the allowance.
-    fn shift(&self, point: Point) -> Point {
-        Point {
-            x: point.x + self.x.radius(),
-            z: point.z + self.z,
-        }
-    }
 }
 
 /// One move of a cycle.
@@ -79,7 +62,7 @@ impl Contour {
     pub const MAX: usize = 1000;
 
     /// The contour of `elements` from `start`. The first element is that of block `ns`, also where it moves nothing;
-    /// `axes` are those that `ns` has words of.
+    /// `axes` are those that `ns` has words of. Each coordinate is within [`INPUT_LIMIT`](leadscrew_core::units::Length::INPUT_LIMIT).
     ///
     /// # Errors
     /// [`Code::ContourLong`] for more than [`Contour::MAX`] elements; [`Code::ContourFirst`] where there is none, or

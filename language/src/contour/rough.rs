@@ -2,60 +2,15 @@
 
 use std::collections::VecDeque;
 
-use leadscrew_core::alarm::{Alarm, At, Code, Span};
+use leadscrew_core::alarm::{Alarm, At, Code};
 use leadscrew_core::units::Length;
 
 use super::frame::Local;
 use super::profile::{Place, Profile};
 use super::tree::{self, Stroke, Tree};
-use super::{Allowance, Contour, Cut};
+use super::words::{Along, Roughing};
+use super::{Contour, Cut};
 use crate::plane::{Element, Point, Shape};
-
-/// Where the strokes of a roughing cycle go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Along {
-    /// G71: along Z; X feeds in.
-    Z,
-    /// G72: along X; Z feeds in.
-    X,
-}
-
-impl Along {
-    /// The coordinates of `point`, nm: that of the infeed first, then that of the strokes.
-    pub(super) const fn split(self, point: Point) -> (i64, i64) {
-        match self {
-            Self::Z => (point.x.nm(), point.z.nm()),
-            Self::X => (point.z.nm(), point.x.nm()),
-        }
-    }
-
-    /// The letter of the axis of the infeed, or of the strokes.
-    pub(super) const fn letter(self, infeed: bool) -> u8 {
-        match (self, infeed) {
-            (Self::Z, true) | (Self::X, false) => b'X',
-            (Self::Z, false) | (Self::X, true) => b'Z',
-        }
-    }
-}
-
-/// The words of G71 or G72.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Roughing {
-    /// Δd: the depth of a stroke; a radius in G71.
-    pub depth: At<Length>,
-    /// e: how far a stroke retracts at 45°; a radius.
-    pub retract: At<Length>,
-    /// True where the retract is at feed, else it is at rapid.
-    pub retract_feeds: bool,
-    /// Δu, Δw.
-    pub allowance: Allowance,
-    /// True where the contour is cut with its allowance after the strokes.
-    pub semi_finish: bool,
-    /// How far the contour may turn back and still counts as monotonic.
-    pub tolerance: Length,
-    /// The word that the strokes come from.
-    pub span: Span,
-}
 
 /// Moves that are decided and not yet given.
 #[derive(Clone, Copy, Debug)]
@@ -99,13 +54,13 @@ pub struct Rough<'a> {
 impl<'a> Rough<'a> {
     pub(super) fn new(contour: &'a Contour, along: Along, words: &Roughing) -> Result<Self, Alarm> {
         let refused = |word: At<Length>| Alarm::new(Code::ContourDepth, word.span);
-        if words.depth.value <= Length::ZERO {
+        if words.depth.value <= Length::ZERO || !words.depth.value.is_in_range() {
             return Err(refused(words.depth).word(match along {
                 Along::Z => b'U',
                 Along::X => b'W',
             }));
         }
-        if words.retract.value < Length::ZERO {
+        if words.retract.value < Length::ZERO || !words.retract.value.is_in_range() {
             return Err(refused(words.retract).word(b'R'));
         }
         let (infeed, stroke) = match along {
@@ -183,9 +138,15 @@ impl<'a> Rough<'a> {
     fn back_to_first(&mut self, h: i64) {
         let l = self.profile.begin(h, self.start);
         self.go(Local { h, l }, true);
-        if h > self.start.h {
-            self.first_to(self.start);
+        if h > self.start.h && self.is_slanted() {
+            self.go(self.start, true);
         }
+    }
+
+    /// True where the move of `ns` has a wall of its own: at rapid it would go through what stands beside it.
+    fn is_slanted(&self) -> bool {
+        let first = self.profile.first();
+        first.is_some_and(|first| first.from.l != first.to.l)
     }
 
     /// Decides on the next stroke; false where there is none.
@@ -298,8 +259,7 @@ impl<'a> Rough<'a> {
             }
             Step::First(to) => {
                 let elements = &self.contour.elements;
-                let slanted = self.profile.first().is_some_and(|it| it.from.l != it.to.l);
-                let shape = if slanted {
+                let shape = if self.is_slanted() {
                     Shape::Line
                 } else {
                     elements.first()?.shape

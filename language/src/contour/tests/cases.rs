@@ -290,3 +290,13 @@ fn a_bottom_that_lies_on_a_level_has_no_stroke() {
          F40,-14 R40,0",
     );
 }
+
+#[test]
+fn a_retract_may_lead_above_the_start() {
+    along_z(
+        "X",
+        "F30,0 F30,-9 F40,-9",
+        "2 3 0 0",
+        "F36,0 F36,-9 F42,-6 R42,0 F32,0 F32,-9 F38,-6 R38,0 F30,0 F30,-9 F40,-9 R40,0",
+    );
+}

@@ -1,5 +1,6 @@
 //! Tests of the contour cycles.
 
+mod case;
 mod cases;
 mod check;
 mod notation;
