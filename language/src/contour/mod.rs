@@ -62,7 +62,9 @@ impl Contour {
     pub const MAX: usize = 1000;
 
     /// The contour of `elements` from `start`. The first element is that of block `ns`, also where it moves nothing;
-    /// `axes` are those that `ns` has words of. Each coordinate is within [`INPUT_LIMIT`](leadscrew_core::units::Length::INPUT_LIMIT).
+    /// `axes` are those that `ns` has words of. Each coordinate is within
+    /// [`INPUT_LIMIT`](leadscrew_core::units::Length::INPUT_LIMIT), and the ends of an arc are on its circle, but for
+    /// rounding to nanometres.
     ///
     /// # Errors
     /// [`Code::ContourLong`] for more than [`Contour::MAX`] elements; [`Code::ContourFirst`] where there is none, or
