@@ -1,7 +1,7 @@
 //! Makes the profile from a contour: finds how the contour lies, and refuses what turns back.
 
 use leadscrew_core::alarm::{Alarm, Arg, Code};
-use leadscrew_core::units::Length;
+use leadscrew_core::units::{Diameter, Length};
 
 use super::Contour;
 use super::frame::{Frame, Local};
@@ -151,8 +151,12 @@ impl Maker<'_> {
             return Ok(());
         }
         let letter = self.profile.frame.along.letter(infeed);
-        Err(Alarm::new(Code::ContourTurnsBack, element.span)
-            .with([Arg::Letter(letter), Arg::Length(Length::from_nm(back))]))
+        let back = Length::from_nm(back);
+        let back = match letter {
+            b'X' => Arg::Diameter(Diameter::of_radius(back)),
+            _ => Arg::Length(back),
+        };
+        Err(Alarm::new(Code::ContourTurnsBack, element.span).with([Arg::Letter(letter), back]))
     }
 }
 

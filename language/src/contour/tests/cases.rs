@@ -1,7 +1,7 @@
 //! Single cases: pockets, degenerate contours, alarms.
 
 use leadscrew_core::alarm::{Alarm, Arg, At, Code};
-use leadscrew_core::units::Length;
+use leadscrew_core::units::{Diameter, Length};
 
 use super::notation::{contour, expected, moves, path, span};
 use super::vectors::words;
@@ -107,7 +107,10 @@ fn the_way_home_goes_over_what_stands() {
 #[test]
 fn what_turns_back_is_an_alarm_at_its_element() {
     let alarm = refused("X", "R20,0 F20,-10 F18,-12 F30,-13", "2 0 0 0");
-    let args = [Arg::Letter(b'X'), Arg::Length(Length::from_nm(1_000_000))];
+    let args = [
+        Arg::Letter(b'X'),
+        Arg::Diameter(Diameter::from_nm(2_000_000)),
+    ];
     let wanted = Alarm::new(Code::ContourTurnsBack, span(3)).with(args);
     assert_eq!(alarm, wanted);
     let back = refused("XZ", "R20,0 F20,-10 F22,-9.9 F30,-13", "2 0 0 0");
