@@ -14,6 +14,7 @@
 //! - [`flow`] carries out assignments, jumps, loops and calls, and so decides which block comes next; [`outline`] is what
 //!   its searches see.
 //! - [`reader`] is the whole way: text in, events of the core out.
+//! - [`contour`] makes the moves of the cycles G70–G73 from the contour that their program describes.
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
 //!
 //! This crate has floating point: a macro calculates in it, and so does geometry between exact ends. Each function comes
@@ -28,6 +29,7 @@ pub mod flow;
 pub mod lines;
 mod macro_a;
 pub mod outline;
+pub mod contour;
 pub mod plane;
 #[cfg(test)]
 mod random;

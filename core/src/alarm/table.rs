@@ -144,6 +144,39 @@ codes! {
     ArgumentAddress = 129, "{w} is no argument of a macro", "write arguments after G65 with the letters A–F, H–K, M, Q–Z", "{w} 不能作为宏程序的参数", "请在 G65 之后用字母 A–F、H–K、M、Q–Z 写参数";
     /// #3000 = n, or H99 of G65; {0} the number of the alarm.
     ProgramAlarm = 3000, "the program itself raises alarm {0}", "the program says in this block what is wrong", "程序自身发出报警 {0}", "原因见该程序段";
+    // -- 0061–0069: contour cycles G70–G73 --------------------------------------------------------------------------
+    /// P or Q of a contour cycle is missing.
+    ContourNumbers = 61, "the contour of this cycle is not told: {w} is missing",
+        "write P with the N number of the contour's first block and Q with that of its last",
+        "未指定该循环的轮廓：缺少 {w}", "请用 P 写出轮廓首段的 N 号，用 Q 写出末段的 N 号";
+    /// A depth of cut that is not above zero, a retract below zero, or fewer than one pass.
+    ContourDepth = 62, "{w} of this cycle is out of range", "write a depth of cut above zero, a retract of zero or more, and one pass or more",
+        "该循环的 {w} 超出范围", "切深应大于零，退刀量不小于零，粗车次数至少为 1";
+    /// The block ns or nf does not exist, or nf stands before ns; {0} its N number.
+    ContourMissing = 63, "the contour has no block N{0}, or its last block stands before its first",
+        "give the contour's first and last block the N numbers of P and Q, in this order",
+        "轮廓中没有 N{0} 程序段，或末段在首段之前", "请使轮廓首段和末段的 N 号与 P、Q 一致，且首段在前";
+    /// The contour goes back on itself; {0} the axis, {1} by how much.
+    ContourTurnsBack = 64, "the contour turns back in {0}, by {1}",
+        "let the contour go one way only: along the strokes always, in depth too unless the first block has both X and Z (type II)",
+        "轮廓在 {0} 方向折返 {1}", "轮廓应单向变化：沿切削方向必须单调；首段不同时写 X 和 Z（类型 I）时，进刀方向也必须单调";
+    /// The first block of a contour does not fit its cycle.
+    ContourFirst = 65, "the first block of the contour cannot begin this cycle",
+        "write G00 or G01 with X alone (G71), Z alone (G72), both (type II of either), or any of them (G70, G73)",
+        "轮廓首段不符合该循环的要求", "首段用 G00 或 G01：G71 只写 X，G72 只写 Z，类型 II 两者都写，G70、G73 任意";
+    /// A word or a code that a contour may not have.
+    ContourWord = 66, "{w} may not stand in the contour of a cycle",
+        "write moves G00 to G03 with their chamfers there, and F, S, T, M; calls, jumps and other cycles before or after",
+        "循环的轮廓中不能使用 {w}", "轮廓中只写 G00 至 G03 及倒角、F、S、T、M；调用、跳转和其他循环请写在轮廓之外";
+    /// The contour is longer than what is held; {0} the most.
+    ContourLong = 67, "the contour has more than {0} blocks that move", "divide the contour between two cycles",
+        "轮廓的移动程序段超过 {0} 段", "请将轮廓分给两个循环";
+    /// More pockets than the cycle can hold; {0} how many, {1} how many one inside another.
+    ContourPockets = 68, "the contour has too many pockets: {0} of 32 at most, or {1} of 8 at most one inside another",
+        "cut some pockets with a cycle of their own", "轮廓的凹槽过多：共 {0} 个（最多 32），嵌套 {1} 层（最多 8）", "请用单独的循环加工部分凹槽";
+    /// After a place above the start the contour comes down below the start again.
+    ContourAboveStart = 69, "the contour rises above the start of the cycle before here, and comes down again",
+        "start the cycle outside the whole contour", "轮廓在此之前超出循环起点，随后又低于起点", "请将循环起点设在整个轮廓之外";
 
     // -- 02xx–03xx: the trade's own numbers -------------------------------------------------------------------------
     /// Rigid tap: S missing, zero or above what it may be; {0} the highest.

@@ -1,0 +1,7 @@
+//! Tests of the contour cycles.
+
+mod case;
+mod cases;
+mod check;
+mod notation;
+mod vectors;
