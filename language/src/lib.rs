@@ -10,6 +10,9 @@
 //! ```
 //!
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
+//! - [`geometry`] says where such elements meet, and what lies beside them.
+//! - [`corner`] puts a chamfer or a rounding between two of them.
+//! - [`nose`] moves the path so that a round nose keeps to it.
 //!
 //! This crate has floating point: a macro calculates in it, and so does geometry between exact ends. Each function comes
 //! from one portable library, so the result has the same bits on every machine.
@@ -17,4 +20,7 @@
 //! It must not know sockets, files, boards or commands. Its input are bytes that can be read again from a place, its
 //! output are the calls of the core, with alarms that name line, column, cause and remedy.
 
+pub mod corner;
+pub mod geometry;
+pub mod nose;
 pub mod plane;
