@@ -24,3 +24,6 @@ pub mod corner;
 pub mod geometry;
 pub mod nose;
 pub mod plane;
+
+#[cfg(test)]
+mod figures;

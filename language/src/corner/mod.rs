@@ -49,6 +49,8 @@ pub struct Inserted {
 
 /// A turn below this, radians, is no corner.
 const TANGENT: f64 = 1e-6;
+/// An element shorter than this, nm, is none: its ends are rounded, and an arc could become a full circle.
+const NOTHING: f64 = 4.0;
 /// How much longer than its element a leg may be, nm: ends are rounded.
 const ROUNDED: f64 = 1.0;
 /// Halvings until the legs of a chamfer are known to less than a nanometre.
@@ -81,14 +83,18 @@ pub fn insert(
         return Err(alarm(Code::CornerTooLong));
     }
     let turn = a.last().turn(b.first());
+    let as_it_is = Inserted {
+        first: *first,
+        between: None,
+        second: *next,
+    };
     if turn.abs() < TANGENT {
-        return Ok(Inserted {
-            first: *first,
-            between: None,
-            second: *next,
-        });
+        return Ok(as_it_is);
     }
     let cut = cut(&a, &b, corner, turn).ok_or(alarm(Code::CornerTooLong))?;
+    if (cut.to - cut.from).length() < NOTHING {
+        return Ok(as_it_is);
+    }
     let (from, to) = (cut.from.from(at), cut.to.from(at));
     let shape = match cut.arc {
         None => Shape::Line,
@@ -186,11 +192,10 @@ fn at_distance(piece: &Piece, end: End, distance: f64) -> Option<V> {
     };
     let arm = -bend.centre;
     let radius = arm.length();
-    let half = distance / (2.0 * radius);
-    if half > 1.0 {
+    if distance > 2.0 * radius + ROUNDED {
         return None;
     }
-    let angle = 2.0 * libm::asin(half);
+    let angle = 2.0 * libm::asin((distance / (2.0 * radius)).min(1.0));
     if angle * radius > piece.turning().abs() * radius + ROUNDED {
         return None;
     }
