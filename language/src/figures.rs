@@ -154,6 +154,28 @@ impl Stroke {
         }
     }
 
+    /// A long straight line that leads into its start.
+    pub(crate) fn before(&self) -> Self {
+        let (sin, cos) = self.heading(0.0).sin_cos();
+        let start = (self.start.0 - 1e8 * sin, self.start.1 - 1e8 * cos);
+        Self {
+            start,
+            end: self.start,
+            arc: None,
+        }
+    }
+
+    /// A long straight line that leads on from its end.
+    pub(crate) fn after(&self) -> Self {
+        let (sin, cos) = self.heading(1.0).sin_cos();
+        let end = (self.end.0 + 1e8 * sin, self.end.1 + 1e8 * cos);
+        Self {
+            start: self.end,
+            end,
+            arc: None,
+        }
+    }
+
     pub(crate) fn swept(&self) -> f64 {
         self.arc.map_or(0.0, |(_, swept)| swept)
     }

@@ -53,6 +53,8 @@ const TANGENT: f64 = 1e-6;
 const NOTHING: f64 = 4.0;
 /// How much longer than its element a leg may be, nm: ends are rounded.
 const ROUNDED: f64 = 1.0;
+/// Legs that are tried for a chamfer at an arc, before one is halved.
+const STEPS: u32 = 64;
 /// Halvings until the legs of a chamfer are known to less than a nanometre.
 const HALVINGS: u32 = 60;
 
@@ -213,14 +215,19 @@ fn leg_of(a: &Piece, b: &Piece, length: f64, turn: f64) -> Option<f64> {
     if a.bend.is_none() && b.bend.is_none() {
         return leg.is_finite().then_some(leg);
     }
-    // The longest leg that both have, then half again and again.
+    // The first of some legs that is wide enough, then half again and again: arcs may come together again.
     let width = |leg: f64| {
-        Some((at_distance(b, End::First, leg)? - at_distance(a, End::Last, leg)?).length())
+        let (from, to) = (
+            at_distance(a, End::Last, leg)?,
+            at_distance(b, End::First, leg)?,
+        );
+        Some((to - from).length())
     };
-    let [mut short, mut long] = [0.0, longest(a, End::Last).min(longest(b, End::First))];
-    if width(long)? < length - ROUNDED {
-        return None;
-    }
+    let longest = longest(a, End::Last).min(longest(b, End::First));
+    let steps = (1..=STEPS).map(|step| longest * f64::from(step) / f64::from(STEPS));
+    let is_wide = |leg: &f64| width(*leg).is_some_and(|width| width >= length);
+    let mut long = { steps }.find(is_wide)?;
+    let mut short = (long - longest / f64::from(STEPS)).max(0.0);
     for _ in 0..HALVINGS {
         let middle = (short + long) / 2.0;
         if width(middle)? < length {

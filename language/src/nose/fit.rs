@@ -92,9 +92,7 @@ pub(super) fn keep_clear<'a>(mut tracks: impl Iterator<Item = &'a Track>) -> Res
     let origin = last.start;
     let piece = last.piece_at(origin);
     let own_turn = piece.turning();
-    let Some(centre) = last.centre_piece_at(origin) else {
-        return Ok(());
-    };
+    let own = last.nose_pieces_at(origin);
     let reach = last.offset.abs() - CLOSER;
     let mut next_direction = piece.first();
     let mut turn = 0.0;
@@ -114,10 +112,14 @@ pub(super) fn keep_clear<'a>(mut tracks: impl Iterator<Item = &'a Track>) -> Res
             let inwards = turn * last.offset.signum();
             inwards > 0.0 && inwards < PI + ANGLE
         });
-        if between > 0 && is_pocket {
-            let other_centre = track.centre_piece_at(origin);
+        if is_pocket {
+            // Next to each other, the corner between them has seen to the motions; the moves round the next one it has not.
+            let of_last = own.iter().skip(usize::from(between == 0));
+            let of_other = track.nose_pieces_at(origin);
+            let of_other = of_other.iter().filter(|_| between > 0);
             let is_close = |surface: &Piece, nose: &Piece| surface.clearance(nose) < reach;
-            if is_close(&other, &centre) || other_centre.is_some_and(|nose| is_close(&piece, &nose))
+            if { of_last }.any(|nose| is_close(&other, nose)) || { of_other }
+                .any(|nose| is_close(&piece, nose))
             {
                 return Err(interference(last));
             }

@@ -128,6 +128,20 @@ impl Track {
         Some(Piece::new(origin, plus(self.from, self.tip), &element))
     }
 
+    /// The path of the centre with the moves round the corner after it, as above; the motion itself comes first, and as a
+    /// place where nothing is left of it.
+    pub(super) fn nose_pieces_at(&self, origin: Point) -> Vec<Piece> {
+        let line = |from, to| Piece {
+            start: V::between(origin, plus(from, self.tip)),
+            end: V::between(origin, plus(to, self.tip)),
+            bend: None,
+        };
+        let own = self.centre_piece_at(origin);
+        let own = own.or_else(|| self.way.first().map(|end| line(*end, *end)));
+        let corners = self.way.windows(2).map(|pair| line(pair[0], pair[1]));
+        own.into_iter().chain(corners).collect()
+    }
+
     /// The tip where the centre is at `place` seen from `origin`.
     pub(super) fn tip_at(&self, origin: Point, place: V) -> Point {
         let centre = place.from(origin);

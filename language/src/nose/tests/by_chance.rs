@@ -145,7 +145,10 @@ impl Case {
                 };
             }
         };
-        for (i, stroke) in path.iter().filter(|(i, _)| *i > 0) {
+        for (at, (i, stroke)) in path.iter().enumerate().filter(|(_, (i, _))| *i > 0) {
+            // A move round a corner belongs to both motions.
+            let is_corner = at > 0 && path[at - 1].0 == *i;
+            let next = (i + usize::from(is_corner)).min(strokes.len() - 1);
             for share in shares() {
                 let centre = stroke.place(share);
                 for j in 1..strokes.len() {
@@ -162,10 +165,17 @@ impl Case {
         for (j, stroke) in strokes.iter().enumerate().skip(1) {
             for share in shares() {
                 let contact = self.contact(stroke, share);
-                let is_free = strokes
-                    .iter()
-                    .skip(1)
-                    .all(|other| other.distance(contact) > reach);
+                // What is next to it counts as if it went on straight: the nose does not roll over the far end of a short one.
+                let is_free = strokes.iter().enumerate().skip(1).all(|(k, other)| {
+                    let room = if k == j { -1.0 } else { 100.0 };
+                    let straight_on = [
+                        (k + 1 == j).then(|| other.before()),
+                        (k == j + 1).then(|| other.after()),
+                    ];
+                    std::iter::once(*other)
+                        .chain(straight_on.into_iter().flatten())
+                        .all(|other| other.distance(contact) > self.radius() + room)
+                });
                 let away = path
                     .iter()
                     .map(|(_, own)| own.distance(contact))
@@ -199,8 +209,31 @@ impl Case {
             // All of it, or a part because of what is not next to it.
             let all = shares().all(|share| is_blocked(share, &|_| true));
             let part = shares().any(|share| is_blocked(share, &|j| j.abs_diff(i) != 1));
-            all || part
+            // The moves round a corner reach further from it than the nose.
+            let is_beside = (1..near.len()).any(|j| {
+                j != i && j != i + 1 && near[j].distance(near[i].end) < 1.5 * self.radius()
+            });
+            all || part || is_beside || (i < last && !self.meets(&near[i], &near[i + 1]))
         })
+    }
+
+    /// The last place where the nose touches one motion and is clear of the next is the first place along the next.
+    fn meets(&self, a: &Stroke, b: &Stroke) -> bool {
+        const FINE: u32 = 2_000;
+        let fine = || (0..=FINE).map(|step| f64::from(step) / f64::from(FINE));
+        let clear =
+            |place: &(f64, f64), other: &Stroke| other.distance(*place) >= self.radius() - 1.0;
+        let last = fine()
+            .map(|share| self.contact(a, 1.0 - share))
+            .find(|place| clear(place, b));
+        let first = fine()
+            .map(|share| self.contact(b, share))
+            .find(|place| clear(place, a));
+        let (Some(last), Some(first)) = (last, first) else {
+            return false;
+        };
+        let step = (a.length() + b.length() + 9.0 * self.radius()) / f64::from(FINE);
+        (last.0 - first.0).hypot(last.1 - first.1) < 4.0 * step
     }
 }
 
