@@ -344,7 +344,8 @@ impl Piece {
             None => {
                 let along = self.first();
                 let way = (to - self.start).dot(along);
-                if way < 0.0 || way > (self.end - self.start).length() {
+                let length = (self.end - self.start).length();
+                if length == 0.0 || way < 0.0 || way > length {
                     return ends;
                 }
                 libm::fabs((to - self.start).cross(along))

@@ -81,10 +81,10 @@ pub(super) fn leave_something(track: &mut Track) -> Result<(), Alarm> {
     Ok(())
 }
 
-/// In a pocket, the nose on one wall stays clear of the other one. The last of `tracks`, which come last one first, has got
-/// its end.
+/// The nose on one surface stays clear of the others near it, such as the other wall of a groove. The last of `tracks`, which
+/// come last one first, has got its end.
 ///
-/// A pocket is where the path turns towards the nose by half a turn at most. Beyond that a program goes round on purpose.
+/// Near is where the path turns by half a turn at most. Beyond that a program goes round on purpose.
 pub(super) fn keep_clear<'a>(mut tracks: impl Iterator<Item = &'a Track>) -> Result<(), Alarm> {
     let Some(last) = tracks.next().filter(|last| last.is_surface()) else {
         return Ok(());
@@ -96,7 +96,7 @@ pub(super) fn keep_clear<'a>(mut tracks: impl Iterator<Item = &'a Track>) -> Res
     let reach = last.offset.abs() - CLOSER;
     let mut next_direction = piece.first();
     let mut turn = 0.0;
-    for (between, track) in tracks.enumerate() {
+    for track in tracks {
         if !track.is_surface() || !track.has_the_nose_of(last) {
             break;
         }
@@ -108,19 +108,15 @@ pub(super) fn keep_clear<'a>(mut tracks: impl Iterator<Item = &'a Track>) -> Res
             turn + other.turning(),
             turn + own_turn + other.turning(),
         ];
-        let is_pocket = whole.iter().all(|turn| {
-            let inwards = turn * last.offset.signum();
-            inwards > 0.0 && inwards < PI + ANGLE
-        });
-        if is_pocket {
-            // Next to each other, the corner between them has seen to the motions; the moves round the next one it has not.
-            let of_last = own.iter().skip(usize::from(between == 0));
-            let of_other = track.nose_pieces_at(origin);
-            let of_other = of_other.iter().filter(|_| between > 0);
-            let is_close = |surface: &Piece, nose: &Piece| surface.clearance(nose) < reach;
-            if { of_last }.any(|nose| is_close(&other, nose)) || { of_other }
-                .any(|nose| is_close(&piece, nose))
-            {
+        if turn.abs() > PI + ANGLE {
+            break;
+        }
+        let is_near = whole.iter().all(|turn| turn.abs() < PI + ANGLE);
+        if is_near {
+            let is_cut = |surface: &Piece, by: &[Piece]| {
+                by.iter().any(|nose| surface.clearance(nose) < reach)
+            };
+            if is_cut(&other, &own) || is_cut(&piece, &track.nose_pieces_at(origin)) {
                 return Err(interference(last));
             }
         }

@@ -118,17 +118,12 @@ impl Case {
         for k in i..j {
             let corner = strokes[k + 1].heading(0.0) - strokes[k].heading(1.0);
             turn += (corner + PI).rem_euclid(TAU) - PI;
-            if k + 1 < j {
-                turn += strokes[k + 1].swept();
-            }
+            turns.push(turn);
+            turn += strokes[k + 1].swept();
             turns.push(turn);
         }
-        turns.extend([
-            turn + strokes[j].swept(),
-            turn + strokes[i].swept(),
-            turn + strokes[i].swept() + strokes[j].swept(),
-        ]);
-        turns.iter().all(|turn| turn.abs() <= PI)
+        let [low, high] = [f64::min, f64::max].map(|pick| turns.iter().copied().fold(0.0, pick));
+        high - low < PI
     }
 
     /// What is wrong with the path.
@@ -155,6 +150,7 @@ impl Case {
                     let distance = strokes[j].distance(centre);
                     if distance < reach
                         && self.is_near(&strokes, *i, j)
+                        && self.is_near(&strokes, next, j)
                         && self.crosses_not(&strokes, *i, j)
                     {
                         return Err(format!("motion {i} is {distance} from {j}"));
