@@ -196,40 +196,45 @@ impl Case {
     fn has_a_reason(&self, strokes: &[Stroke], at: usize) -> bool {
         let last = at.min(strokes.len() - 1);
         let near = &strokes[..=last];
-        (1..near.len()).any(|i| {
-            let is_blocked = |share: f64, others: &dyn Fn(usize) -> bool| {
-                let contact = self.contact(&near[i], share);
-                (1..near.len())
-                    .any(|j| others(j) && near[j].distance(contact) < self.radius() - 1.0)
-            };
-            // All of it, or a part because of what is not next to it.
-            let all = shares().all(|share| is_blocked(share, &|_| true));
-            let part = shares().any(|share| is_blocked(share, &|j| j.abs_diff(i) != 1));
-            // The moves round a corner reach further from it than the nose.
-            let is_beside = (1..near.len()).any(|j| {
+        // The moves round a corner, that of the start-up too, reach further from it than the nose.
+        let is_beside = (0..near.len()).any(|i| {
+            (1..near.len()).any(|j| {
                 j != i && j != i + 1 && near[j].distance(near[i].end) < 1.5 * self.radius()
-            });
-            all || part || is_beside || (i < last && !self.meets(&near[i], &near[i + 1]))
-        })
+            })
+        });
+        is_beside
+            || (1..near.len()).any(|i| {
+                let is_blocked = |share: f64, others: &dyn Fn(usize) -> bool| {
+                    let contact = self.contact(&near[i], share);
+                    (1..near.len())
+                        .any(|j| others(j) && near[j].distance(contact) < self.radius() - 1.0)
+                };
+                // All of it, or a part because of what is not next to it.
+                let all = shares().all(|share| is_blocked(share, &|_| true));
+                let part = shares().any(|share| is_blocked(share, &|j| j.abs_diff(i) != 1));
+                all || part || (i < last && !self.meets(&near[i], &near[i + 1]))
+            })
     }
 
-    /// The last place where the nose touches one motion and is clear of the next is the first place along the next.
+    /// The nose touches one motion up to a place, and the next one from that place on; it is clear of the other there.
     fn meets(&self, a: &Stroke, b: &Stroke) -> bool {
         const FINE: u32 = 2_000;
         let fine = || (0..=FINE).map(|step| f64::from(step) / f64::from(FINE));
         let clear =
             |place: &(f64, f64), other: &Stroke| other.distance(*place) >= self.radius() - 1.0;
-        let last = fine()
+        let mut back = fine()
             .map(|share| self.contact(a, 1.0 - share))
-            .find(|place| clear(place, b));
-        let first = fine()
+            .skip_while(|place| !clear(place, b));
+        let mut on = fine()
             .map(|share| self.contact(b, share))
-            .find(|place| clear(place, a));
-        let (Some(last), Some(first)) = (last, first) else {
+            .skip_while(|place| !clear(place, a));
+        let (Some(last), Some(first)) = (back.next(), on.next()) else {
             return false;
         };
         let step = (a.length() + b.length() + 9.0 * self.radius()) / f64::from(FINE);
         (last.0 - first.0).hypot(last.1 - first.1) < 4.0 * step
+            && back.all(|place| clear(&place, b))
+            && on.all(|place| clear(&place, a))
     }
 }
 
