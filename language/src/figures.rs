@@ -90,7 +90,8 @@ pub(crate) fn assert_path(start: Point, path: &[Element], text: &str) {
     assert!(agree, "expected {text}\n{expected:#?}\ngot {path:#?}");
 }
 
-/// A stroke in floating numbers, in nanometres: (x, z) of start and end, and of a centre with the signed angle (positive:
+/// A stroke in floating numbers, in nanometres: (x, z) of start and end, and of a centre with the signed angle
+/// (positive:
 /// from Z to X). It measures by sampling and by angles, unlike the geometry that is tested.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stroke {
@@ -250,7 +251,8 @@ impl Chance {
         self.within(low.ln(), high.ln()).exp()
     }
 
-    /// A path of `count` elements from the origin: lines and arcs, corners of any angle, sizes in nanometres. Every fourth
+    /// A path of `count` elements from the origin: lines and arcs, corners of any angle, sizes in nanometres.
+    /// Every fourth
     /// corner is tangent.
     pub(crate) fn path(&mut self, count: usize, shortest: f64, longest: f64) -> Vec<Element> {
         let mut from = Point::default();

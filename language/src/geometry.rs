@@ -1,7 +1,9 @@
 //! Plane geometry of paths: directions, offsets, and where two lines or circles meet.
 //!
-//! Points are exact (nanometres in whole numbers). A calculation takes one of them as its origin, so that its floating
-//! numbers are small, and its result is rounded to a nanometre once. Z points to the right and X upwards, as the trade draws
+//! Points are exact (nanometres in whole numbers). A calculation takes one of them as its origin, so that its
+//! floating
+//! numbers are small, and its result is rounded to a nanometre once. Z points to the right and X upwards, as
+//! the trade draws
 //! it; "left" is left of the direction of travel.
 //!
 //! This module must not know what a path is for: no tool, no dialect, no alarm.
@@ -182,7 +184,8 @@ impl Piece {
         self.direction(self.end)
     }
 
-    /// How far the direction turns on the way, in radians, positive to the left. An arc that ends where it begins is a
+    /// How far the direction turns on the way, in radians, positive to the left. An arc that ends where it
+    /// begins is a
     /// full circle.
     #[must_use]
     pub fn turning(&self) -> f64 {
@@ -204,7 +207,8 @@ impl Piece {
             .map_or(0.0, |bend| bend.hand() / (at - bend.centre).length())
     }
 
-    /// The endless line or circle of this piece, `offset` to its left, with the radius that it has at `at`. `None` where
+    /// The endless line or circle of this piece, `offset` to its left, with the radius that it has at `at`.
+    /// `None` where
     /// the offset is larger than the radius.
     #[must_use]
     pub fn carrier(&self, at: V, offset: f64) -> Option<Carrier> {
@@ -270,7 +274,8 @@ pub enum Carrier {
 const TOUCH: f64 = 0.01;
 
 /// Where a path goes from `a` over to `b`. Two carriers meet in two points at most; a path that turns to the left
-/// (`turn` > 0) changes over in one of them, a path that turns to the right in the other. `None` where they do not meet.
+/// (`turn` > 0) changes over in one of them, a path that turns to the right in the other. `None` where they do
+/// not meet.
 #[must_use]
 pub fn meet(a: Carrier, b: Carrier, turn: f64) -> Option<V> {
     use Carrier::{Circle, Line};

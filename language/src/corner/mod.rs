@@ -1,6 +1,7 @@
 //! A chamfer or a rounding between two motions.
 //!
-//! [`insert`] takes the two motions as they are programmed and gives back the shortened first, the new element, and the
+//! [`insert`] takes the two motions as they are programmed and gives back the shortened first, the new
+//! element, and the
 //! shortened second. Each motion is a line or an arc that cuts.
 //!
 //! This module must not know words and dialects: which letter means which [`Corner`] is settled before.
@@ -58,11 +59,13 @@ const STEPS: u32 = 64;
 /// Halvings until the legs of a chamfer are known to less than a nanometre.
 const HALVINGS: u32 = 60;
 
-/// Puts `corner`, written at `span`, between `first`, which begins at `start`, and `next`. `toward` is the direction that a
+/// Puts `corner`, written at `span`, between `first`, which begins at `start`, and `next`. `toward` is the
+/// direction that a
 /// sign asks for. The size of `corner` is above zero.
 ///
 /// # Errors
-/// 0051 without a next motion, 0052 where one of the two does not cut, 0055 where a leg is longer than its motion, the size is
+/// 0051 without a next motion, 0052 where one of the two does not cut, 0055 where a leg is longer than its
+/// motion, the size is
 /// not above zero, or `toward` does not agree.
 pub fn insert(
     start: Point,

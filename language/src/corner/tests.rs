@@ -1,4 +1,5 @@
-//! Chamfers and roundings: the figures of a program, every kind of corner, and corners by chance against what a chamfer and a
+//! Chamfers and roundings: the figures of a program, every kind of corner, and corners by chance against what
+//! a chamfer and a
 //! rounding are: where the ends lie, how far apart, and which way they head.
 
 use std::f64::consts::{PI, TAU};
@@ -74,7 +75,8 @@ fn both_hands_and_arcs() {
         Corner::Round(millimetres(1.0)),
         "F20,-19 A18,-20/1ccw F10,-20",
     );
-    // An arc of 10 that begins at a right angle: the rounding's centre is 11 from the arc's centre, and 1 from the line.
+    // An arc of 10 that begins at a right angle: the rounding's centre is 11 from the arc's centre, and 1 from
+    // the line.
     let text = "F20,-20 A40,-30/10ccw";
     let expected = "F20,-19.045549 A21.818182,-20.041408/1cw A40,-30/10ccw";
     gives(start, text, Corner::Round(millimetres(1.0)), expected);
@@ -310,7 +312,8 @@ fn is_too_long(path: &[Element], corner: Corner) -> bool {
             size >= widest.fold(0.0, f64::max) * 0.98 - 2.0
         }
         Corner::Round(size) => {
-            // Two lines have one place for it. The places along an arc are many, and what is made of them is checked above.
+            // Two lines have one place for it. The places along an arc are many, and what is made of them is
+            // checked above.
             let turn = turned(a.heading(1.0), b.heading(0.0));
             let leg = size.nm() as f64 * (turn.abs() / 2.0).tan();
             a.arc.is_some() || b.arc.is_some() || leg >= a.length().min(b.length()) - 2.0

@@ -81,7 +81,8 @@ pub(super) fn leave_something(track: &mut Track) -> Result<(), Alarm> {
     Ok(())
 }
 
-/// The nose on one surface stays clear of the others near it, such as the other wall of a groove. The last of `tracks`, which
+/// The nose on one surface stays clear of the others near it, such as the other wall of a groove. The last of
+/// `tracks`, which
 /// come last one first, has got its end.
 ///
 /// Near is where the path turns by half a turn at most. Beyond that a program goes round on purpose.

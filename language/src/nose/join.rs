@@ -1,6 +1,7 @@
 //! Where the centre of the nose goes at a corner between two motions.
 //!
-//! The corner is the origin. A result is a list of places: the first is the end of the first motion, the last is the start of
+//! The corner is the origin. A result is a list of places: the first is the end of the first motion, the last
+//! is the start of
 //! the second, and straight moves join them. Must not know the window, tips and alarms.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -12,7 +13,8 @@ use crate::geometry::{Carrier, Piece, V, meet};
 const TANGENT: f64 = 500.0;
 /// The same where the offset elements do not meet.
 const NEARLY_TANGENT: f64 = 5_000.0;
-/// A corner that turns further is none of the two, radians. The nose is then 40 nm closer per millimetre of its radius.
+/// A corner that turns further is none of the two, radians. The nose is then 40 nm closer per millimetre of
+/// its radius.
 const TANGENT_TURN: f64 = 0.02;
 /// A turn that is a reversal, or a right angle, within the error of the calculation, radians.
 const SAME: f64 = 1e-6;
@@ -49,7 +51,8 @@ impl<'a> Corner<'a> {
         self.turn.abs() > PI - SAME
     }
 
-    /// The path turns away from the nose. Where it turns back on itself, the curvature says on which side the workpiece is.
+    /// The path turns away from the nose. Where it turns back on itself, the curvature says on which side the
+    /// workpiece is.
     fn is_outside(&self) -> bool {
         if self.is_reversal() {
             let bend = self.a.curvature(V::default()) + self.b.curvature(V::default());

@@ -1,11 +1,15 @@
 //! Nose radius compensation (G40–G42): from the path of the drawing to the path of the imaginary tip.
 //!
-//! A [`Filter`] takes the motions of a program one by one, each with its side and tool, and gives back the motions that keep
-//! the round nose on the drawing. Where two motions meet, the end of the first depends on the second, and a motion may turn
-//! out not to fit, so the filter holds [`WINDOW`] motions. Everything else of the program (feeds, spindle commands) passes
+//! A [`Filter`] takes the motions of a program one by one, each with its side and tool, and gives back the
+//! motions that keep
+//! the round nose on the drawing. Where two motions meet, the end of the first depends on the second, and a
+//! motion may turn
+//! out not to fit, so the filter holds [`WINDOW`] motions. Everything else of the program (feeds, spindle
+//! commands) passes
 //! through as an opaque payload and keeps its place between the motions.
 //!
-//! This module must not know words, modal state, dialects, feeds or what a payload is. [`join`] says what happens at a corner
+//! This module must not know words, modal state, dialects, feeds or what a payload is. [`join`] says what
+//! happens at a corner
 //! and [`fit`] whether the nose fits; the filter keeps the order.
 
 mod fit;
@@ -56,7 +60,8 @@ pub enum Post {
     /// X grows towards the tool: numbers and sides as in the picture with X upwards.
     #[default]
     Rear,
-    /// X grows away from the tool: the picture is mirrored at the spindle axis. Tip numbers change the sign of X, and left
+    /// X grows away from the tool: the picture is mirrored at the spindle axis. Tip numbers change the sign of
+    /// X, and left
     /// and right are exchanged.
     Front,
 }
@@ -111,7 +116,8 @@ pub enum Output<T> {
     Break(T),
 }
 
-/// The filter. After each [`push`](Self::push), call [`pull`](Self::pull) until it gives nothing: then it never holds more
+/// The filter. After each [`push`](Self::push), call [`pull`](Self::pull) until it gives nothing: then it
+/// never holds more
 /// than [`WINDOW`] motions and the blocks between them.
 #[derive(Debug)]
 pub struct Filter<T> {

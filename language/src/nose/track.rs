@@ -128,7 +128,8 @@ impl Track {
         Some(Piece::new(origin, plus(self.from, self.tip), &element))
     }
 
-    /// The path of the centre with the moves round the corner after it, as above; the motion itself comes first, and as a
+    /// The path of the centre with the moves round the corner after it, as above; the motion itself comes
+    /// first, and as a
     /// place where nothing is left of it.
     pub(super) fn nose_pieces_at(&self, origin: Point) -> Vec<Piece> {
         let line = |from, to| Piece {

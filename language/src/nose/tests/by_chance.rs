@@ -1,5 +1,7 @@
-//! Paths by chance against what compensation is for: the centre of the nose never comes closer to the drawing than its
-//! radius, it is at that distance wherever it can be, and an alarm has a reason. All is measured on samples of the path.
+//! Paths by chance against what compensation is for: the centre of the nose never comes closer to the drawing
+//! than its
+//! radius, it is at that distance wherever it can be, and an alarm has a reason. All is measured on samples of
+//! the path.
 
 use std::f64::consts::{PI, TAU};
 
@@ -110,7 +112,8 @@ impl Case {
         (place.0 + self.radius() * sin, place.1 + self.radius() * cos)
     }
 
-    /// The path between two motions, and along either, turns by half a turn at most: beyond that it goes round on purpose.
+    /// The path between two motions, and along either, turns by half a turn at most: beyond that it goes round
+    /// on purpose.
     fn is_near(&self, strokes: &[Stroke], i: usize, j: usize) -> bool {
         let (i, j) = (i.min(j), i.max(j));
         let mut turns = vec![0.0_f64, -strokes[i].swept()];
@@ -161,7 +164,8 @@ impl Case {
         for (j, stroke) in strokes.iter().enumerate().skip(1) {
             for share in shares() {
                 let contact = self.contact(stroke, share);
-                // What is next to it counts as if it went on straight: the nose does not roll over the far end of a short one.
+                // What is next to it counts as if it went on straight: the nose does not roll over the far end
+                // of a short one.
                 let is_free = strokes.iter().enumerate().skip(1).all(|(k, other)| {
                     let room = if k == j { -1.0 } else { 100.0 };
                     let straight_on = [
@@ -216,7 +220,8 @@ impl Case {
             })
     }
 
-    /// The nose touches one motion up to a place, and the next one from that place on; it is clear of the other there.
+    /// The nose touches one motion up to a place, and the next one from that place on; it is clear of the
+    /// other there.
     fn meets(&self, a: &Stroke, b: &Stroke) -> bool {
         const FINE: u32 = 2_000;
         let fine = || (0..=FINE).map(|step| f64::from(step) / f64::from(FINE));
