@@ -16,6 +16,9 @@
 //! - [`reader`] is the whole way: text in, events of the core out.
 //! - [`contour`] makes the moves of the cycles G70–G73 from the contour that their program describes.
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
+//! - [`geometry`] says where such elements meet, and what lies beside them.
+//! - [`corner`] puts a chamfer or a rounding between two of them.
+//! - [`nose`] moves the path so that a round nose keeps to it.
 //!
 //! This crate has floating point: a macro calculates in it, and so does geometry between exact ends. Each function comes
 //! from one portable library, so the result has the same bits on every machine.
@@ -39,3 +42,10 @@ pub mod text;
 pub mod value;
 pub mod variables;
 pub mod word;
+pub mod corner;
+pub mod geometry;
+pub mod nose;
+pub mod plane;
+
+#[cfg(test)]
+mod figures;

@@ -953,6 +953,34 @@ codes! {
     EndlessProgram = 4852, "loops of this program have begun again {0} times: it seems to have no end",
         "correct the condition that ends this one; a program that is to repeat itself has M99 at its end",
         "本程序的循环已重复 {0} 次，似乎没有结束", "请修改结束该循环的条件；需要重复执行的程序应在末尾写 M99";
+    // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
+    /// The offset elements of an inside corner do not meet; {0} the nose radius.
+    NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",
+        "use a tool with a smaller nose, or make the elements at the corner longer",
+        "半径 {0} 的刀尖无法到达该内角：偏置后的轨迹没有交点", "请使用刀尖半径较小的刀具，或加长该角处的轨迹";
+    /// The compensation begins or ends in an arc.
+    NoseStartUpArc = 34, "the nose compensation begins or ends in an arc", "write G41, G42 or G40 for a straight move (G00 or G01) before or after the arc",
+        "刀尖半径补偿在圆弧段建立或取消", "请在圆弧之前或之后的直线段（G00 或 G01）建立或取消补偿";
+    /// Nothing would be left of a motion, or the nose would cut another element; {0} the nose radius.
+    NoseInterference = 41, "the nose of radius {0} does not fit into the path here and would cut too deep",
+        "use a tool with a smaller nose than the groove, step or inside arc; check R of the offset table, and G41 against G42",
+        "半径 {0} 的刀尖在此处放不下，会产生过切", "请使用刀尖半径小于槽宽、台阶或内圆弧的刀具；请检查刀补表中的 R 以及 G41、G42";
+    /// No motion after a chamfer or rounding.
+    CornerNextMissing = 51, "no motion follows the chamfer or rounding", "let a G01, G02 or G03 with a way to go be the next motion",
+        "倒角或倒圆之后没有移动", "倒角或倒圆的下一个移动应为有移动量的 G01、G02 或 G03";
+    /// The chamfer or rounding does not stand between two cutting motions.
+    CornerNextWrong = 52, "a chamfer or rounding stands between two motions of G01, G02 or G03", "write G01, G02 or G03 before and after it",
+        "倒角或倒圆应位于两个 G01、G02 或 G03 移动之间", "请在其前后使用 G01、G02 或 G03";
+    /// A leg of a chamfer or rounding is longer than its element, or has the wrong direction.
+    CornerTooLong = 55, "the chamfer or rounding does not fit between its two motions", "make it smaller or the motions longer; its sign, if it has one, is the direction of the next motion",
+        "倒角或倒圆在两段移动之间放不下", "请减小倒角或倒圆，或加长移动；若带符号，应与下一段移动方向一致";
+    /// Too many blocks without motion; {0} the limit.
+    NoseStill = 4600, "more than {0} blocks without motion follow this one in nose compensation", "move some of them before G41 or G42, or after G40",
+        "刀尖半径补偿中此段之后无移动的程序段超过 {0} 个", "请将部分程序段移到 G41、G42 之前或 G40 之后";
+    /// Side or nose changes right after the start.
+    NoseSideChange = 4601, "the side or the nose changes in the block after the compensation began, or in the one after that",
+        "cut two blocks first, or cancel with G40 and begin anew",
+        "刀尖半径补偿刚建立即改变方向或刀尖", "请先执行两个程序段，或用 G40 取消后重新建立";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.
