@@ -27,12 +27,17 @@
 //! output are the calls of the core, with alarms that name line, column, cause and remedy.
 
 pub mod arguments;
+pub mod contour;
+pub mod corner;
 pub mod expression;
+#[cfg(test)]
+mod figures;
 pub mod flow;
+pub mod geometry;
 pub mod lines;
 mod macro_a;
+pub mod nose;
 pub mod outline;
-pub mod contour;
 pub mod plane;
 #[cfg(test)]
 mod random;
@@ -42,10 +47,3 @@ pub mod text;
 pub mod value;
 pub mod variables;
 pub mod word;
-pub mod corner;
-pub mod geometry;
-pub mod nose;
-pub mod plane;
-
-#[cfg(test)]
-mod figures;
