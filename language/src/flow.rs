@@ -6,6 +6,7 @@
 
 mod block;
 mod calls;
+mod contours;
 mod frame;
 mod jumps;
 mod returns;
@@ -18,6 +19,7 @@ use std::io;
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 use crate::lines::{Lines, Place, Source};
+use crate::roughing::Cycle;
 use crate::text::{Glance, glance, has_blocks};
 use crate::variables::{Kept, System, Variables};
 use crate::word::Word;
@@ -53,6 +55,24 @@ pub trait Machine: System {
 
     /// Tells the operator something.
     fn note(&mut self, warning: Alarm);
+
+    /// A first line of G71, G72 or G73: the words of the cycle alone.
+    ///
+    /// # Errors
+    /// The alarm that ends the program.
+    fn first_line(&mut self, cycle: Cycle, words: &[Word]) -> Result<(), Alarm>;
+
+    /// A contour cycle begins. The blocks that come until [`contour_ends`](Self::contour_ends) are its contour.
+    ///
+    /// # Errors
+    /// The alarm that ends the program.
+    fn contour_begins(&mut self, cycle: Cycle, words: &[Word], span: Span) -> Result<(), Alarm>;
+
+    /// The contour is read: carries out its cycle.
+    ///
+    /// # Errors
+    /// The alarm that ends the program.
+    fn contour_ends(&mut self) -> Result<Done, Alarm>;
 
     /// The text is over, and the program has not ended itself.
     ///
@@ -123,6 +143,8 @@ pub struct Flow<S> {
     /// A block has been carried out.
     started: bool,
     over: bool,
+    /// The next block belongs to the contour of a cycle.
+    in_contour: bool,
     /// Statements since the last motion.
     idle: u32,
     /// How often a loop has begun again.
@@ -148,6 +170,7 @@ impl<S: Source> Flow<S> {
             depth: 0,
             started: false,
             over: false,
+            in_contour: false,
             idle: 0,
             turns: 0,
             memo: Memo::default(),
@@ -200,7 +223,7 @@ impl<S: Source> Flow<S> {
 
     fn try_step(&mut self, machine: &mut impl Machine) -> Result<(), Trouble> {
         // After each block with a motion there may be a modal call.
-        let by_lines = self.at.column == 0 && self.top().modals.is_empty();
+        let by_lines = self.at.column == 0 && self.top().modals.is_empty() && !self.in_contour;
         let Some(line) = self.lines.line(self.at)? else {
             return self.text_over(machine);
         };

@@ -5,13 +5,15 @@
 //! has; it must not know files.
 
 use leadscrew_core::alarm::{Alarm, Span};
-use leadscrew_core::call::{Aux, Call, CallKind, FeedRate};
+use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Dialect, Event, InForce, Interpreter, Options};
+use leadscrew_core::program::{Dialect, Event, InForce, Interpreter, Options, Way};
 use leadscrew_core::units::{Decimal, Length};
 
 use crate::flow::{Done, Flow, Machine, Rules, Trouble};
 use crate::lines::Source;
+use crate::plane::{Element, Point, Shape};
+use crate::roughing::{Collected, Cycle, FirstLines, Unit};
 use crate::value::Value;
 use crate::variables::{Kept, System, Variables, Written};
 use crate::word::Word;
@@ -31,6 +33,11 @@ struct Core<'p> {
     dialect: Dialect,
     /// T of the latest block that has one.
     tool: Option<u16>,
+    /// What the first lines of the contour cycles have said.
+    first: FirstLines,
+    /// The contour that is being read. For all cycles but G70 the interpreter is then a copy, whose moves are collected;
+    /// the program's own one waits here.
+    contour: Option<(Collected, Option<Interpreter<'p>>)>,
 }
 
 impl<'p, S: Source> Reader<'p, S> {
@@ -48,6 +55,8 @@ impl<'p, S: Source> Reader<'p, S> {
                 params,
                 dialect: options.dialect,
                 tool: None,
+                first: FirstLines::default(),
+                contour: None,
             },
         }
     }
@@ -142,6 +151,20 @@ impl Core<'_> {
         })
     }
 
+    /// The unit of lengths that is in force.
+    fn unit(&self) -> Unit {
+        let (inch, fine) = (self.interpreter.is_inch(), self.params.increment_is_c());
+        Unit {
+            decimals: 3 + u8::from(inch) + u8::from(fine),
+            step_nm: match (inch, fine) {
+                (false, false) => 1_000,
+                (false, true) => 100,
+                (true, false) => 2_540,
+                (true, true) => 254,
+            },
+        }
+    }
+
     /// A length in the unit in force.
     fn shown(&self, length: Length) -> f64 {
         let unit = if self.interpreter.is_inch() {
@@ -215,21 +238,72 @@ impl Acting<'_, '_> {
     ) -> Result<Done, Alarm> {
         let (mut moved, mut tool) = (false, None);
         let out = &mut *self.out;
-        action(self.core, &mut |event| {
-            if let Event::Call(call) = &event {
-                moved |= moves(call);
-                if let CallKind::Aux(Aux::T(number)) = call.kind {
-                    tool = Some(number);
+        let mut contour = self.core.contour.take();
+        let collected = match &mut contour {
+            Some((collected, Some(_))) => Some(collected),
+            _ => None,
+        };
+        let result = if let Some(collected) = collected {
+            action(self.core, &mut |event| {
+                if let Event::Call(call) = &event {
+                    collect(collected, call);
                 }
-            }
-            out(event);
-        })?;
+            })
+        } else {
+            action(self.core, &mut |event| {
+                if let Event::Call(call) = &event {
+                    moved |= moves(call);
+                    if let CallKind::Aux(Aux::T(number)) = call.kind {
+                        tool = Some(number);
+                    }
+                }
+                out(event);
+            })
+        };
+        self.core.contour = contour;
+        result?;
         self.core.tool = tool.or(self.core.tool);
         Ok(Done {
             moved,
             ended: self.core.interpreter.is_ended(),
         })
     }
+}
+
+/// The letters of the words of a plain text, without its comments.
+fn letters(text: &[u8]) -> impl Iterator<Item = u8> {
+    let mut depth = 0_u32;
+    text.iter().filter_map(move |byte| {
+        match byte {
+            b'(' => depth += 1,
+            b')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        let letter = byte.to_ascii_uppercase();
+        (depth == 0 && letter.is_ascii_uppercase()).then_some(letter)
+    })
+}
+
+/// Adds a call of a contour's block to the contour.
+fn collect(collected: &mut Collected, call: &Call) {
+    let (to, shape) = match &call.kind {
+        CallKind::Rapid(to) => (*to, Shape::Rapid),
+        CallKind::Line(to, _) => (*to, Shape::Line),
+        CallKind::Arc(arc) => (
+            arc.end,
+            Shape::Arc {
+                i: arc.i,
+                k: arc.k,
+                clockwise: arc.clockwise,
+            },
+        ),
+        _ => return,
+    };
+    collected.push(Element {
+        end: Point { x: to.x, z: to.z },
+        shape,
+        span: call.span,
+    });
 }
 
 /// True for a call that moves an axis.
@@ -242,6 +316,21 @@ const fn moves(call: &Call) -> bool {
             | CallKind::End(_)
             | CallKind::Over
     )
+}
+
+impl Acting<'_, '_> {
+    /// Makes a move that was calculated.
+    fn trace(&mut self, span: Span, to: Point, way: Way) -> Result<Done, Alarm> {
+        self.act(|core, out| {
+            let to = Position {
+                x: to.x,
+                z: to.z,
+                c: core.interpreter.position().c,
+            };
+            core.interpreter
+                .trace(span, to, way, &mut |event| out(event))
+        })
+    }
 }
 
 impl System for Acting<'_, '_> {
@@ -259,10 +348,16 @@ impl System for Acting<'_, '_> {
 
 impl Machine for Acting<'_, '_> {
     fn line(&mut self, line: u32, text: &[u8]) -> Result<Done, Alarm> {
+        if let Some((collected, Some(_))) = &mut self.core.contour {
+            collected.block(letters(text));
+        }
         self.act(|core, out| core.interpreter.line(text, line, &mut |event| out(event)))
     }
 
     fn words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
+        if let Some((collected, Some(_))) = &mut self.core.contour {
+            collected.block(words.iter().map(|word| word.letter));
+        }
         self.act(|core, out| {
             let numbers: Vec<_> = core.numbers(words).collect();
             core.interpreter
@@ -276,6 +371,46 @@ impl Machine for Acting<'_, '_> {
 
     fn note(&mut self, warning: Alarm) {
         (self.out)(Event::Warning(warning));
+    }
+
+    fn first_line(&mut self, cycle: Cycle, words: &[Word]) -> Result<(), Alarm> {
+        let unit = self.core.unit();
+        self.core.first.read(cycle, words, unit)
+    }
+
+    fn contour_begins(&mut self, cycle: Cycle, words: &[Word], span: Span) -> Result<(), Alarm> {
+        let core = &mut *self.core;
+        let at = core.interpreter.position();
+        let start = Point { x: at.x, z: at.z };
+        let (unit, first, params) = (core.unit(), core.first, core.params);
+        let collected = Collected::new(cycle, words, &first, unit, params, span, start)?;
+        let own = (!collected.is_finish()).then(|| core.interpreter.clone());
+        core.contour = Some((collected, own));
+        Ok(())
+    }
+
+    fn contour_ends(&mut self) -> Result<Done, Alarm> {
+        let core = &mut *self.core;
+        let Some((collected, own)) = core.contour.take() else {
+            return Ok(Done::default());
+        };
+        let Some(own) = own else {
+            // G70 has been cut as it was read; what is left is the way back.
+            let start = collected.start();
+            return self.trace(Span::default(), start, Way::Rapid);
+        };
+        core.interpreter = own;
+        let mut done = Done::default();
+        collected.moves(|cut| {
+            let way = match cut.element.shape {
+                Shape::Rapid => Way::Rapid,
+                Shape::Line => Way::Line,
+                Shape::Arc { i, k, clockwise } => Way::Arc { i, k, clockwise },
+            };
+            done = self.trace(cut.element.span, cut.element.end, way)?;
+            Ok(())
+        })?;
+        Ok(done)
     }
 
     fn finish(&mut self) -> Result<(), Alarm> {

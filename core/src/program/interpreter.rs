@@ -1,6 +1,7 @@
 //! Lines in, events out: the sans-IO driver of lexer, block and modal state.
 
 use super::in_force::InForce;
+use super::motion::Way;
 use super::state::State;
 use crate::alarm::{Alarm, Code, Span};
 use crate::call::Position;
@@ -97,6 +98,33 @@ impl<'p> Interpreter<'p> {
             self.state.run(&self.block, &mut self.plan)?;
         }
         Ok(())
+    }
+
+    /// Takes in one move that a reader has calculated, from where the machine stands. It is made with what is in force: feed,
+    /// dry run, origin.
+    ///
+    /// # Errors
+    /// The move cuts and no feed is set. The program ends with the alarm.
+    pub fn trace(
+        &mut self,
+        span: Span,
+        to: Position,
+        way: Way,
+        out: &mut impl FnMut(Event),
+    ) -> Result<(), Alarm> {
+        if self.is_ended() {
+            return Ok(());
+        }
+        match self.state.trace(span, to, way) {
+            Ok(call) => {
+                out(Event::Call(call));
+                Ok(())
+            }
+            Err(alarm) => {
+                self.failed = true;
+                Err(alarm)
+            }
+        }
     }
 
     /// Reads on from `cursor` to the end of its line.

@@ -21,4 +21,5 @@ pub use crate::text::{Dialect, Event, MAX_LINE, Options};
 pub use arc::ARC_END_TOLERANCE;
 pub use in_force::InForce;
 pub use interpreter::Interpreter;
+pub use motion::Way;
 pub use reader::{Events, Reader};

@@ -1,11 +1,29 @@
 //! Straight and circular motion: axis words to a target, G00 to G03 and G53.
 
-use super::arc::{Way, centre_by_radius, end_error};
+use super::arc::{self, centre_by_radius, end_error};
 use super::state::{Motion, State, needs_words};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::call::{ArcCall, CallKind, Position};
+use crate::call::{ArcCall, Call, CallKind, Position};
 use crate::text::{AXES, Block, Letters, PLANE_AXES, Plan, Word, g_arg};
 use crate::units::{Angle, Axis, Length};
+
+/// How a calculated move gets to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Straight, as fast as the axes allow.
+    Rapid,
+    /// Straight, at the feed in force.
+    Line,
+    /// On a circle in X–Z, at the feed in force.
+    Arc {
+        /// Centre minus start, on the radius.
+        i: Length,
+        /// Centre minus start, along Z.
+        k: Length,
+        /// G02.
+        clockwise: bool,
+    },
+}
 
 /// Words of an arc in addition to the end point.
 const CENTRE: Letters = Letters::of(b"IK");
@@ -72,7 +90,7 @@ impl State<'_> {
             return Err(named(Code::ArcPlane, g_arg(i64::from(self.modal.plane))));
         }
         let end = self.modal.target(block, self.modal.origin)?;
-        let way = Way {
+        let way = arc::Way {
             x: end.x - self.modal.position.x,
             z: end.z - self.modal.position.z,
         };
@@ -103,7 +121,7 @@ impl State<'_> {
                     Some(word) => self.modal.scale.length(word),
                     None => Ok(Length::ZERO),
                 };
-                let centre = Way {
+                let centre = arc::Way {
                     x: length(&i)?,
                     z: length(&k)?,
                 };
@@ -132,6 +150,27 @@ impl State<'_> {
         self.modal.position = end;
         plan.motion(span, CallKind::Arc(call));
         Ok(())
+    }
+
+    /// A move that was calculated, with what is in force.
+    pub(super) fn trace(&mut self, span: Span, to: Position, way: Way) -> Result<Call, Alarm> {
+        let kind = match way {
+            Way::Rapid => CallKind::Rapid(to),
+            Way::Line => CallKind::Line(to, self.modal.feed(span, 1)?),
+            Way::Arc { i, k, clockwise } => CallKind::Arc(ArcCall {
+                end: to,
+                i,
+                k,
+                clockwise,
+                feed: self.modal.feed(span, if clockwise { 2 } else { 3 })?,
+            }),
+        };
+        self.modal.position = to;
+        Ok(Call {
+            span,
+            origin: self.modal.origin,
+            kind,
+        })
     }
 
     /// G28, and G30 P2 to P4: rapid to the point that the words name, and from there to the reference point (1240 to 1243),

@@ -7,6 +7,7 @@ use leadscrew_core::units::Decimal;
 use super::{Flow, Machine, Trouble};
 use crate::expression::Calculator;
 use crate::lines::{Place, Source};
+use crate::roughing::Cycle;
 use crate::statement::{Head, Statement, head, statement};
 use crate::text::{Cursor, Piece, comment_end, piece, span};
 use crate::value::Value;
@@ -109,6 +110,10 @@ impl<S: Source> Flow<S> {
         if let Some(word) = sequence {
             machine.words(here.line, &[word])?;
         }
+        if self.in_contour && kind != Statement::Assign {
+            let place = cursor.here();
+            return Err(Alarm::new(Code::ContourWord, place).word(b'G').into());
+        }
         match kind {
             Statement::Assign => self.assign(&mut cursor, machine)?,
             Statement::If => self.branch(&mut cursor, machine)?,
@@ -180,6 +185,10 @@ impl<S: Source> Flow<S> {
         word::read(cursor, &mut scope, of, words)?;
         if self.call(cursor.line(), words, machine)? {
             return Ok(());
+        }
+        let cycle = |(index, word): (usize, &Word)| Some((index, Cycle::of(word)?));
+        if let Some((index, cycle)) = words.iter().enumerate().find_map(cycle) {
+            return self.contour_cycle(cursor.line(), words, index, cycle, machine);
         }
         let done = machine.words(cursor.line(), words)?;
         self.done(done)

@@ -77,6 +77,7 @@ impl<S: Source> Flow<S> {
         let Some((index, word, caller)) = callers.next() else {
             return Ok(false);
         };
+        self.refuse_in_contour(&word)?;
         if let Some((_, second, _)) = callers.next() {
             return Err(second.alarm(Code::MacroStatement).into());
         }
@@ -257,7 +258,7 @@ impl<S: Source> Flow<S> {
 }
 
 /// The word of a letter that a call may have once.
-fn find(words: &[Word], letter: u8) -> Result<Option<Word>, Alarm> {
+pub(super) fn find(words: &[Word], letter: u8) -> Result<Option<Word>, Alarm> {
     let mut found = words.iter().filter(|word| word.letter == letter);
     let first = found.next().copied();
     match found.next() {

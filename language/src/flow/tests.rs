@@ -68,6 +68,18 @@ impl Machine for Recorder {
         self.notes.push(warning.number());
     }
 
+    fn first_line(&mut self, _: Cycle, _: &[Word]) -> Result<(), Alarm> {
+        Ok(())
+    }
+
+    fn contour_begins(&mut self, _: Cycle, _: &[Word], _: Span) -> Result<(), Alarm> {
+        Ok(())
+    }
+
+    fn contour_ends(&mut self) -> Result<Done, Alarm> {
+        Ok(Done::default())
+    }
+
     fn finish(&mut self) -> Result<(), Alarm> {
         self.finished = true;
         Ok(())
@@ -144,6 +156,15 @@ fn a_block_that_is_carried_out_alone_keeps_its_columns() {
             3
         }
         fn note(&mut self, _: Alarm) {}
+        fn first_line(&mut self, _: Cycle, _: &[Word]) -> Result<(), Alarm> {
+            Ok(())
+        }
+        fn contour_begins(&mut self, _: Cycle, _: &[Word], _: Span) -> Result<(), Alarm> {
+            Ok(())
+        }
+        fn contour_ends(&mut self) -> Result<Done, Alarm> {
+            Ok(Done::default())
+        }
         fn finish(&mut self) -> Result<(), Alarm> {
             Ok(())
         }

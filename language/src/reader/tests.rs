@@ -226,3 +226,114 @@ fn the_end_of_the_text_is_minded_as_by_the_core() {
     assert_eq!((events.len(), alarm), (2, None));
     assert!(matches!(events[1], Event::Warning(alarm) if alarm.number() == 4992));
 }
+
+/// A machine with IS-B, as the worked cases are written for.
+fn is_b() -> Params {
+    let mut params = Params::slant_bed();
+    let entry = leadscrew_core::params::Entry::find_text("1004.1").expect("a parameter");
+    params.set(entry, 0).expect("in range");
+    params
+}
+
+/// The moves of a program after its first, X as a diameter: `R` rapid, `F` feed, `A` arc with its radius and direction.
+fn moves(text: &str) -> String {
+    let (events, alarm) = read_with(text, &is_b(), Options::default());
+    assert_eq!(alarm, None, "{text}");
+    let figure = |nm: i64| {
+        let text = format!("{:.6}", nm as f64 / 1e6);
+        let text = text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        if text == "-0" { "0".to_owned() } else { text }
+    };
+    let mut at = Position::ZERO;
+    let mut list = Vec::new();
+    for event in events {
+        let Event::Call(call) = event else { continue };
+        let (letter, to, round) = match call.kind {
+            CallKind::Rapid(to) => ('R', to, String::new()),
+            CallKind::Line(to, _) => ('F', to, String::new()),
+            CallKind::Arc(arc) => {
+                let radius = (arc.i.nm() as f64).hypot(arc.k.nm() as f64).round();
+                let way = if arc.clockwise { "cw" } else { "ccw" };
+                ('A', arc.end, format!("/{}{way}", figure(radius as i64)))
+            }
+            _ => continue,
+        };
+        if to != at {
+            let (x, z) = (figure(to.x.nm() * 2), figure(to.z.nm()));
+            list.push(format!("{letter}{x},{z}{round}"));
+        }
+        at = to;
+    }
+    list.remove(0);
+    list.join(" ")
+}
+
+const SHAFT: &str = "N1 G0 X20\nG1 Z-10\nX24 Z-20\nX36\nN2 X40 Z-21\n";
+
+#[test]
+fn roughing_along_z_reads_its_contour() {
+    let text = format!("G98 F100\nG0 X40 Z2\nG71 U3 R0.5\nG71 P1 Q2 U0.4 W0.1\n{SHAFT}");
+    assert_eq!(
+        moves(&text),
+        "R40.4,2.1 R34.4,2.1 F34.4,-19.9 F35.4,-19.4 R35.4,2.1 R28.4,2.1 F28.4,-19.9 F29.4,-19.4 R29.4,2.1 \
+         R22.4,2.1 F22.4,-14.9 F23.4,-14.4 R23.4,2.1 R20.4,2.1 F20.4,-9.9 F24.4,-19.9 F36.4,-19.9 F40.4,-20.9 R40,2"
+    );
+    let bore = "G98 F100\nG0 X16 Z2\nG71 U2 R0.5\nG71 P1 Q2 U-0.4 W0.1\nN1 G0 X28\nG1 Z-10\nX24\nZ-20\nN2 X16\n";
+    assert_eq!(
+        moves(bore),
+        "R15.6,2.1 R19.6,2.1 F19.6,-19.9 F18.6,-19.4 R18.6,2.1 R23.6,2.1 F23.6,-19.9 F22.6,-19.4 R22.6,2.1 \
+         R27.6,2.1 F27.6,-9.9 F23.6,-9.9 F23.6,-19.9 F15.6,-19.9 R16,2"
+    );
+}
+
+#[test]
+fn roughing_across_and_in_copies() {
+    let face =
+        "G98 F100\nG0 X60 Z2\nG72 W2 R0.5\nG72 P1 Q2 U0 W0.1\nN1 G0 Z-6\nG1 X40\nZ-3\nX20\nN2 Z1\n";
+    assert_eq!(
+        moves(face),
+        "R60,2.1 R60,0.1 F20,0.1 F21,0.6 R60,0.6 R60,-1.9 F20,-1.9 F21,-1.4 R60,-1.4 R60,-3.9 F40,-3.9 F41,-3.4 \
+         R60,-3.4 R60,-5.9 F40,-5.9 F40,-2.9 F20,-2.9 F20,1.1 R60,2"
+    );
+    let copies = "G98 F100\nG0 X50 Z5\nG73 U3 W1 R3\nG73 P1 Q2 U0.4 W0.2\nN1 G0 X20 Z0\nG1 Z-10\nG2 X30 Z-15 R5\nN2 G1 X40\n";
+    assert_eq!(
+        moves(copies),
+        "R56.4,6.2 R26.4,1.2 F26.4,-8.8 A36.4,-13.8/5cw F46.4,-13.8 R53.4,5.7 R23.4,0.7 F23.4,-9.3 A33.4,-14.3/5cw \
+         F43.4,-14.3 R50.4,5.2 R20.4,0.2 F20.4,-9.8 A30.4,-14.8/5cw F40.4,-14.8 R50,5"
+    );
+}
+
+#[test]
+fn finishing_cuts_the_contour_as_it_is_written() {
+    let text = format!("G98 F100\nG0 X40 Z2\nG71 U3 R0.5\nG71 P1 Q2 U0.4 W0.1\n{SHAFT}G70 P1 Q2\n");
+    let all = moves(&text);
+    assert!(
+        all.ends_with("R40,2 R20,2 F20,-10 F24,-20 F36,-20 F40,-21 R40,2"),
+        "{all}"
+    );
+}
+
+#[test]
+fn a_cycle_without_its_contour_is_refused() {
+    let refused = |text: &str| {
+        read_with(text, &is_b(), Options::default())
+            .1
+            .map(|alarm| alarm.number())
+    };
+    let before = "G98 F100\nG0 X40 Z2\nG71 U3 R0.5\n";
+    assert_eq!(refused(&format!("{before}G71 P1 U1\n{SHAFT}")), Some(61));
+    assert_eq!(refused(&format!("{before}G71 P1 Q9\n{SHAFT}")), Some(63));
+    assert_eq!(refused(&format!("{before}G71 P2 Q1\n{SHAFT}")), Some(63));
+    assert_eq!(
+        refused("G98 F100\nG0 X40 Z2\nG71 U0\nG71 P1 Q2\nN1 G0 X20\nN2 G1 Z-5\n"),
+        Some(62)
+    );
+    assert_eq!(
+        refused("G98 F100\nG0 X40 Z2\nG71 P1 Q2\nN1 G0 X20\nM98 P5\nN2 G1 Z-5\n"),
+        Some(66)
+    );
+    assert_eq!(
+        refused("G98 F100\nG0 X40 Z2\nG71 P1 Q2\nN1 G1 Z-5\nN2 X30\n"),
+        Some(65)
+    );
+}

@@ -79,7 +79,7 @@ fn is_special(text: &[u8]) -> bool {
     match text {
         [b'#' | b'[' | b'<' | b':' | b'O' | b'o', ..] | [b'/', b'1'..=b'9', ..] => true,
         [b'M' | b'm', b'0' | b'9', ..] => matches!(code(&text[1..]), 97..=99),
-        [b'G' | b'g', b'0' | b'6', ..] => matches!(code(&text[1..]), 65..=67),
+        [b'G' | b'g', b'0' | b'6' | b'7', ..] => matches!(code(&text[1..]), 65..=67 | 70..=73),
         [b'E' | b'e', b'N' | b'n', ..] => true,
         _ => false,
     }

@@ -1,0 +1,312 @@
+//! The words of G70 to G73, and the moves that their contour becomes.
+//!
+//! Lengths are read here with the unit and the increment of the program; what has been written in a first line stays until
+//! reset. This module must not know where a block stands in its text.
+
+use leadscrew_core::alarm::{Alarm, Arg, At, Code, Span};
+use leadscrew_core::params::Params;
+use leadscrew_core::units::{Diameter, Length};
+
+use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats, Roughing};
+use crate::plane::{Element, Point};
+use crate::word::Word;
+
+/// A contour cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cycle {
+    /// G70.
+    Finish,
+    /// G71, G72.
+    Rough(Along),
+    /// G73.
+    Pattern,
+}
+
+impl Cycle {
+    /// The cycle of a G word.
+    #[must_use]
+    pub fn of(word: &Word) -> Option<Self> {
+        if word.letter != b'G' {
+            return None;
+        }
+        Some(match word.value().whole()? {
+            70 => Self::Finish,
+            71 => Self::Rough(Along::Z),
+            72 => Self::Rough(Along::X),
+            73 => Self::Pattern,
+            _ => return None,
+        })
+    }
+
+    /// The letters of its own words. Others, as F, S and T, are those of an ordinary block.
+    #[must_use]
+    pub const fn letters(self) -> &'static [u8] {
+        match self {
+            Self::Finish => b"PQ",
+            Self::Rough(_) => b"PQUWRD",
+            Self::Pattern => b"PQUWRIKD",
+        }
+    }
+}
+
+/// The unit of a program's lengths.
+#[derive(Clone, Copy, Debug)]
+pub struct Unit {
+    /// Decimals of the input increment.
+    pub decimals: u8,
+    /// The input increment in nanometres.
+    pub step_nm: i64,
+}
+
+impl Unit {
+    /// The length of a word.
+    fn length(self, word: &Word) -> Result<At<Length>, Alarm> {
+        let number = word.decimal(self.decimals, self.decimals);
+        let count = number.and_then(|number| number.scaled(self.decimals).ok());
+        let nm = count.and_then(|count| count.checked_mul(self.step_nm));
+        let length = nm
+            .map(Length::from_nm)
+            .filter(|length| length.is_in_range());
+        match length {
+            Some(length) => Ok(At::new(length, word.span)),
+            None => {
+                let step = [Arg::Decimal(1, self.decimals)];
+                Err(word.alarm(Code::DigitBeyondIncrement).with(step))
+            }
+        }
+    }
+}
+
+/// What the first lines of the cycles have said.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FirstLines {
+    /// Δd and e of G71 and of G72.
+    rough: [(Option<At<Length>>, Option<At<Length>>); 2],
+    /// i, k and d of G73.
+    pattern: (Option<At<Length>>, Option<At<Length>>, Option<At<i64>>),
+}
+
+/// Words of a block by letter.
+struct Words<'w>(&'w [Word]);
+
+impl Words<'_> {
+    fn find(&self, letter: u8) -> Option<&Word> {
+        self.0.iter().find(|word| word.letter == letter)
+    }
+
+    fn length(&self, letter: u8, unit: Unit) -> Result<Option<At<Length>>, Alarm> {
+        self.find(letter).map(|word| unit.length(word)).transpose()
+    }
+
+    fn passes(&self, letter: u8) -> Result<Option<At<i64>>, Alarm> {
+        let Some(word) = self.find(letter) else {
+            return Ok(None);
+        };
+        Ok(Some(At::new(i64::from(word.count(1, 9999)?), word.span)))
+    }
+
+    /// Refuses a word that this line of the cycle does not have.
+    fn without(&self, letters: &[u8]) -> Result<(), Alarm> {
+        match self.0.iter().find(|word| letters.contains(&word.letter)) {
+            Some(word) => Err(word.alarm(Code::WordWithoutUse)),
+            None => Ok(()),
+        }
+    }
+}
+
+const fn index(along: Along) -> usize {
+    match along {
+        Along::Z => 0,
+        Along::X => 1,
+    }
+}
+
+impl FirstLines {
+    /// Takes in a first line: a block of the cycle without P and Q.
+    ///
+    /// # Errors
+    /// A word that does not belong there, or a length that is none.
+    pub fn read(&mut self, cycle: Cycle, words: &[Word], unit: Unit) -> Result<(), Alarm> {
+        let words = Words(words);
+        match cycle {
+            Cycle::Finish => {}
+            Cycle::Rough(along) => {
+                let (depth, other) = match along {
+                    Along::Z => (b'U', b'W'),
+                    Along::X => (b'W', b'U'),
+                };
+                words.without(&[other, b'D'])?;
+                let kept = &mut self.rough[index(along)];
+                kept.0 = words.length(depth, unit)?.or(kept.0);
+                kept.1 = words.length(b'R', unit)?.or(kept.1);
+            }
+            Cycle::Pattern => {
+                words.without(b"IKD")?;
+                let kept = &mut self.pattern;
+                kept.0 = words.length(b'U', unit)?.or(kept.0);
+                kept.1 = words.length(b'W', unit)?.or(kept.1);
+                kept.2 = words.passes(b'R')?.or(kept.2);
+            }
+        }
+        Ok(())
+    }
+
+    /// The figures of a cycle: from its own block, where that is the one-line form (D), else from its first line, else from
+    /// the parameters.
+    fn figures(
+        &self,
+        cycle: Cycle,
+        block: &[Word],
+        unit: Unit,
+        params: &Params,
+        span: Span,
+    ) -> Result<Figures, Alarm> {
+        let words = Words(block);
+        let given = |length| At::new(length, Span::default());
+        let allowance = Allowance {
+            x: Diameter::from_nm(words.length(b'U', unit)?.map_or(0, |u| u.value.nm())),
+            z: words.length(b'W', unit)?.map_or(Length::ZERO, |w| w.value),
+        };
+        let one_line = words.find(b'D').is_some();
+        if !one_line {
+            words.without(b"RIK")?;
+        }
+        Ok(match cycle {
+            Cycle::Finish => Figures::Finish,
+            Cycle::Rough(along) => {
+                let (depth, retract) = self.rough[index(along)];
+                let depth = if one_line {
+                    words.without(b"R")?;
+                    words.length(b'D', unit)?
+                } else {
+                    depth
+                };
+                Figures::Rough(
+                    along,
+                    Roughing {
+                        depth: depth.unwrap_or_else(|| given(params.rough_depth())),
+                        retract: retract.unwrap_or_else(|| given(params.rough_retract())),
+                        retract_feeds: true,
+                        allowance,
+                        semi_finish: true,
+                        tolerance: Length::ZERO,
+                        span,
+                    },
+                )
+            }
+            Cycle::Pattern => {
+                let (x, z, passes) = if one_line {
+                    words.without(b"R")?;
+                    (
+                        words.length(b'I', unit)?,
+                        words.length(b'K', unit)?,
+                        words.passes(b'D')?,
+                    )
+                } else {
+                    self.pattern
+                };
+                let written = passes.unwrap_or_else(|| {
+                    At::new(i64::from(params.pattern_passes()), Span::default())
+                });
+                Figures::Pattern(Repeats {
+                    x: x.map_or_else(|| params.pattern_x(), |x| x.value),
+                    z: z.map_or_else(|| params.pattern_z(), |z| z.value),
+                    passes: written,
+                    allowance,
+                    span,
+                })
+            }
+        })
+    }
+}
+
+/// A cycle with its figures.
+#[derive(Clone, Copy, Debug)]
+enum Figures {
+    Finish,
+    Rough(Along, Roughing),
+    Pattern(Repeats),
+}
+
+/// A contour that is being collected for its cycle.
+#[derive(Clone, Debug)]
+pub struct Collected {
+    figures: Figures,
+    start: Point,
+    axes: Option<Axes>,
+    elements: Vec<Element>,
+}
+
+impl Collected {
+    /// The block of a cycle, with P and Q.
+    ///
+    /// # Errors
+    /// A word that does not belong there, or a length that is none.
+    pub fn new(
+        cycle: Cycle,
+        words: &[Word],
+        first: &FirstLines,
+        unit: Unit,
+        params: &Params,
+        span: Span,
+        start: Point,
+    ) -> Result<Self, Alarm> {
+        Ok(Self {
+            figures: first.figures(cycle, words, unit, params, span)?,
+            start,
+            axes: None,
+            elements: Vec::new(),
+        })
+    }
+
+    /// The blocks of the contour are cut as they are read: G70.
+    #[must_use]
+    pub const fn is_finish(&self) -> bool {
+        matches!(self.figures, Figures::Finish)
+    }
+
+    /// Where the tool stood before the cycle.
+    #[must_use]
+    pub const fn start(&self) -> Point {
+        self.start
+    }
+
+    /// The next block has these letters; only those of the first block count.
+    pub fn block(&mut self, letters: impl Iterator<Item = u8>) {
+        if self.axes.is_none() {
+            let mut axes = Axes { x: false, z: false };
+            for letter in letters {
+                axes.x |= matches!(letter, b'X' | b'U');
+                axes.z |= matches!(letter, b'Z' | b'W');
+            }
+            self.axes = Some(axes);
+        }
+    }
+
+    /// Adds a piece of the contour. One more than a contour may have is kept, so that the alarm can name it.
+    pub fn push(&mut self, element: Element) {
+        if self.elements.len() <= Contour::MAX {
+            self.elements.push(element);
+        }
+    }
+
+    /// Hands the moves of the cycle to `each`.
+    ///
+    /// # Errors
+    /// What the contour or the figures forbid, before the first move; the first error that `each` returns.
+    pub fn moves(self, mut each: impl FnMut(&Cut) -> Result<(), Alarm>) -> Result<(), Alarm> {
+        let axes = self.axes.unwrap_or(Axes { x: false, z: false });
+        let contour = Contour::new(self.start, axes, self.elements)?;
+        match &self.figures {
+            Figures::Finish => Ok(()),
+            Figures::Rough(along, words) => {
+                let mut moves = contour.rough(*along, words)?;
+                moves.try_for_each(|cut| each(&cut))
+            }
+            Figures::Pattern(words) => {
+                let mut moves = contour.pattern(words)?;
+                moves.try_for_each(|cut| each(&cut))
+            }
+        }
+    }
+}
