@@ -122,8 +122,8 @@ fn plant(bench: &Bench) {
     assert!(!(below && held), "planted");
 }
 
-/// The first seed of which a shift has the fault. How soon a tap is held below R depends on what is drawn, and any change of
-/// the parameters or programs draws anew.
+/// The first seed of which a shift has the fault. How soon a tap is held below R depends on what is drawn, and any change
+/// of the parameters or programs draws anew.
 fn planted() -> u64 {
     for round in 0..20 {
         let report = hours(100 + 1000 * round, Until::Ticks(400_000), 1, plant, &|_| {});
