@@ -122,12 +122,17 @@ fn plant(bench: &Bench) {
     assert!(!(below && held), "planted");
 }
 
-/// The first seed of which a shift has the fault.
+/// The first seed of which a shift has the fault. How soon a tap is held below R depends on what is drawn, and any change
+/// of the parameters or programs draws anew.
 fn planted() -> u64 {
-    let report = hours(100, Until::Ticks(400_000), 1, plant, &|_| {});
-    let (kind, failures) = report.failures.first_key_value().expect("it is found");
-    assert!(kind.ends_with("planted"), "{report}");
-    failures.seeds[0]
+    for round in 0..20 {
+        let report = hours(100 + 1000 * round, Until::Ticks(400_000), 1, plant, &|_| {});
+        if let Some((kind, failures)) = report.failures.first_key_value() {
+            assert!(kind.ends_with("planted"), "{report}");
+            return failures.seeds[0];
+        }
+    }
+    panic!("it is found");
 }
 
 #[test]
