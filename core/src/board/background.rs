@@ -20,7 +20,6 @@ mod store;
 
 use self::orders::Orders;
 use super::device::Device;
-use super::event::Event;
 use super::kept::PowerUp;
 use super::planner::{Planner, Settings};
 use super::queue::{Calls, drop_oldest, take};
@@ -34,6 +33,7 @@ use crate::bus::FdFrame;
 use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::call::{Call, Position};
 use crate::journal::TapRecord;
+use crate::link::Event;
 use crate::motion::Limits;
 use crate::params::Params;
 

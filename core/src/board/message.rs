@@ -1,6 +1,6 @@
 //! The messages between the two contexts that belong to neither of them alone.
 
-use super::event::Command;
+use super::command::Command;
 use super::reference::Measured;
 use super::snapshot::Snapshot;
 use super::store::StoreError;

@@ -24,10 +24,10 @@
 //! It must not know hardware, sockets, clocks or flash.
 
 mod background;
+mod command;
 mod detour;
 pub mod device;
 mod drives;
-mod event;
 mod guard;
 mod kept;
 mod message;
@@ -46,10 +46,11 @@ mod ticker;
 mod trouble;
 mod whole;
 
+pub use crate::link::Event;
 pub use background::{Background, BackgroundSide};
+pub use command::{Command, Switching};
 pub use device::Device;
 pub use drives::FRAMES;
-pub use event::{Command, Event, Switching};
 pub use guard::Guard;
 pub use kept::{Found, Held, KeptError, KeptSet, Mark, PowerUp, Slot};
 pub use nodes::DriveNodes;

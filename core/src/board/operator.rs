@@ -1,6 +1,6 @@
 //! The operator's settings and requests.
 
-use super::event::Command;
+use super::command::Command;
 use super::trouble::BusTrouble;
 use crate::alarm::Code;
 use crate::motion::Rate;

@@ -7,8 +7,8 @@
 
 use heapless::spsc::{Consumer, Producer, Queue};
 
-use super::event::Event;
 use crate::call::Call;
+use crate::link::Event;
 use crate::motion::{Action, Plan, Segment, Task};
 
 /// Calls in the queue of a board. One place of a ring stays empty.

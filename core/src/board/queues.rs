@@ -15,12 +15,12 @@
 
 use heapless::spsc::{Consumer, Producer, Queue};
 
-use super::event::Event;
 use super::message::{Order, Report};
 use super::queue::{DetourIn, Detours, Events, SegmentIn, Segments};
 use super::ticker::{Ends as TickerEnds, Notice, Setup};
 use crate::bus::Frame;
 use crate::journal::TapRecord;
+use crate::link::Event;
 
 // One place of a ring stays empty.
 const ORDERS: usize = 17;

@@ -9,7 +9,7 @@
 
 use heapless::Vec;
 
-use super::event::Command;
+use super::command::Command;
 use super::message::{Order, Report};
 use super::nodes::DriveNodes;
 use super::queue::{drop_oldest, put, take};

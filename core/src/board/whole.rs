@@ -13,8 +13,8 @@
 use heapless::Deque;
 
 use super::background::{Background, BackgroundSide};
+use super::command::Command;
 use super::device::Device;
-use super::event::{Command, Event};
 use super::kept::{Held, PowerUp};
 use super::queue::EVENTS;
 use super::queues::Queues;
@@ -27,6 +27,7 @@ use crate::alarm::{Alarm, Code, Span};
 use crate::bus::{Controller, FdFrame, Frame, NodeId};
 use crate::call::{Call, Position};
 use crate::journal::TapRecord;
+use crate::link::Event;
 use crate::motion::{Helix, Law, Limits, Setpoint, TapLine};
 use crate::params::Params;
 use crate::signals::Signals;

@@ -34,7 +34,7 @@ pub use certificate::{
     ThreadState, encode_certificates,
 };
 pub use change::{decode_changes, encode_changes};
-pub use event::{EventReader, Logged, decode_alarm, encode_alarm, encode_event};
+pub use event::{Event, EventReader, Logged, decode_alarm, encode_alarm, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;
 pub use version::{VERSION, Version};

@@ -6,7 +6,6 @@ use std::vec::Vec;
 use super::bounds::Beyond;
 use super::*;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::board::Event;
 use crate::bus::BoardState;
 use crate::call::{
     ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,

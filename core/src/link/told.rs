@@ -1,10 +1,10 @@
 //! Encodes the messages of a board. The code gives the same bytes as the derived `Serialize`, but is written by hand
 //! and takes half the space [D161]. The tests compare it with the derived one, byte by byte.
 
+use super::Event;
 use super::writer::{Put, Writer};
 use super::{Certificate, Status, Tally, ThreadKind, ThreadRecord, ThreadState, Version};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::board::Event;
 use crate::bus::BoardState;
 use crate::call::{Aux, Position};
 use crate::units::{Angle, Length, Rpm, TurnRate, Turns};

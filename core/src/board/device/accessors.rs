@@ -7,7 +7,7 @@ use super::dictionary::{self, Place};
 use super::objects;
 use super::table::DROP;
 use super::values::{ObjectValues, Told};
-use crate::board::event::Command;
+use crate::board::command::Command;
 use crate::board::store::copy;
 use crate::bus::{
     Abort, BoardPlace, BoardSpindle, BoardStatus, HeartbeatProducer, HeartbeatWatch, Object, Order,

@@ -8,11 +8,11 @@ use super::parameter_store::Progress;
 use super::table::{LOAD, SAVE};
 use super::values::ObjectValues;
 use crate::alarm::{Alarm, Arg, Code};
-use crate::board::event::Event;
 use crate::board::nodes::DriveNodes;
 use crate::board::request::StoreRequest;
 use crate::board::store::{Region, StoreError};
 use crate::bus::Abort;
+use crate::link::Event;
 use crate::link::{ImageError, ImageWriter, identity};
 use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
 

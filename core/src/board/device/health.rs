@@ -2,7 +2,7 @@
 //! [`BusTrouble`] for the tick.
 
 use super::Device;
-use crate::board::event::Command;
+use crate::board::command::Command;
 use crate::board::nodes::DriveNodes;
 use crate::board::ticker::State;
 use crate::board::trouble::{BusTrouble, Intrusion};

@@ -1,7 +1,7 @@
 //! The event log: the last events with their numbers. Object 5040h.
 
 use super::ring::Ring;
-use crate::board::Event;
+use crate::link::Event;
 use crate::link::encode_event;
 
 /// Bytes of events kept.

@@ -48,7 +48,7 @@ use heapless::Deque;
 
 use self::served::Served;
 use self::values::ObjectValues;
-use super::event::{Command, Event};
+use super::command::Command;
 use super::kept::{Found, PowerUp};
 use super::nodes::DriveNodes;
 use super::reference::Measured;
@@ -63,6 +63,7 @@ use crate::bus::{
     NodeId, OrderGate, Periods, SdoServer, Service,
 };
 use crate::call::Call;
+use crate::link::Event;
 use crate::link::ThreadCertificate;
 use crate::params::Params;
 use crate::signals::Signals;

@@ -6,7 +6,7 @@ use super::Device;
 use super::served::Served;
 use super::tell::HEARTBEAT_ERROR;
 use crate::alarm::Code;
-use crate::board::event::Command;
+use crate::board::command::Command;
 use crate::bus::{BoardCommand, Emcy, Frame, NmtEvent, NmtState};
 use crate::params::Params;
 

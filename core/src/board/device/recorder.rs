@@ -1,10 +1,10 @@
 //! The record of a run: every setpoint, and the errors of the synchronised ones.
 
 use super::threads::Threads;
-use crate::board::event::Event;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::bus::{BoardState, Periods};
+use crate::link::Event;
 use crate::link::{Certificate, LinkError, SetpointHash, Tally, VERSION};
 
 /// The record since the program was started, and of its threads.

@@ -9,10 +9,10 @@
 
 use heapless::Vec;
 
-use crate::board::event::Event;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::bus::Abort;
+use crate::link::Event;
 use crate::link::{
     BATCH_BYTES, Certificate, LinkError, Tally, ThreadCertificate, ThreadKind, ThreadRecord,
     ThreadState, encode_certificates,

@@ -11,13 +11,14 @@ use super::protection::WriteProtection;
 use super::recorder::RunRecorder;
 use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
-use crate::board::event::{Command, Event};
+use crate::board::command::Command;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::bus::{
     BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame, HeartbeatConsumer,
     HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Order, PdoCommunication, Service,
 };
+use crate::link::Event;
 use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
 use crate::params::Params;
 use crate::signals::Signals;

@@ -3,7 +3,7 @@
 use super::away::Away;
 use super::spindle::SpindleMode;
 use super::{Notice, Setup, State, Ticker};
-use crate::board::event::Switching;
+use crate::board::command::Switching;
 use crate::board::operator::Operator;
 
 impl Ticker {

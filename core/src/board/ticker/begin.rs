@@ -4,7 +4,8 @@ use super::away::LastPass;
 use super::course::Source;
 use super::{Detour, Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Code};
-use crate::board::event::{Event, Switching};
+use crate::board::command::Switching;
+use crate::link::Event;
 use crate::motion::{Action, Motion};
 
 impl Ticker {

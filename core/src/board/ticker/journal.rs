@@ -5,12 +5,12 @@
 //! result ([`Ticker::stored`]). Before a hole, the tap waits for this report. Inside a hole nothing waits, so that the way
 //! out stays possible. Knows entries; knows nothing of flash.
 
-use super::super::event::Event;
 use super::super::store::StoreError;
 use super::{Ends, Output, State, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::call::Position;
 use crate::journal::{TapHole, TapRecord};
+use crate::link::Event;
 use crate::motion::{Motion, Tap, TapPart, Task};
 use crate::units::Turns;
 

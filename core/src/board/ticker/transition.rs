@@ -11,9 +11,10 @@
 
 use super::{Ends, Notice, Outcome, State, Ticker, emit};
 use crate::alarm::Alarm;
-use crate::board::event::{Event, Switching};
+use crate::board::command::Switching;
 use crate::board::queue::EventIn;
 use crate::call::Position;
+use crate::link::Event;
 
 impl Ticker {
     /// Nothing moves until the drives are enabled, which they are asked for from now on.

@@ -3,8 +3,8 @@
 
 use super::{Ends, State, Ticker, emit};
 use crate::alarm::Alarm;
-use crate::board::event::Event;
 use crate::board::kept::Found;
+use crate::link::Event;
 
 impl Ticker {
     /// Stands on an alarm before the first tick; see [`Tick::begin_in_alarm`](crate::board::Tick::begin_in_alarm).

@@ -1,47 +1,11 @@
-//! What the board tells, as data.
-
-use postcard_schema::Schema;
-use serde::{Deserialize, Serialize};
+//! What an operator orders of the board, and what a tick asks of the switches, as data.
 
 use super::trouble::BusTrouble;
-use crate::alarm::{Alarm, Code};
+use crate::alarm::Code;
 use crate::call::Aux;
-use crate::units::Rpm;
-
-/// An event.
-// With a tag of one word, the content lies on word boundaries and is copied word by word.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
-pub enum Event {
-    /// All drives are enabled; motion is possible.
-    Ready,
-    /// A segment has been started.
-    Started {
-        /// Number of its (first) move.
-        number: u32,
-        /// Source line.
-        line: u32,
-    },
-    /// The spindle has been given a speed.
-    Spindle(Rpm),
-    /// The spindle is brought to a stand in position mode.
-    Rigid,
-    /// A machine function has been switched.
-    Aux(Aux),
-    /// A condition that stops nothing.
-    Warning(Alarm),
-    /// The machine stops; latched until reset.
-    Alarm(Alarm),
-    /// Feed hold or single block has brought the axes to rest.
-    Held,
-    /// A reset is done: everything handed over before is forgotten. The sender of a program stops sending.
-    Reset,
-    /// The last call has been carried out.
-    Finished,
-}
 
 /// What a tick asks of the board's switches. This is part of the tick's output, because the next move may depend on it and
-/// the queue of [`Event`]s may be full [D191].
+/// the queue of [`Event`](crate::link::Event)s may be full [D191].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Switching {
     /// Nothing.
