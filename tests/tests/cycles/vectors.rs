@@ -115,6 +115,11 @@ fn turning_needs_both_ends_a_feed_and_a_taper_that_fits() {
     refused("G0 X60 Z2\nG90 X50 Z-40 Q1 F100\n", 4028);
     // The longest R that still begins at the start.
     same("G0 X60 Z2\nG90 X50 Z-40 R5 F100\n", "F50,-40 F60,-40 R60,2");
+    // R alone feeds in, deeper with each block.
+    same(
+        "G0 X120 Z-30\nG90 X120 Z-44 R-7.5 F150\nZ-56 R-15\n",
+        "R105,-30 F120,-44 R120,-30 R90,-30 F120,-56 R120,-30",
+    );
 }
 
 #[test]
