@@ -175,10 +175,7 @@ impl Spindle {
     /// The state after this call. M24–M27 select another spindle, whose state is unknown here.
     const fn behind(self, call: &Call) -> Self {
         match call.kind {
-            CallKind::Spindle(SpindleCall {
-                rpm,
-                mode: SpindleMode::Speed,
-            }) if rpm.get() != 0 => Self::Turns,
+            CallKind::Spindle(call) if call.turns() => Self::Turns,
             CallKind::Spindle(_) => match self {
                 Self::Turns => Self::Stands,
                 stands => stands,

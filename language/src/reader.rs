@@ -191,8 +191,7 @@ impl Core<'_> {
         let zero = now.origin;
         let number = match number {
             4001 => now.motion.into(),
-            // There is no G96.
-            4002 => 97.0,
+            4002 => 97.0 - f64::from(u8::from(now.surface.is_some())),
             4005 => 98.0 + f64::from(u8::from(now.per_turn)),
             4006 => 21.0 - f64::from(u8::from(self.interpreter.is_inch())),
             4014 => now.system.into(),
@@ -200,7 +199,18 @@ impl Core<'_> {
             4109 => return Some(self.feed(&now).map_or(Value::Null, Value::Number)),
             4114 => self.interpreter.sequence_number().unwrap_or(0).into(),
             4115 => self.interpreter.program_number().unwrap_or(0).into(),
-            4119 => now.speed.into(),
+            4119 => match now.surface {
+                // Metres or feet a minute.
+                Some(speed) => {
+                    self.shown(Length::from_nm(speed.nm_per_min()))
+                        / if self.interpreter.is_inch() {
+                            12.0
+                        } else {
+                            1000.0
+                        }
+                }
+                None => now.speed.into(),
+            },
             4120 => self.tool.unwrap_or(0).into(),
             // What comes next is read after the board has got there, so the present place is that of the block's end.
             5001 | 5041 => self.shown(x - zero.x) * 2.0,

@@ -380,6 +380,12 @@ codes! {
 
     /// G74 with a cycle word and no Z or W.
     PeckingWithoutZ = 4054, "the pecking along Z has no bottom", "write Z or W", "Z 向啄式切削没有终点", "请写 Z 或 W";
+    /// G96 with a thread or a tap.
+    SurfaceSpeedInCycle = 4055, "a thread or a tap needs a spindle speed that stays, and G96 is in force", "write G97 S before it, with the speed in rpm",
+        "螺纹与攻丝需要恒定转速，而当前为 G96", "请在前面写 G97 S（转速，rpm）";
+    /// The first G96 without S.
+    SurfaceSpeedMissing = 4056, "G96 has no surface speed", "write G96 S in m/min (G20: ft/min)",
+        "G96 没有线速度", "请写 G96 S，单位 m/min（G20：ft/min）";
     /// G90, G92 or G94 before its end point is known; {0} the code, {1} the axis.
     CycleEndMissing = 4052, "{0} does not know where its cut ends in {1} yet", "write X and Z (or U and W) in its first block",
         "{0} 尚不知道 {1} 方向的终点", "请在首个程序段写 X 和 Z（或 U 和 W）";
@@ -987,8 +993,8 @@ codes! {
     CutInMode = 4900, "cut-in mode {0} does not exist: parameter 5144 decides", "write 00 to 04 as the middle two digits of P",
         "切入方式 {0} 不存在：由参数 5144 决定", "请把 P 的中间两位写成 00 至 04";
     /// The limit of G50 S cuts a speed down; {0} the speed, {1} the limit.
-    SpeedLimited = 4901, "S{0} is cut down to {1} rpm by the limit of G50 S", "write a smaller S, or a higher limit with G50 S",
-        "S{0} 被 G50 S 限制为 {1} rpm", "请减小 S，或用 G50 S 提高限制";
+    SpeedLimited = 4901, "the limit S{0} is above the spindle's {1} rpm (parameter 3772), so {1} rpm is the limit", "write G50 S{1}",
+        "G50 的限速 S{0} 超过主轴最高转速 {1} rpm（参数 3772），按 {1} rpm 限制", "请写 G50 S{1}";
     /// The extraction override asks for more than the tap may; {0} asked, {1} the limit.
     TapExtractionLimited = 4902, "the retract at {0} is cut down to {1} rpm (parameters 5241 and 3772)", "write a smaller J, or lower 5211",
         "退刀转速 {0} 被限制为 {1} rpm（参数 5241、3772）", "请减小 J，或减小 5211";

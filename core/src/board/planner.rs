@@ -346,7 +346,7 @@ impl Planner {
                 mode: SpindleMode::Rigid(choice),
                 ..
             }) => Action::Rigid(settings.signals.spindle(choice, next.span)?),
-            MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),
+            MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm, spindle.law()),
             MoveKind::Aux(aux) => Action::Aux(aux),
             MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),
         };

@@ -7,6 +7,7 @@
 mod choice;
 mod groove;
 mod lengths;
+mod surface;
 mod tap;
 mod tap_notes;
 mod tapper;
@@ -22,6 +23,7 @@ pub(crate) use lengths::Sign;
 
 pub use choice::{HandChoice, Selection, SpindleChoice};
 pub use groove::GrooveCall;
+pub use surface::SurfaceSpeed;
 pub use tap::{TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat, TapReturn};
 pub use tap_notes::{Extraction, LengthUnit, Plane, TapNotes};
 pub use tapper::{Hand, TapSpindle};
@@ -132,6 +134,9 @@ pub enum SpindleMode {
     /// Rigid tapping: spindle 1 is brought to a stand, and this spindle waits in position mode; it turns with the tap axis
     /// only, at most at this speed. A tap with another one (E) takes that one.
     Rigid(SpindleChoice),
+    /// It turns at the speed that the tool's distance from the centre asks for; the speed of the command is that of its
+    /// beginning, rounded up.
+    Surface(SurfaceSpeed),
 }
 
 /// A spindle command.
@@ -154,6 +159,30 @@ impl SpindleCall {
             rpm,
             mode: SpindleMode::Speed,
         }
+    }
+
+    /// Turning as `law` says, in the sense of `direction` (−1 or +1); the tool is at machine coordinate `x`.
+    #[must_use]
+    pub fn surface(law: SurfaceSpeed, x: Length, direction: i32) -> Self {
+        Self {
+            rpm: law.rpm(x, direction),
+            mode: SpindleMode::Surface(law),
+        }
+    }
+
+    /// The surface speed that the spindle follows, if it does.
+    #[must_use]
+    pub const fn law(&self) -> Option<SurfaceSpeed> {
+        match self.mode {
+            SpindleMode::Surface(law) => Some(law),
+            SpindleMode::Speed | SpindleMode::Rigid(_) => None,
+        }
+    }
+
+    /// True where the spindle turns by itself after this command.
+    #[must_use]
+    pub const fn turns(&self) -> bool {
+        self.rpm.get() != 0 && !matches!(self.mode, SpindleMode::Rigid(_))
     }
 
     /// `spindle` waiting for taps at `rpm`.

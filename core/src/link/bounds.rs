@@ -4,8 +4,8 @@
 
 use crate::alarm::At;
 use crate::call::{
-    ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, Sign, TapCall, TapForm, TapMode,
-    TapReturn, ThreadCall,
+    ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, Sign, SpindleCall, TapCall, TapForm,
+    TapMode, TapReturn, ThreadCall,
 };
 use crate::units::{CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
 
@@ -56,13 +56,22 @@ pub fn call(call: &Call) -> Result<(), Beyond> {
         CallKind::Line(end, rate) => position(end).and(feed(rate)),
         CallKind::Arc(call) => arc(call),
         CallKind::Dwell(time) => dwell(*time),
-        CallKind::Spindle(spindle) => speed(spindle.rpm),
+        CallKind::Spindle(call) => spindle(call),
         CallKind::Aux(_) | CallKind::End(_) | CallKind::Over => Ok(()),
         CallKind::Thread(call) => thread(call),
         CallKind::Groove(call) => groove(call),
         CallKind::Tap(call) => tap(call),
         CallKind::TapReturn(call) => tap_return(call),
     }
+}
+
+fn spindle(call: &SpindleCall) -> Result<(), Beyond> {
+    speed(call.rpm)?;
+    call.law().map_or(Ok(()), |law| {
+        length(Sign::Any, law.centre)?;
+        require((0..=FEED).contains(&law.speed.nm_per_min()), Beyond::Feed)?;
+        require(law.least.max(law.most) <= SPEED, Beyond::Speed)
+    })
 }
 
 fn arc(call: &ArcCall) -> Result<(), Beyond> {

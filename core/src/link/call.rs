@@ -7,8 +7,8 @@ use crate::alarm::{At, Span};
 use crate::call::{
     ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
     Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
-    SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat,
-    TapReturn, TapSpindle, ThreadCall, ThreadCycle,
+    SpindleMode, SurfaceSpeed, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck,
+    TapRepeat, TapReturn, TapSpindle, ThreadCall, ThreadCycle,
 };
 use crate::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle,
@@ -55,6 +55,7 @@ records! {
     Call { span, origin, kind }
     ArcCall { end, i, k, clockwise, feed }
     SpindleCall { rpm, mode }
+    SurfaceSpeed { speed, centre, least, most }
     RunOut { short, long, short_rest, long_rest }
     ThreadCall {
         cycle, start, end_x, end_z, taper, height, first_depth, min_step, allowance, finish_passes, angle, infeed, cut_in,
@@ -138,6 +139,7 @@ choices! {
     SpindleMode {
         0 => Speed,
         1 => Rigid(_),
+        2 => Surface(_),
         else Self::Speed
     }
     Aux {

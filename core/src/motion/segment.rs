@@ -4,7 +4,7 @@ use super::plan::Timed;
 use super::tap::{FloatPlan, Tap};
 use super::thread::ThreadPlan;
 use crate::alarm::{Alarm, Span};
-use crate::call::{Aux, Position, TapSpindle};
+use crate::call::{Aux, Position, SurfaceSpeed, TapSpindle};
 use crate::units::{Length, Rpm};
 
 /// Counts how often a board has forgotten its queued segments. A segment with an older epoch is left over in a queue;
@@ -123,8 +123,8 @@ pub enum Action {
     TapOut,
     /// Stand still for this many ticks.
     Dwell(u32),
-    /// Command a spindle speed.
-    Spindle(Rpm),
+    /// Command a spindle speed; with a law, the speed follows the tool from then on.
+    Spindle(Rpm, Option<SurfaceSpeed>),
     /// Stop spindle 1 and switch this spindle to position mode, for tapping.
     Rigid(TapSpindle),
     /// Switch a machine function.

@@ -356,6 +356,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x0881_C9AA),
     // Contour cycles: 5132 to 5137.
     (2, 0xAA61_B071),
+    // Constant surface speed: 3771.
+    (2, 0x7640_E40B),
 ];
 
 #[test]

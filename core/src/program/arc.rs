@@ -52,6 +52,51 @@ pub(super) fn end_error(way: Way, centre: Way) -> Option<Length> {
     (error > ARC_END_TOLERANCE).then_some(error)
 }
 
+/// Where the arc comes nearest to `axis` in X between its ends, if it does: its start has X `from`, `way` and `centre` count
+/// from there.
+pub(super) fn nearest_to(
+    axis: Length,
+    from: Length,
+    way: Way,
+    centre: Way,
+    clockwise: bool,
+) -> Option<Length> {
+    let middle = from + centre.x;
+    let inward = if middle > axis { -1 } else { 1 };
+    let radius = root(centre.square());
+    let radius = Length::from_nm(i64::try_from(radius).unwrap_or(i64::MAX));
+    // Start and end seen from the centre, so that the arc goes from the first to the second against the clock.
+    let start = Way {
+        x: -centre.x,
+        z: -centre.z,
+    };
+    let end = Way {
+        x: way.x - centre.x,
+        z: way.z - centre.z,
+    };
+    let (first, last) = if clockwise {
+        (end, start)
+    } else {
+        (start, end)
+    };
+    let product = |a: Length, b: Length| i128::from(a.nm()).wrapping_mul(i128::from(b.nm()));
+    let is_small = product(first.z, last.x) >= product(first.x, last.z);
+    let (before, after) = (first.z.signum() * inward, last.z.signum() * -inward);
+    let passes = if way.is_zero() {
+        true
+    } else if is_small {
+        before >= 0 && after >= 0
+    } else {
+        before >= 0 || after >= 0
+    };
+    let nearest = if (middle - axis).abs() <= radius {
+        axis
+    } else {
+        middle + radius.times(inward)
+    };
+    passes.then_some(nearest)
+}
+
 /// The centre of the circle of radius `radius` over the chord `way`, from its start, to within a nanometre; `large`
 /// takes the arc over 180°. Where the radius is shorter than half of the chord by no more than
 /// [`ARC_END_TOLERANCE`], the arc is a half circle; beyond that the error is half of the chord.

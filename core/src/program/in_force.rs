@@ -3,6 +3,7 @@
 use super::state::State;
 use crate::call::{FeedRate, Position};
 use crate::text::ModalFeed;
+use crate::units::Feed;
 
 /// What is in force after the blocks so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,8 +18,10 @@ pub struct InForce {
     pub per_turn: bool,
     /// F, if one is in force.
     pub feed: Option<FeedRate>,
-    /// S, in turns a minute.
+    /// S under G97, in turns a minute.
     pub speed: u32,
+    /// Under G96: its S.
+    pub surface: Option<Feed>,
     /// Machine coordinates of the work zero.
     pub origin: Position,
 }
@@ -38,6 +41,7 @@ impl State<'_> {
                 ModalFeed::PerTurn(feed) => Some(FeedRate::PerTurn(feed, modal.rpm())),
             },
             speed: modal.speed,
+            surface: modal.surface.filter(|_| modal.in_surface),
             origin: modal.origin,
         }
     }

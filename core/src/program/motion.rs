@@ -49,7 +49,10 @@ impl State<'_> {
                 let kind = if self.motion == Motion::Rapid {
                     CallKind::Rapid(to)
                 } else {
-                    CallKind::Line(to, self.modal.feed(span, 1)?)
+                    CallKind::Line(
+                        to,
+                        self.modal.feed(span, 1, &[self.modal.position.x, to.x])?,
+                    )
                 };
                 self.modal.position = to;
                 plan.motion(span, kind);
@@ -63,6 +66,7 @@ impl State<'_> {
             }
             Motion::Thread => {
                 let span = word.map_or(block.lead(), |word| word.span);
+                self.refuse_surface(span)?;
                 return self.thread.read_single(&self.modal, block, span, plan);
             }
         };
@@ -145,24 +149,51 @@ impl State<'_> {
             i: centre.x,
             k: centre.z,
             clockwise,
-            feed: self.modal.feed(span, self.motion.code())?,
+            feed: self.modal.feed(
+                span,
+                self.motion.code(),
+                &self.reach(end, centre, clockwise),
+            )?,
         };
         self.modal.position = end;
         plan.motion(span, CallKind::Arc(call));
         Ok(())
     }
 
+    /// Where an arc from the present position is at its ends, and nearest to the spindle's axis.
+    fn reach(&self, end: Position, centre: arc::Way, clockwise: bool) -> [Length; 3] {
+        let from = self.modal.position;
+        let way = arc::Way {
+            x: end.x - from.x,
+            z: end.z - from.z,
+        };
+        let axis = self.modal.origin.x;
+        let nearest = if self.modal.in_surface {
+            arc::nearest_to(axis, from.x, way, centre, clockwise)
+        } else {
+            None
+        };
+        [from.x, end.x, nearest.unwrap_or(end.x)]
+    }
+
     /// A move that was calculated, with what is in force.
     pub(super) fn trace(&mut self, span: Span, to: Position, way: Way) -> Result<Call, Alarm> {
         let kind = match way {
             Way::Rapid => CallKind::Rapid(to),
-            Way::Line => CallKind::Line(to, self.modal.feed(span, 1)?),
+            Way::Line => {
+                let places = [self.modal.position.x, to.x];
+                CallKind::Line(to, self.modal.feed(span, 1, &places)?)
+            }
             Way::Arc { i, k, clockwise } => CallKind::Arc(ArcCall {
                 end: to,
                 i,
                 k,
                 clockwise,
-                feed: self.modal.feed(span, if clockwise { 2 } else { 3 })?,
+                feed: self.modal.feed(
+                    span,
+                    if clockwise { 2 } else { 3 },
+                    &self.reach(to, arc::Way { x: i, z: k }, clockwise),
+                )?,
             }),
         };
         self.modal.position = to;

@@ -1,10 +1,14 @@
-//! Feed and spindle: F, S, M03 M04 M05 with the coolant and flow codes that share their place in a block, and the speed
-//! limit of G50.
+//! Feed and spindle: F, S, M03 M04 M05 with the coolant and flow codes that share their place in a block, constant surface
+//! speed (G96, G97) and its limit (G50 S).
 
 use super::state::State;
-use crate::alarm::{Alarm, Arg, Code};
-use crate::call::SpindleCall;
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::call::{LengthUnit, SpindleCall};
 use crate::text::{Block, MGroup, Plan, Word};
+use crate::units::{Feed, Length};
+
+/// The highest S under G96, m/min or ft/min.
+const SURFACE_MOST: u32 = 4000;
 
 impl State<'_> {
     fn speed(&self, word: &Word) -> Result<u32, Alarm> {
@@ -22,11 +26,72 @@ impl State<'_> {
         Ok(speed)
     }
 
+    /// S under G96: metres or feet a minute.
+    fn surface(&self, word: &Word) -> Result<Feed, Alarm> {
+        let speed = i64::from(word.count(SURFACE_MOST)?);
+        Ok(Feed::from_nm_per_min(match self.modal.length_unit() {
+            LengthUnit::Metric => speed.saturating_mul(1_000_000_000),
+            LengthUnit::Inch => speed.saturating_mul(304_800_000),
+        }))
+    }
+
+    /// G96 or G97 at `word`. Without S, G97 holds the speed that the spindle has here, and G96 takes the surface speed that
+    /// was in force before.
+    pub(super) fn speed_mode(
+        &mut self,
+        block: &Block,
+        word: &Word,
+        plan: &mut Plan,
+    ) -> Result<(), Alarm> {
+        let surface = word.value.mantissa() == 96;
+        let written = block.find(b'S').is_some();
+        if surface && !written && self.modal.surface.is_none() {
+            return Err(word.alarm(Code::SurfaceSpeedMissing));
+        }
+        if !surface && let Some(law) = self.modal.law() {
+            let milli = law.milli_rpm(self.modal.position.x);
+            self.modal.speed = milli.saturating_add(500) / 1000;
+            if !written && self.modal.direction != 0 {
+                plan.spindle(word.span, SpindleCall::speed(self.modal.rpm()));
+            }
+        }
+        self.modal.in_surface = surface;
+        if !surface {
+            self.told = None;
+        }
+        Ok(())
+    }
+
+    /// Refuses a thread or a tap at `span` under G96: it needs a speed that stays.
+    pub(super) fn refuse_surface(&self, span: Span) -> Result<(), Alarm> {
+        if self.modal.in_surface {
+            return Err(Alarm::new(Code::SurfaceSpeedInCycle, span));
+        }
+        Ok(())
+    }
+
+    /// Under G96: tells the spindle its law where the block has changed the law. The tool was at `from` before the block.
+    pub(super) fn follow_surface(&mut self, block: &Block, from: Length, plan: &mut Plan) {
+        let direction = self.modal.direction;
+        let law = self.modal.law().filter(|_| direction != 0);
+        let told = law.map(|law| (law, direction));
+        if told != self.told
+            && let Some(law) = law
+        {
+            plan.spindle(block.lead(), SpindleCall::surface(law, from, direction));
+        }
+        self.told = told;
+    }
+
     /// S and the M codes that come before the motion.
     pub(super) fn before_motion(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
         let word = block.find(b'S');
         if let Some(word) = &word {
-            self.modal.speed = self.speed(word)?;
+            if self.modal.in_surface {
+                self.modal.surface = Some(self.surface(word)?);
+            } else {
+                self.modal.speed = self.speed(word)?;
+            }
         }
         self.before_motion_codes(block, plan, word);
         Ok(())
@@ -45,15 +110,9 @@ impl State<'_> {
         if let Some(word) = &turn {
             self.modal.direction = if word.value.mantissa() == 3 { 1 } else { -1 };
         }
-        if let Some(word) = speed.or(turn) {
-            if let Some(limit) = self.speed_limit
-                && self.modal.speed > limit
-            {
-                let asked = Arg::Int(i64::from(self.modal.speed));
-                let args = [asked, Arg::Int(i64::from(limit)), Arg::None, Arg::None];
-                plan.warn(word.alarm(Code::SpeedLimited).with(args));
-                self.modal.speed = limit;
-            }
+        if let Some(word) = speed.or(turn)
+            && !self.modal.in_surface
+        {
             plan.spindle(word.span, SpindleCall::speed(self.modal.rpm()));
         }
         if let Some(word) = block.m(MGroup::Coolant)
@@ -89,20 +148,18 @@ impl State<'_> {
         }
     }
 
-    /// G50 without X U Z W: S is the speed limit.
+    /// G50 without X U Z W: S is the highest speed under G96. What the spindle cannot do anyway is told.
     pub(super) fn limit_speed(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
         let Some(word) = block.find(b'S') else {
             return Ok(());
         };
-        let limit = self.speed(&word)?;
-        self.speed_limit = Some(limit);
-        if self.modal.speed > limit && self.modal.direction != 0 {
-            let asked = Arg::Int(i64::from(self.modal.speed));
-            let args = [asked, Arg::Int(i64::from(limit)), Arg::None, Arg::None];
+        let highest = self.modal.params.spindle_max_rpm();
+        let limit = word.count(u32::MAX)?;
+        if limit > highest {
+            let args = [Arg::Int(i64::from(limit)), Arg::Int(i64::from(highest))];
             plan.warn(word.alarm(Code::SpeedLimited).with(args));
-            self.modal.speed = limit;
-            plan.spindle(word.span, SpindleCall::speed(self.modal.rpm()));
         }
+        self.modal.speed_limit = Some(limit.min(highest));
         Ok(())
     }
 }

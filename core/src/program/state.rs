@@ -1,10 +1,10 @@
 //! What a block does: modes, coordinate systems, tool offsets, dwell, and which cycle reads its words.
 //!
 //! Power-on: G00 G18 G21 G40 G54 G64 G80 G97 G98, no feed, spindle standing, no shift, no tool offset. G17–G19 matter to
-//! arcs alone; G40, G61, G64, G80 and G97 are accepted and change nothing, since nothing they would end exists.
+//! arcs alone; G40, G61, G64 and G80 are accepted and change nothing, since nothing they would end exists.
 
 use crate::alarm::{Alarm, Arg, Code};
-use crate::call::TapAxis;
+use crate::call::{SurfaceSpeed, TapAxis};
 use crate::cycle::{
     GrooveWords, TapPart, Tapping, ThreadWords, Turning, TurningWords, TwoBlock, is_tap_return,
 };
@@ -50,7 +50,8 @@ impl Motion {
 pub(super) struct State<'p> {
     pub(super) modal: Modal<'p>,
     pub(super) motion: Motion,
-    pub(super) speed_limit: Option<u32>,
+    /// The surface speed and the sense that the spindle was told last.
+    pub(super) told: Option<(SurfaceSpeed, i32)>,
     pub(super) thread: ThreadWords,
     pub(super) groove: GrooveWords,
     pub(super) turning: TurningWords,
@@ -73,7 +74,7 @@ impl<'p> State<'p> {
         Self {
             modal: Modal::new(params, options),
             motion: Motion::Rapid,
-            speed_limit: None,
+            told: None,
             thread: ThreadWords::new(),
             groove: GrooveWords::new(),
             turning: TurningWords::default(),
@@ -95,6 +96,7 @@ impl<'p> State<'p> {
         if block.has_no_lead() {
             return Ok(());
         }
+        let from = self.modal.position.x;
         if self.tapping.concerns(block) {
             self.around_taps(block, plan)?;
         } else {
@@ -103,6 +105,9 @@ impl<'p> State<'p> {
         }
         if block.has_m() {
             self.after_motion(block, plan);
+        }
+        if self.modal.in_surface {
+            self.follow_surface(block, from, plan);
         }
         plan.set_origin(self.modal.origin);
         Ok(())
@@ -113,6 +118,9 @@ impl<'p> State<'p> {
     fn set_modes(&mut self, block: &Block, plan: &mut Plan) -> Result<Option<Word>, Alarm> {
         if block.has_groups(MODES) {
             self.modes(block);
+        }
+        if let Some(word) = block.g(Group::SpeedMode) {
+            self.speed_mode(block, &word, plan)?;
         }
         let motion_word = block.g(Group::Motion);
         if let Some(word) = motion_word {
@@ -159,6 +167,7 @@ impl<'p> State<'p> {
                 return Ok(());
             }
             TapPart::Cycle(word, rigid) => {
+                self.refuse_surface(word.as_ref().map_or(block.lead(), |word| word.span))?;
                 if rigid {
                     self.before_motion_codes(block, plan, None);
                 } else {
@@ -169,6 +178,7 @@ impl<'p> State<'p> {
                     .tap(&mut self.modal, block, word.as_ref(), plan)?;
             }
             TapPart::RigidCode => {
+                self.refuse_surface(block.lead())?;
                 block.only(Letters::default())?;
                 self.before_motion_codes(block, plan, None);
             }
@@ -302,6 +312,9 @@ impl<'p> State<'p> {
             }
         }
         let is_thread = matches!(code, 76 | 78);
+        if is_thread {
+            self.refuse_surface(word.span)?;
+        }
         if !is_thread && let Some(word) = block.find(b'F') {
             self.modal.set_feed(&word)?;
         }

@@ -19,7 +19,7 @@ pub(crate) enum Group {
     Path,
     /// G80 G84 G88.
     Canned,
-    /// G97.
+    /// G96 G97.
     SpeedMode,
     /// G98 G99.
     FeedMode,
@@ -87,10 +87,10 @@ pub(crate) const fn g_code(code: i64) -> Known<Group> {
         54..=59 => Group::System,
         61 | 64 => Group::Path,
         80 | 84 | 88 => Group::Canned,
-        97 => Group::SpeedMode,
+        96 | 97 => Group::SpeedMode,
         98 | 99 => Group::FeedMode,
         33 => return Known::Tapping,
-        32 | 41 | 42 | 65..=67 | 70..=73 | 96 => {
+        32 | 41 | 42 | 65..=67 | 70..=73 => {
             return Known::NotYet;
         }
         _ => return Known::No,

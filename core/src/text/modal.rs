@@ -4,7 +4,7 @@ use super::block::{Block, Letters, Word, g_arg};
 use super::options::{Dialect, Options};
 use super::scale::{Range, Scale};
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::call::{FeedRate, LengthUnit, Position};
+use crate::call::{FeedRate, LengthUnit, Position, SurfaceSpeed};
 use crate::params::Params;
 use crate::units::{Angle, Diameter, Feed, FeedPerTurn, Length, Rpm};
 
@@ -42,9 +42,16 @@ pub(crate) struct Modal<'p> {
     pub(crate) position: Position,
     pub(crate) per_turn: bool,
     pub(crate) feed: ModalFeed,
+    /// S under G97.
     pub(crate) speed: u32,
     /// −1, 0 or +1.
     pub(crate) direction: i32,
+    /// G96.
+    pub(crate) in_surface: bool,
+    /// S under G96, once there was one.
+    pub(crate) surface: Option<Feed>,
+    /// S of G50: the highest speed under G96.
+    pub(crate) speed_limit: Option<u32>,
 }
 
 impl<'p> Modal<'p> {
@@ -63,6 +70,9 @@ impl<'p> Modal<'p> {
             feed: ModalFeed::None,
             speed: 0,
             direction: 0,
+            in_surface: false,
+            surface: None,
+            speed_limit: None,
         };
         modal.place_origin();
         modal
@@ -138,16 +148,17 @@ impl<'p> Modal<'p> {
         Ok(())
     }
 
-    /// The feed of a cut at `span`; in a dry run the dry-run feed, once there is one to replace.
+    /// The feed of a cut at `span` whose X goes over `places`; in a dry run the dry-run feed, once there is one to replace.
+    /// Under G96 a feed per turn is given with the highest speed on the way, which the measured one does not exceed.
     #[inline]
-    pub(crate) fn feed(&self, span: Span, code: i64) -> Result<FeedRate, Alarm> {
+    pub(crate) fn feed(&self, span: Span, code: i64, places: &[Length]) -> Result<FeedRate, Alarm> {
         let feed = match self.feed {
             ModalFeed::None => {
                 let args = [g_arg(code), Arg::None, Arg::None, Arg::None];
                 return Err(Alarm::new(Code::FeedMissing, span).with(args));
             }
             ModalFeed::PerMinute(feed) => FeedRate::PerMinute(feed),
-            ModalFeed::PerTurn(feed) => FeedRate::PerTurn(feed, self.rpm()),
+            ModalFeed::PerTurn(feed) => FeedRate::PerTurn(feed, self.fastest(places)),
         };
         if self.options.dry_run {
             return Ok(FeedRate::PerMinute(self.params.dry_run_feed()));
@@ -155,7 +166,36 @@ impl<'p> Modal<'p> {
         Ok(feed)
     }
 
-    /// Commanded spindle speed.
+    /// The surface speed that the spindle follows: under G96, once there is an S.
+    pub(crate) fn law(&self) -> Option<SurfaceSpeed> {
+        let speed = self.surface.filter(|_| self.in_surface)?;
+        let highest = self.params.spindle_max_rpm();
+        Some(SurfaceSpeed {
+            speed,
+            centre: self.origin.x,
+            least: self.params.surface_min_rpm(),
+            most: self.speed_limit.map_or(highest, |limit| limit.min(highest)),
+        })
+    }
+
+    /// The highest commanded speed at any of `places`.
+    #[inline]
+    fn fastest(&self, places: &[Length]) -> Rpm {
+        if !self.in_surface {
+            return self.rpm();
+        }
+        let Some(law) = self.law() else {
+            return Rpm::STOPPED;
+        };
+        // The place nearest to the axis: the axis itself where the way crosses it.
+        let from_axis = |x: &Length| (*x - law.centre).nm();
+        let least = places.iter().map(from_axis).min().unwrap_or(0);
+        let most = places.iter().map(from_axis).max().unwrap_or(0);
+        let nearest = if least > 0 { least } else { most.min(0) };
+        law.rpm(law.centre + Length::from_nm(nearest), self.direction)
+    }
+
+    /// Commanded spindle speed under G97.
     pub(crate) fn rpm(&self) -> Rpm {
         let speed = i32::try_from(self.speed).unwrap_or(i32::MAX);
         Rpm::new(speed.saturating_mul(self.direction))

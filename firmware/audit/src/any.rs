@@ -17,7 +17,7 @@ use leadscrew_core::bus::{
 use leadscrew_core::call::{
     ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
     Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
-    SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat,
+    SpindleMode, SurfaceSpeed, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat,
     TapReturn, TapSpindle, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::journal::{TapHole, TapRecord};
@@ -118,6 +118,7 @@ records! {
     Call { span origin kind }
     ArcCall { end i k clockwise feed }
     SpindleCall { rpm mode }
+    SurfaceSpeed { speed centre least most }
     RunOut { short long short_rest long_rest }
     ThreadCall {
         cycle start end_x end_z taper height first_depth min_step allowance finish_passes angle infeed cut_in starts
@@ -187,7 +188,7 @@ choices! {
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
     TapMode { TapMode::Rigid } or TapMode::Floating;
-    SpindleMode { SpindleMode::Speed } or SpindleMode::Rigid(any());
+    SpindleMode { SpindleMode::Speed } or SpindleMode::Rigid(any()) or SpindleMode::Surface(any());
     HandChoice { HandChoice::Signal } or HandChoice::Written(any());
     Selection { Selection::Sws } or Selection::Rgtsp;
     SpindleChoice { SpindleChoice::Written(any()) } or SpindleChoice::Signals { by: any(), otherwise: any() };

@@ -118,6 +118,12 @@ impl Row {
                 row.mode = Some(match spindle.mode {
                     SpindleMode::Speed => "speed",
                     SpindleMode::Rigid(_) => "rigid",
+                    SpindleMode::Surface(law) => {
+                        let milli = i64::from(law.milli_rpm(to.x));
+                        row.rpm = Some(milli * 1000 * i64::from(spindle.rpm.get().signum()));
+                        row.feed = Some(law.speed.nm_per_min());
+                        "surface"
+                    }
                 });
                 "spindle"
             }

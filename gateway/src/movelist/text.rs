@@ -50,7 +50,11 @@ pub(super) fn row(lang: Lang, out: &mut Vec<u8>, row: &Row) {
     if let Some(depth) = row.depth.map(value) {
         both(both!("depth {depth}", "深度 {depth}"));
     }
+    let is_surface = row.mode == Some("surface");
     match (row.feed.map(value), row.feed_rev.map(value)) {
+        (Some(speed), _) if is_surface => {
+            both(both!("surface at {speed} mm/min", "线速 {speed} mm/min"));
+        }
         (_, Some(feed)) => both(both!("F{feed} mm/rev", "F{feed} mm/r")),
         (Some(feed), None) => both(both!("F{feed} mm/min", "F{feed} mm/min")),
         (None, None) => {}

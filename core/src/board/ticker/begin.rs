@@ -93,14 +93,17 @@ impl Ticker {
                 if let Some(tap) = task.tap() {
                     self.tap_begins(tap);
                 }
+                // A rapid cuts nothing: the spindle goes to the speed of the rapid's end at once.
+                let rapid = task.timed().filter(|timed| timed.feed.is_none());
+                self.spindle.aim(rapid.map(|timed| timed.end().x));
                 emit(events, Event::Started { number, line });
                 self.executor.begin(task);
                 // The segment stays in its queue until it is done.
                 self.course.take_from(Source::Program);
                 return None;
             }
-            Action::Spindle(rpm) => {
-                self.spindle.turn(rpm);
+            Action::Spindle(rpm, law) => {
+                self.spindle.turn(rpm, law);
                 Event::Spindle(rpm)
             }
             Action::Rigid(spindle) => {

@@ -52,6 +52,8 @@ pub(super) struct Given {
     pub waits_for_rgtap: bool,
     pub edge_time: bool,
     pub hold_retracts: bool,
+    /// The most that a command under constant surface speed changes in a tick, thousandths of a turn per minute.
+    pub surface_step: u32,
 }
 
 impl Given {
@@ -81,6 +83,15 @@ impl Given {
             waits_for_rgtap: params.tap_wait_rgtap(),
             edge_time: params.encoder_edge_time(),
             hold_retracts: params.thread_hold_retracts(),
+            surface_step: surface_step(params),
         })
     }
+}
+
+/// 1000 rpm in the time of 9004.
+fn surface_step(params: &Params) -> u32 {
+    let step = params.tick_us().saturating_mul(1000);
+    step.checked_div(params.spindle_ramp_ms())
+        .unwrap_or(1)
+        .max(1)
 }

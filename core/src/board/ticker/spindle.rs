@@ -7,9 +7,9 @@ use super::{Ends, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::operator::overridden;
 use crate::bus::MilliRpm;
-use crate::call::TapSpindle;
+use crate::call::{SurfaceSpeed, TapSpindle};
 use crate::motion::{Action, Motion};
-use crate::units::Rpm;
+use crate::units::{Length, Rpm};
 
 /// Position mode of a spindle.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +24,28 @@ enum Rigid {
     Leaving,
 }
 
+/// Constant surface speed.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    law: SurfaceSpeed,
+    /// X at the end of a rapid that is under way, or was last; `None` where the tool's own place counts.
+    end: Option<Length>,
+    /// The present command, override included; thousandths of a turn per minute.
+    milli_rpm: u32,
+}
+
+impl Surface {
+    /// A tick: the command goes toward the speed of the law, by at most `step`.
+    fn follow(&mut self, x: Length, percent: u8, step: u32) {
+        let wanted = self.law.milli_rpm(self.end.unwrap_or(x));
+        let wanted = u64::from(wanted).saturating_mul(u64::from(percent)) / 100;
+        let most = u64::from(self.law.most).saturating_mul(1000);
+        let wanted = u32::try_from(wanted.min(most)).unwrap_or(u32::MAX);
+        let now = self.milli_rpm;
+        self.milli_rpm = wanted.clamp(now.saturating_sub(step), now.saturating_add(step));
+    }
+}
+
 /// The commands to the spindles.
 #[derive(Debug)]
 pub(super) struct SpindleMode {
@@ -32,8 +54,9 @@ pub(super) struct SpindleMode {
     taps_with: TapSpindle,
     /// Override in force, in per cent; frozen inside a thread cycle.
     percent: u8,
-    /// S with M03/M04, before override.
+    /// S with M03/M04, before override. Under constant surface speed its sign counts alone.
     speed: Rpm,
+    surface: Option<Surface>,
     /// Ticks for which leaving position mode has waited.
     waited: u32,
 }
@@ -46,6 +69,7 @@ impl SpindleMode {
             taps_with: TapSpindle::First,
             percent: 100,
             speed: Rpm::STOPPED,
+            surface: None,
             waited: 0,
         }
     }
@@ -57,12 +81,39 @@ impl SpindleMode {
 
     /// Commanded speed, override included.
     pub(super) fn commanded(&self) -> Rpm {
-        overridden(self.speed, self.percent)
+        match &self.surface {
+            None => overridden(self.speed, self.percent),
+            Some(surface) => {
+                let whole = surface.milli_rpm.saturating_add(500) / 1000;
+                let whole = i32::try_from(whole).unwrap_or(i32::MAX);
+                Rpm::new(whole.saturating_mul(self.speed.get().signum()))
+            }
+        }
     }
 
     /// The speed command in speed mode.
     pub(super) fn velocity(&self) -> MilliRpm {
-        MilliRpm::of(self.speed, u16::from(self.percent))
+        match &self.surface {
+            None => MilliRpm::of(self.speed, u16::from(self.percent)),
+            Some(surface) => {
+                let milli = i32::try_from(surface.milli_rpm).unwrap_or(i32::MAX);
+                MilliRpm::new(milli.saturating_mul(self.speed.get().signum()))
+            }
+        }
+    }
+
+    /// A tick under constant surface speed, with the tool at `x`: the command changes by at most `step`.
+    pub(super) fn follow(&mut self, x: Length, step: u32) {
+        if let Some(surface) = &mut self.surface {
+            surface.follow(x, self.percent, step);
+        }
+    }
+
+    /// A motion begins: the place that counts for constant surface speed is `end`, or the tool's own.
+    pub(super) const fn aim(&mut self, end: Option<Length>) {
+        if let Some(surface) = &mut self.surface {
+            surface.end = end;
+        }
     }
 
     /// Sets the override in force.
@@ -73,10 +124,22 @@ impl SpindleMode {
     /// The commanded speed is zero from now on.
     pub(super) const fn stop(&mut self) {
         self.speed = Rpm::STOPPED;
+        self.surface = None;
     }
 
-    /// A program commands a speed: position mode ends.
-    pub(super) const fn turn(&mut self, speed: Rpm) {
+    /// A program commands a speed, or a law for it: position mode ends. A law begins at the present command.
+    pub(super) fn turn(&mut self, speed: Rpm, law: Option<SurfaceSpeed>) {
+        let reversed = self.speed.get().signum() != speed.get().signum();
+        let present = if reversed {
+            0
+        } else {
+            self.velocity().get().unsigned_abs()
+        };
+        self.surface = law.map(|law| Surface {
+            law,
+            end: None,
+            milli_rpm: present,
+        });
         self.speed = speed;
         self.rigid = match self.rigid {
             Rigid::On | Rigid::Leaving => Rigid::Leaving,
@@ -211,7 +274,7 @@ impl Ticker {
     pub(super) fn wait_for_release(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let next = ends.segments.head()?;
         let waits =
-            matches!(next.action, Action::Spindle(_)) && self.operator.signals.rgtap == Some(true);
+            matches!(next.action, Action::Spindle(..)) && self.operator.signals.rgtap == Some(true);
         if !waits {
             self.spindle.waited = 0;
             return None;
@@ -226,7 +289,9 @@ impl Ticker {
 
     /// The speed command of the spindle: from an ordinary tap while one is under way, otherwise the program's speed with
     /// its override.
-    pub(super) fn velocity(&self) -> MilliRpm {
+    pub(super) fn velocity(&mut self) -> MilliRpm {
+        let x = self.executor.position().x;
+        self.spindle.follow(x, self.given.surface_step);
         match self.executor.spindle_speed() {
             Some(rate) => MilliRpm::of_rate(rate),
             None => self.spindle.velocity(),

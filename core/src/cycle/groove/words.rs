@@ -74,7 +74,7 @@ impl GrooveWords {
             relief,
             retract: retract
                 .unwrap_or_else(|| At::new(modal.params.groove_retract(), Span::default())),
-            feed: modal.feed(word.span, code)?,
+            feed: modal.feed(word.span, code, &[modal.position.x, end.x])?,
         };
         plan.motion(word.span, CallKind::Groove(call));
         Ok(())

@@ -104,7 +104,7 @@ impl TurningWords {
                 .word(b'R')
                 .with(limit));
         }
-        let feed = modal.feed(span, cycle.code())?;
+        let feed = modal.feed(span, cycle.code(), &[start.x, first.x, end.x])?;
         plan.straight(span, first, None);
         plan.straight(span, end, Some(feed));
         plan.straight(span, last, Some(feed));

@@ -1,6 +1,7 @@
 //! Motion, coordinates, spindle, tools and the order of calls.
 
 use super::*;
+use crate::alarm::Code;
 use crate::units::{Angle, Feed, FeedPerTurn, Millis};
 
 fn per_minute(mm: i64) -> FeedRate {
@@ -129,20 +130,116 @@ fn coordinate_systems_shift_and_offset() {
 fn s_in_g50_is_a_limit_only_alone() {
     assert_eq!(kinds("G50 X100 Z50 M3 S300"), [spindle(300)]);
     assert_eq!(kinds("G50 S1500\nM3 S1200"), [spindle(1200)]);
-    let (events, alarm) = read("M4 S1200\nG50 S800\nS900\nS700");
+    // Under G97 it limits nothing.
+    assert_eq!(kinds("G50 S800\nM3 S900"), [spindle(900)]);
+    // What the spindle cannot do anyway is told.
+    let (events, alarm) = read("G50 S3001");
     assert_eq!(alarm, None);
-    let numbers: Vec<i64> = events
-        .iter()
-        .map(|event| match event {
-            Event::Warning(alarm) => i64::from(alarm.number()),
-            Event::Call(Call {
-                kind: CallKind::Spindle(call),
-                ..
-            }) => i64::from(call.rpm.get()),
-            Event::Call(call) => panic!("{call:?}"),
-        })
-        .collect();
-    assert_eq!(numbers, [-1200, 4901, -800, 4901, -800, -700]);
+    let [Event::Warning(warning)] = events.as_slice() else {
+        panic!("{events:?}");
+    };
+    assert_eq!(warning.code, Code::SpeedLimited);
+}
+
+/// The law of S m/min with the work zero at X0, where G50 S says `most`.
+fn law(metres: i64, most: u32) -> SurfaceSpeed {
+    SurfaceSpeed {
+        speed: Feed::from_nm_per_min(metres * 1_000_000_000),
+        centre: Length::ZERO,
+        least: 0,
+        most,
+    }
+}
+
+fn surface(law: SurfaceSpeed, rpm: i32) -> CallKind {
+    CallKind::Spindle(SpindleCall {
+        rpm: Rpm::new(rpm),
+        mode: SpindleMode::Surface(law),
+    })
+}
+
+#[test]
+fn constant_surface_speed_is_one_command_until_it_changes() {
+    assert_eq!(
+        kinds("G0 X100\nG50 S2000\nG96 S150 M3\nG0 X50\nS100\nM5\nM4"),
+        [
+            CallKind::Rapid(at(1_000_000, 0)),
+            surface(law(150, 2000), 478),
+            CallKind::Rapid(at(500_000, 0)),
+            surface(law(100, 2000), 637),
+            spindle(0),
+            surface(law(100, 2000), -637),
+        ]
+    );
+    // Until the spindle turns, nothing is told; a new limit or a new work zero is.
+    assert_eq!(
+        kinds("G96 S150\nG0 X100\nM3\nG50 S400\nG50 X102"),
+        [
+            CallKind::Rapid(at(1_000_000, 0)),
+            surface(law(150, 3000), 478),
+            surface(law(150, 400), 400),
+            surface(
+                SurfaceSpeed {
+                    centre: Length::from_nm(-1_000_000),
+                    ..law(150, 400)
+                },
+                400
+            ),
+        ]
+    );
+    // Feet a minute.
+    let CallKind::Spindle(feet) = kinds("G20 G96 S500 M3")[0] else {
+        panic!("no spindle");
+    };
+    assert_eq!(
+        feet.law().map(|law| law.speed.nm_per_min()),
+        Some(152_400_000_000)
+    );
+}
+
+#[test]
+fn g97_holds_the_speed_and_g96_takes_its_own_up_again() {
+    assert_eq!(
+        kinds("G0 X100\nG96 S150 M3\nG97\nG96\nG97 S300\nS310"),
+        [
+            CallKind::Rapid(at(1_000_000, 0)),
+            surface(law(150, 3000), 478),
+            spindle(477),
+            surface(law(150, 3000), 478),
+            spindle(300),
+            spindle(310),
+        ]
+    );
+}
+
+#[test]
+fn a_feed_per_turn_under_g96_has_the_highest_speed_of_its_way() {
+    let rpm = |text: &str| {
+        let text = std::format!("G99 G50 S2000\nG96 S150 M4\nG0 X100 Z0\n{text}");
+        match kinds(&text).pop() {
+            Some(
+                CallKind::Line(_, FeedRate::PerTurn(_, rpm))
+                | CallKind::Arc(ArcCall {
+                    feed: FeedRate::PerTurn(_, rpm),
+                    ..
+                }),
+            ) => rpm.get(),
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(rpm("G1 X50 F0.2"), -955);
+    assert_eq!(rpm("G1 X120 F0.2"), -478);
+    // Across the centre.
+    assert_eq!(rpm("G1 X-100 F0.2"), -2000);
+    // Half a circle over X110, or under X90.
+    assert_eq!(rpm("G3 Z-10 I0 K-5 F0.2"), -478);
+    assert_eq!(rpm("G2 Z-10 I0 K-5 F0.2"), -531);
+    // A quarter and three quarters, with the place nearest to the axis at their end or within.
+    assert_eq!(rpm("G2 X80 Z-10 R10 F0.2"), -597);
+    assert_eq!(rpm("G3 X80 Z-10 R10 F0.2"), -597);
+    assert_eq!(rpm("G2 X80 Z-10 R-10 F0.2"), -796);
+    assert_eq!(rpm("G3 X80 Z-10 R-10 F0.2"), -597);
+    assert_eq!(rpm("G2 K-5 F0.2"), -531);
 }
 
 #[test]
