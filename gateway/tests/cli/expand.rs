@@ -267,20 +267,17 @@ fn of_a_refused_block_nothing_is_listed_in_a_long_program_either() {
     }
 }
 
-/// Also where it has a warning: that is told, and the alarm behind it.
+/// The same where the block has a warning: the warning is told, and after it the alarm.
 #[test]
 fn of_a_refused_block_with_a_warning_nothing_is_listed() {
-    let program = String::from("G50 X64 Z10\nG50 S100\nM8\n") + &refused("");
-    let output = piped(&program, &["--format", "csv"]);
+    let tap = "M3 S300 T0101 G84 Z-3 R-3 F100 J100\n";
+    let output = piped(&format!("M8\n{tap}"), &["--format", "csv"]);
     let told = stdout(&output);
     assert_eq!(told.lines().count(), 2, "{told}");
     let told = stderr(&output);
-    let (warning, alarm) = (told.find("4901").unwrap(), told.find("4103").unwrap());
+    let (warning, alarm) = (told.find("4909").unwrap(), told.find("alarm[").unwrap());
     assert!(warning < alarm, "{told}");
     // A table without a line has no heading.
-    let output = piped(
-        &refused("G50 X64 Z10\nG50 S100\n").replace("T0101", ""),
-        &[],
-    );
+    let output = piped(&tap.replace("T0101", ""), &[]);
     assert_eq!(stdout(&output), "");
 }
