@@ -249,8 +249,12 @@ fn longest(piece: &Piece, end: End) -> f64 {
         End::Last => piece.start,
     };
     match piece.bend {
-        Some(bend) if piece.turning().abs() >= PI => 2.0 * bend.centre.length(),
-        _ => other.length(),
+        // By the radius at the corner, as everything here: that of the other end may be another by its rounding.
+        Some(bend) => {
+            let turning = piece.turning().abs().min(PI);
+            2.0 * bend.centre.length() * libm::sin(turning / 2.0)
+        }
+        None => other.length(),
     }
 }
 

@@ -300,9 +300,20 @@ fn is_too_long(path: &[Element], corner: Corner) -> bool {
             let size = size.nm() as f64;
             let far = reach(&a).min(reach(&b));
             let at_leg = |stroke: &Stroke, from_end: bool, wanted: f64| {
-                shares()
-                    .map(|share| stroke.place(if from_end { 1.0 - share } else { share }))
-                    .find(|place| leg(*place) >= wanted)
+                let place = |share: f64| stroke.place(if from_end { 1.0 - share } else { share });
+                let is_far = |share: f64| leg(place(share)) >= wanted;
+                // A step of a long element may be longer than the leg.
+                let mut far = shares().find(|share| is_far(*share))?;
+                let mut near = (far - 1.0 / f64::from(STEPS)).max(0.0);
+                for _ in 0..40 {
+                    let middle = (near + far) / 2.0;
+                    if is_far(middle) {
+                        far = middle;
+                    } else {
+                        near = middle;
+                    }
+                }
+                Some(place(far))
             };
             let widest = (1..=100).filter_map(|step| {
                 let wanted = far * f64::from(step) / 100.0;

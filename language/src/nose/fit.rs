@@ -32,7 +32,9 @@ pub(super) fn arc_takes(track: &Track) -> Result<(), Alarm> {
     }
 }
 
-/// The offset motion goes the way of the programmed one; notes where it has become nothing.
+/// The offset motion goes the way of the programmed one, and the nose touches a part of that one; notes where the motion
+/// has become nothing. What an outside corner adds to one end does not count: where an inside corner at the other end takes
+/// more than the programmed motion, the nose would pass it by.
 pub(super) fn leave_something(track: &mut Track) -> Result<(), Alarm> {
     // The tip comes from wherever it is.
     if track.begins == Begins::StartUp {
@@ -43,9 +45,13 @@ pub(super) fn leave_something(track: &mut Track) -> Result<(), Alarm> {
     };
     let piece = track.piece_at(track.start);
     let Some(bend) = piece.bend else {
-        let left = (offset.end - offset.start).dot(piece.first());
+        let along = piece.first();
+        let left = (offset.end - offset.start).dot(along);
+        let touched = (offset.end - piece.start)
+            .dot(along)
+            .min((piece.end - offset.start).dot(along));
         track.is_nothing = left < NOTHING;
-        return if left < -NOTHING {
+        return if left < -NOTHING || touched < -CLOSER {
             Err(interference(track))
         } else {
             Ok(())
@@ -63,13 +69,17 @@ pub(super) fn leave_something(track: &mut Track) -> Result<(), Alarm> {
     };
     let at_start = taken(angle(piece.start, offset.start));
     let at_end = taken(angle(offset.end, piece.end));
-    let left = if radius < NOTHING {
-        0.0
+    let turning = piece.turning().abs();
+    let (left, touched) = if radius < NOTHING {
+        (0.0, 0.0)
     } else {
-        (piece.turning().abs() - at_start - at_end) * radius
+        (
+            (turning - at_start - at_end) * radius,
+            (turning - at_start.max(at_end)) * radius,
+        )
     };
     track.is_nothing = left < NOTHING;
-    if left < -NOTHING || left > TAU * radius + NOTHING {
+    if left < -NOTHING || touched < -CLOSER || left > TAU * radius + NOTHING {
         return Err(interference(track));
     }
     if left > TAU * radius - NOTHING {
@@ -122,6 +132,9 @@ pub(super) fn keep_clear<'a>(mut tracks: impl Iterator<Item = &'a Track>) -> Res
             }
         }
         turn += other.turning();
+        if turn.abs() > PI + ANGLE {
+            break;
+        }
         next_direction = other.first();
     }
     Ok(())

@@ -77,7 +77,7 @@ impl TurningWords {
             Turning::Along => end.x - start.x,
             Turning::Across => end.z - start.z,
         };
-        // D as far out as the start has no infeed that R could point against: R alone feeds in, as in the maker's own example.
+        // Where D is as far out as the start, R alone feeds in, as in the maker's own example.
         let against = infeed != Length::ZERO && self.taper.signum() != infeed.signum();
         if against && self.taper.abs() > infeed.abs() {
             let figures = [Arg::Length(self.taper), Arg::Length(infeed)];

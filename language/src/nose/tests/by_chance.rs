@@ -200,11 +200,15 @@ impl Case {
     fn has_a_reason(&self, strokes: &[Stroke], at: usize) -> bool {
         let last = at.min(strokes.len() - 1);
         let near = &strokes[..=last];
-        // The moves round a corner, that of the start-up too, reach further from it than the nose.
+        // The moves round a corner, that of the start-up too, reach further from it than the nose: round an outside corner
+        // the centre may be three radii away.
         let is_beside = (0..near.len()).any(|i| {
-            (1..near.len()).any(|j| {
-                j != i && j != i + 1 && near[j].distance(near[i].end) < 1.5 * self.radius()
-            })
+            let is_outside = near.get(i + 1).is_some_and(|next| {
+                let turn = (next.heading(0.0) - near[i].heading(1.0) + PI).rem_euclid(TAU) - PI;
+                (turn < 0.0) == (self.side == Side::Left)
+            });
+            let reach = if is_outside { 4.0 } else { 1.5 } * self.radius();
+            (1..near.len()).any(|j| j != i && j != i + 1 && near[j].distance(near[i].end) < reach)
         });
         is_beside
             || (1..near.len()).any(|i| {
