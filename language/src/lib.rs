@@ -14,8 +14,8 @@
 //! - [`flow`] carries out assignments, jumps, loops and calls, and so decides which block comes next; [`outline`] is what
 //!   its searches see.
 //! - [`reader`] is the whole way: text in, events of the core out.
-//! - [`roughing`] reads the words of the cycles G70–G73, and [`contour`] makes their moves from the contour that the program
-//!   describes.
+//! - [`roughing`] reads the words of the cycles G70–G73, and [`contour`] makes their moves from the contour that the
+//!   program describes.
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
 //! - [`geometry`] says where such elements meet, and what lies beside them.
 //! - [`corner`] puts a chamfer or a rounding between two of them.

@@ -52,8 +52,8 @@ pub(super) fn end_error(way: Way, centre: Way) -> Option<Length> {
     (error > ARC_END_TOLERANCE).then_some(error)
 }
 
-/// Where the arc comes nearest to `axis` in X between its ends, if it does. Its start has X `from`; `way` and `centre` count
-/// from the start.
+/// Where the arc comes nearest to `axis` in X between its ends, if it does. Its start has X `from`; `way` and `centre`
+/// count from the start.
 pub(super) fn nearest_to(
     axis: Length,
     from: Length,

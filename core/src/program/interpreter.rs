@@ -100,8 +100,8 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Takes in one move that a reader has calculated, from where the machine stands. Feed, dry run and origin in force hold
-    /// for it.
+    /// Takes in one move that a reader has calculated, from where the machine stands. Feed, dry run and origin in force
+    /// hold for it.
     ///
     /// # Errors
     /// The move cuts and no feed is set. The program ends with the alarm.

@@ -24,7 +24,7 @@ use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::moves::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::{Dialect, Options};
+use leadscrew_core::program::{Dialect, Options, Way};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
@@ -188,7 +188,8 @@ choices! {
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
     TapMode { TapMode::Rigid } or TapMode::Floating;
-    SpindleMode { SpindleMode::Speed } or SpindleMode::Rigid(any()) or SpindleMode::Surface(any());
+    SpindleMode { SpindleMode::Speed, SpindleMode::Rigid(any()) } or SpindleMode::Surface(any());
+    Way { Way::Rapid, Way::Line } or Way::Arc { i: any(), k: any(), clockwise: any() };
     HandChoice { HandChoice::Signal } or HandChoice::Written(any());
     Selection { Selection::Sws } or Selection::Rgtsp;
     SpindleChoice { SpindleChoice::Written(any()) } or SpindleChoice::Signals { by: any(), otherwise: any() };

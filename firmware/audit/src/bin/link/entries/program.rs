@@ -11,6 +11,7 @@ pub fn all() {
     events();
     lines();
     chunks();
+    traced();
     decimal();
 }
 
@@ -50,6 +51,17 @@ fn chunks() {
         sink(reader.push(text, &mut sink));
     }
     sink(reader.finish(&mut sink));
+}
+
+#[inline(never)]
+fn traced() {
+    let params: Params = any();
+    let mut interpreter = Interpreter::new(&params, any());
+    while any() {
+        sink(interpreter.line(&any::<[u8; 80]>(), any(), &mut sink));
+        sink(interpreter.trace(any(), any(), any(), &mut sink));
+        sink(interpreter.in_force());
+    }
 }
 
 #[inline(never)]
