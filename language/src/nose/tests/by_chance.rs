@@ -227,23 +227,28 @@ impl Case {
     /// The nose touches one motion up to a place, and the next one from that place on; it is clear of the
     /// other there.
     fn meets(&self, a: &Stroke, b: &Stroke) -> bool {
+        // Finer toward the corner: a small nose meets there or nowhere.
         const FINE: u32 = 2_000;
-        let fine = || (0..=FINE).map(|step| f64::from(step) / f64::from(FINE));
+        let fine = || (0..=FINE).map(|step| (f64::from(step) / f64::from(FINE)).powi(2));
         let clear =
             |place: &(f64, f64), other: &Stroke| other.distance(*place) >= self.radius() - 1.0;
         let mut back = fine()
-            .map(|share| self.contact(a, 1.0 - share))
-            .skip_while(|place| !clear(place, b));
+            .map(|share| (share, self.contact(a, 1.0 - share)))
+            .skip_while(|(_, place)| !clear(place, b));
         let mut on = fine()
-            .map(|share| self.contact(b, share))
-            .skip_while(|place| !clear(place, a));
-        let (Some(last), Some(first)) = (back.next(), on.next()) else {
+            .map(|share| (share, self.contact(b, share)))
+            .skip_while(|(_, place)| !clear(place, a));
+        let (Some((before, last)), Some((after, first))) = (back.next(), on.next()) else {
             return false;
         };
-        let step = (a.length() + b.length() + 9.0 * self.radius()) / f64::from(FINE);
+        let step = |share: f64, stroke: &Stroke| {
+            let share = (2.0 * share.sqrt() + 1.0 / f64::from(FINE)) / f64::from(FINE);
+            (stroke.length() + 9.0 * self.radius()) * share
+        };
+        let step = step(before, a) + step(after, b);
         (last.0 - first.0).hypot(last.1 - first.1) < 4.0 * step
-            && back.all(|place| clear(&place, b))
-            && on.all(|place| clear(&place, a))
+            && back.all(|(_, place)| clear(&place, b))
+            && on.all(|(_, place)| clear(&place, a))
     }
 }
 
