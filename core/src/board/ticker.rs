@@ -28,6 +28,7 @@ mod setup;
 mod spindle;
 mod state;
 mod stopping;
+mod surface;
 mod transition;
 mod withheld;
 

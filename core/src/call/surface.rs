@@ -30,18 +30,24 @@ impl SurfaceSpeed {
     pub fn milli_rpm(&self, x: Length) -> u32 {
         let [least, most] = [self.least, self.most].map(|rpm| u64::from(rpm).saturating_mul(1000));
         let radius = (x - self.centre).nm().unsigned_abs();
-        // A surface speed is below 2⁴⁴ nm/min.
-        let speed = self.speed.nm_per_min().max(0) as u64;
-        let turns = mul_high(speed.wrapping_shl(16), PER_RADIUS) >> 8;
+        let turns = self.turns();
         let milli = turns
             .saturating_add(radius >> 1)
             .checked_div(radius)
             .unwrap_or(u64::MAX);
-        let milli = if speed == 0 { 0 } else { milli };
+        let milli = if turns == 0 { 0 } else { milli };
         u32::try_from(milli.max(least).min(most)).unwrap_or(u32::MAX)
     }
 
-    /// The same in whole turns per minute, rounded up, with the sign of `direction`.
+    /// The spindle speed in thousandths of a turn per minute, times the radius in nanometres; below 2⁵⁰.
+    pub(crate) const fn turns(&self) -> u64 {
+        let speed = self.speed.nm_per_min();
+        // A surface speed is below 2⁴³ nm/min.
+        let speed = if speed < 0 { 0 } else { speed as u64 };
+        mul_high(speed.wrapping_shl(16), PER_RADIUS) >> 8
+    }
+
+    /// The spindle speed with the tool at `x` in whole turns per minute, rounded up, with the sign of `direction`.
     #[must_use]
     pub fn rpm(&self, x: Length, direction: i32) -> Rpm {
         let whole = self.milli_rpm(x).div_ceil(1000);

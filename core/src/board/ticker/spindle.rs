@@ -3,6 +3,7 @@
 //!
 //! [`SpindleMode`] knows the commands. Drives and executor carry them out.
 
+use super::surface::Surface;
 use super::{Ends, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::operator::overridden;
@@ -22,28 +23,6 @@ enum Rigid {
     On,
     /// Back to speed mode as soon as the spindle stands.
     Leaving,
-}
-
-/// Constant surface speed.
-#[derive(Clone, Copy, Debug)]
-struct Surface {
-    law: SurfaceSpeed,
-    /// X at the end of a rapid that is under way, or was last; `None` where the tool's own place counts.
-    end: Option<Length>,
-    /// The present command, override included; thousandths of a turn per minute.
-    milli_rpm: u32,
-}
-
-impl Surface {
-    /// A tick: the command goes toward the speed of the law, by at most `step`.
-    fn follow(&mut self, x: Length, percent: u8, step: u32) {
-        let wanted = self.law.milli_rpm(self.end.unwrap_or(x));
-        let wanted = u64::from(wanted).saturating_mul(u64::from(percent)) / 100;
-        let most = u64::from(self.law.most).saturating_mul(1000);
-        let wanted = u32::try_from(wanted.min(most)).unwrap_or(u32::MAX);
-        let now = self.milli_rpm;
-        self.milli_rpm = wanted.clamp(now.saturating_sub(step), now.saturating_add(step));
-    }
 }
 
 /// The commands to the spindles.
@@ -84,8 +63,7 @@ impl SpindleMode {
         match &self.surface {
             None => overridden(self.speed, self.percent),
             Some(surface) => {
-                let whole = surface.milli_rpm.saturating_add(500) / 1000;
-                let whole = i32::try_from(whole).unwrap_or(i32::MAX);
+                let whole = surface.command(self.percent).saturating_add(500) / 1000;
                 Rpm::new(whole.saturating_mul(self.speed.get().signum()))
             }
         }
@@ -96,7 +74,7 @@ impl SpindleMode {
         match &self.surface {
             None => MilliRpm::of(self.speed, u16::from(self.percent)),
             Some(surface) => {
-                let milli = i32::try_from(surface.milli_rpm).unwrap_or(i32::MAX);
+                let milli = surface.command(self.percent);
                 MilliRpm::new(milli.saturating_mul(self.speed.get().signum()))
             }
         }
@@ -105,14 +83,14 @@ impl SpindleMode {
     /// A tick under constant surface speed, with the tool at `x`: the command changes by at most `step`.
     pub(super) fn follow(&mut self, x: Length, step: u32) {
         if let Some(surface) = &mut self.surface {
-            surface.follow(x, self.percent, step);
+            surface.follow(x, step);
         }
     }
 
     /// A motion begins: the place that counts for constant surface speed is `end`, or the tool's own.
     pub(super) const fn aim(&mut self, end: Option<Length>) {
         if let Some(surface) = &mut self.surface {
-            surface.end = end;
+            surface.aim(end);
         }
     }
 
@@ -127,19 +105,15 @@ impl SpindleMode {
         self.surface = None;
     }
 
-    /// A program commands a speed, or a law for it: position mode ends. A law begins at the present command.
+    /// A program commands a speed, or a law for it: position mode ends. A law begins at the speed that was commanded.
     pub(super) fn turn(&mut self, speed: Rpm, law: Option<SurfaceSpeed>) {
-        let reversed = self.speed.get().signum() != speed.get().signum();
-        let present = if reversed {
-            0
-        } else {
-            self.velocity().get().unsigned_abs()
+        let goes_on = self.speed.get().signum() == speed.get().signum();
+        let present = match &self.surface {
+            _ if !goes_on => 0,
+            Some(surface) => surface.milli_rpm(),
+            None => self.speed.abs().saturating_mul(1000),
         };
-        self.surface = law.map(|law| Surface {
-            law,
-            end: None,
-            milli_rpm: present,
-        });
+        self.surface = law.map(|law| Surface::new(&law, present));
         self.speed = speed;
         self.rigid = match self.rigid {
             Rigid::On | Rigid::Leaving => Rigid::Leaving,

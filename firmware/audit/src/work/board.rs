@@ -64,6 +64,21 @@ pub const SEVEN_DRIVES: Program = Program {
     ..MOVES
 };
 
+/// Constant surface speed, with the feed by the measured spindle: a rapid, a face and an arc.
+pub const SURFACE: Program = Program {
+    text: "O0007\n\
+        G99 G50 S2500\n\
+        G96 S150 M3 G0 X60 Z0\n\
+        G1 X20 F0.3\n\
+        G3 X40 Z-10 R10\n\
+        M30\n",
+    spindles: 1,
+    deep: false,
+    stop: None,
+    kinds: &["/to-surface", "/surface-line", "/surface-arc"],
+    kind: tap_kind,
+};
+
 /// An ordinary tap: the axis follows the measured spindle through stop and reversal.
 pub const ORDINARY_TAP: Program = Program {
     text: "O0006\n\
@@ -137,7 +152,7 @@ pub const STOP_IN_TAP: Program = Program {
     kind: |seen| usize::from(seen.alarm),
 };
 
-/// Classified by the line of the tap; all other lines are the way into rigid mode and out of it.
+/// Classified by the lines 4 and 5, the taps or cuts; all other lines are the way into rigid mode and out of it.
 fn tap_kind(seen: &Seen) -> usize {
     match seen.line {
         4 => 1,

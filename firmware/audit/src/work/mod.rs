@@ -87,6 +87,7 @@ pub fn all(counter: &mut impl Counter) {
         board::ORDINARY_TAP,
         board::TAPS,
         board::DEEP_TAP,
+        board::SURFACE,
         board::STOP_IN_THREAD,
         board::STOP_IN_TAP,
     ] {
