@@ -9,16 +9,16 @@
 mod float;
 mod pass;
 
-use super::plan::Timed;
+use super::plan::{Scaling, Timed};
 use super::rate::Rate;
 use super::run::Run;
 use super::segment::{Action, Plan, Stops, Task};
 use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
 use crate::alarm::{Alarm, Code, Span};
-use crate::call::{FeedRate, Position};
+use crate::call::Position;
 use crate::spindle::Observer;
-use crate::units::{Length, Rpm, Ticks, TurnRate, Turns};
+use crate::units::{Divisor, Length, Rpm, Ticks, TurnRate, Turns};
 use pass::Waited;
 
 /// The inputs of one tick of motion.
@@ -489,11 +489,11 @@ impl Executor {
         let rate = if hold {
             Rate::HOLD
         } else {
-            match &timed.feed {
-                None => now.rapid,
-                Some(FeedRate::PerMinute(_)) => now.feed,
-                Some(FeedRate::PerTurn(_, rpm)) => {
-                    now.feed.times(turning(now.observer.speed(), *rpm))
+            match timed.scaling {
+                Scaling::Rapid => now.rapid,
+                Scaling::Feed => now.feed,
+                Scaling::Turns(commanded) => {
+                    now.feed.times(turning(now.observer.speed(), commanded))
                 }
             }
         };
@@ -518,8 +518,7 @@ impl Executor {
 }
 
 /// Measured speed divided by commanded speed.
-fn turning(measured: TurnRate, commanded: Rpm) -> Rate {
-    let wanted = TurnRate::of_rpm(commanded).abs().raw() >> 16;
-    let ratio = measured.abs().raw().checked_div(wanted.max(1)).unwrap_or(0);
+fn turning(measured: TurnRate, commanded: Divisor) -> Rate {
+    let (ratio, _) = commanded.divide(measured.abs().raw() as u64);
     Rate::from_raw(u32::try_from(ratio).unwrap_or(u32::MAX))
 }

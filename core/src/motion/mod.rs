@@ -33,7 +33,7 @@ pub use executor::{Arrival, Conditions, Executor, Law, Motion, Setpoint};
 pub use limits::{Limits, Pace};
 pub use line::Line;
 pub use path::Path;
-pub use plan::Timed;
+pub use plan::{Scaling, Timed};
 pub use profile::{CAPACITY, Profile, Progress, Ramp};
 pub use rate::{PathRate, Rate, Travel};
 pub use run::{Run, Step};

@@ -12,7 +12,7 @@ use super::shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{FeedRate, Position};
 use crate::moves::{Move, MoveKind};
-use crate::units::{Feed, Length, Rpm, mul_div};
+use crate::units::{Divisor, Feed, Length, Rpm, TurnRate, mul_div};
 
 /// The highest feed override for which the ramp of a feed has room.
 pub const FEED_OVERRIDE_MAX: Rate = Rate::percent(150);
@@ -31,9 +31,33 @@ pub struct Timed {
     /// Rate at which the motion may hand over to the next motion. Zero asks for an exact stop; the planner always asks
     /// for one.
     pub exit: PathRate,
-    /// The programmed speed; `None` for a rapid. Under G99 the tick's rate is the measured spindle speed divided by the
-    /// commanded speed, times the override.
-    pub feed: Option<FeedRate>,
+    /// What the tick multiplies the rate by.
+    pub scaling: Scaling,
+}
+
+/// What a tick multiplies the programmed rate of a motion by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scaling {
+    /// The rapid override.
+    Rapid,
+    /// The feed override.
+    Feed,
+    /// The feed override, and the measured spindle speed divided by the commanded one (G99). This is the commanded speed, in
+    /// 2⁻¹⁶ turns per second.
+    Turns(Divisor),
+}
+
+impl Scaling {
+    fn of(feed: Option<FeedRate>) -> Self {
+        match feed {
+            None => Self::Rapid,
+            Some(FeedRate::PerMinute(_)) => Self::Feed,
+            Some(FeedRate::PerTurn(_, rpm)) => {
+                let commanded = TurnRate::of_rpm(rpm).abs().raw() >> 16;
+                Self::Turns(Divisor::new(u32::try_from(commanded).unwrap_or(u32::MAX)))
+            }
+        }
+    }
 }
 
 impl Timed {
@@ -137,7 +161,7 @@ fn planned(
         nominal,
         ramp,
         exit: PathRate::ZERO,
-        feed,
+        scaling: Scaling::of(feed),
     })
 }
 
@@ -297,7 +321,8 @@ mod tests {
             .unwrap();
         // 0.2 mm · 300/min = 60 mm/min.
         assert_eq!(timed.nominal.raw(), 1_000 * 256);
-        assert_eq!(timed.feed, Some(per_turn));
+        // 5 turns a second.
+        assert_eq!(timed.scaling, Scaling::Turns(Divisor::new(5 << 16)));
         let standing = FeedRate::PerTurn(FeedPerTurn::from_nm(200_000), Rpm::STOPPED);
         let alarm = plan_to(position(0, 50_000_000, 0), MoveKind::Feed(standing)).unwrap_err();
         assert_eq!((alarm.code, alarm.word), (Code::SpindleStopped, Some(b'F')));

@@ -166,7 +166,7 @@ impl Run {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::motion::{Line, Path, Ramp};
+    use crate::motion::{Line, Path, Ramp, Scaling};
     use crate::units::Angle;
     use std::vec::Vec;
 
@@ -186,7 +186,7 @@ mod tests {
             nominal: PathRate::from_raw(nominal),
             ramp: Ramp::new(PathRate::from_raw(51_200), 7, 4).unwrap(),
             exit: PathRate::from_raw(exit),
-            feed: None,
+            scaling: Scaling::Rapid,
         }
     }
 

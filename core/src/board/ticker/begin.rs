@@ -6,7 +6,7 @@ use super::{Detour, Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Switching;
 use crate::link::Event;
-use crate::motion::{Action, Motion};
+use crate::motion::{Action, Motion, Scaling};
 
 impl Ticker {
     /// Begins the next segment if it may begin now. Returns number and line of a segment that is over at once, or that
@@ -94,7 +94,7 @@ impl Ticker {
                     self.tap_begins(tap);
                 }
                 // A rapid cuts nothing: the spindle goes to the speed of the rapid's end at once.
-                let rapid = task.timed().filter(|timed| timed.feed.is_none());
+                let rapid = task.timed().filter(|timed| timed.scaling == Scaling::Rapid);
                 self.spindle.aim(rapid.map(|timed| timed.end().x));
                 emit(events, Event::Started { number, line });
                 self.executor.begin(task);

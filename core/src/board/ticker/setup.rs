@@ -1,5 +1,6 @@
 //! What a ticker needs of a parameter set.
 
+use super::surface;
 use crate::board::drives::Figures;
 use crate::board::kept::Found;
 use crate::motion::Arrival;
@@ -52,7 +53,7 @@ pub(super) struct Given {
     pub waits_for_rgtap: bool,
     pub edge_time: bool,
     pub hold_retracts: bool,
-    /// The most that a command under constant surface speed changes in a tick, thousandths of a turn per minute.
+    /// The most that a command under constant surface speed changes to the next, thousandths of a turn per minute.
     pub surface_step: u32,
 }
 
@@ -90,7 +91,7 @@ impl Given {
 
 /// 1000 rpm in the time of 9004.
 fn surface_step(params: &Params) -> u32 {
-    let step = params.tick_us().saturating_mul(1000);
+    let step = params.tick_us().saturating_mul(1000 * surface::TICKS);
     step.checked_div(params.spindle_ramp_ms())
         .unwrap_or(1)
         .max(1)

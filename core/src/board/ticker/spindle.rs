@@ -83,7 +83,7 @@ impl SpindleMode {
     /// A tick under constant surface speed, with the tool at `x`: the command changes by at most `step`.
     pub(super) fn follow(&mut self, x: Length, step: u32) {
         if let Some(surface) = &mut self.surface {
-            surface.follow(x, step);
+            surface.tick(x, step);
         }
     }
 

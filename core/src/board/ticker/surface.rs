@@ -1,6 +1,6 @@
-//! The spindle's command under constant surface speed, one step a tick.
+//! The spindle's command under constant surface speed, step by step.
 //!
-//! The exact law needs a long division. A command changes only a little in a tick, so the step is found from how far the
+//! The exact law needs a long division. A command changes only a little from one to the next, so the step is found from how far the
 //! last command is off, with a short one. Knows nothing of drives.
 
 use crate::call::SurfaceSpeed;
@@ -9,8 +9,10 @@ use crate::units::Length;
 
 /// Radii above this, nm, count as this: 68 m. So products keep within 63 bits.
 const FARTHEST: u64 = 1 << 36;
-/// The largest change in a tick, thousandths of a turn per minute.
+/// The largest change of a command, thousandths of a turn per minute.
 const LARGEST_STEP: u32 = 1 << 15;
+/// Ticks from one command to the next: a spindle is slow, and the wire has other frames.
+pub(super) const TICKS: u32 = 4;
 
 /// Constant surface speed.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +27,8 @@ pub(super) struct Surface {
     end: Option<Length>,
     /// The present command before override.
     milli_rpm: u32,
+    /// Ticks until the next command.
+    wait: u32,
 }
 
 impl Surface {
@@ -39,6 +43,7 @@ impl Surface {
             most,
             end: None,
             milli_rpm,
+            wait: 0,
         }
     }
 
@@ -59,8 +64,17 @@ impl Surface {
         self.end = end;
     }
 
-    /// A tick with the tool at `x`: the command goes toward the law by at most `step`.
-    pub(super) fn follow(&mut self, x: Length, step: u32) {
+    /// A tick with the tool at `x`: every [`TICKS`] the command goes toward the law by at most `step`.
+    pub(super) fn tick(&mut self, x: Length, step: u32) {
+        if let Some(wait) = self.wait.checked_sub(1) {
+            self.wait = wait;
+        } else {
+            self.wait = TICKS.saturating_sub(1);
+            self.follow(x, step);
+        }
+    }
+
+    fn follow(&mut self, x: Length, step: u32) {
         let x = self.end.unwrap_or(x);
         let radius = (x - self.centre).nm().unsigned_abs().min(FARTHEST);
         let step = step.min(LARGEST_STEP);
