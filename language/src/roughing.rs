@@ -80,10 +80,29 @@ impl Unit {
 /// What the first lines of the cycles have said.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FirstLines {
-    /// Δd and e of G71 and of G72.
-    rough: [(Option<At<Length>>, Option<At<Length>>); 2],
-    /// i, k and d of G73.
-    pattern: (Option<At<Length>>, Option<At<Length>>, Option<At<i64>>),
+    /// Those of G71 and of G72.
+    rough: [RoughLine; 2],
+    pattern: PatternLine,
+}
+
+/// A first line of G71 or G72.
+#[derive(Clone, Copy, Debug, Default)]
+struct RoughLine {
+    /// Δd.
+    depth: Option<At<Length>>,
+    /// e.
+    retract: Option<At<Length>>,
+}
+
+/// A first line of G73.
+#[derive(Clone, Copy, Debug, Default)]
+struct PatternLine {
+    /// i.
+    x: Option<At<Length>>,
+    /// k.
+    z: Option<At<Length>>,
+    /// d.
+    passes: Option<At<i64>>,
 }
 
 /// Words of a block by letter.
@@ -137,15 +156,15 @@ impl FirstLines {
                 };
                 words.without(&[other, b'D'])?;
                 let kept = &mut self.rough[index(along)];
-                kept.0 = words.length(depth, unit)?.or(kept.0);
-                kept.1 = words.length(b'R', unit)?.or(kept.1);
+                kept.depth = words.length(depth, unit)?.or(kept.depth);
+                kept.retract = words.length(b'R', unit)?.or(kept.retract);
             }
             Cycle::Pattern => {
                 words.without(b"IKD")?;
                 let kept = &mut self.pattern;
-                kept.0 = words.length(b'U', unit)?.or(kept.0);
-                kept.1 = words.length(b'W', unit)?.or(kept.1);
-                kept.2 = words.passes(b'R')?.or(kept.2);
+                kept.x = words.length(b'U', unit)?.or(kept.x);
+                kept.z = words.length(b'W', unit)?.or(kept.z);
+                kept.passes = words.passes(b'R')?.or(kept.passes);
             }
         }
         Ok(())
@@ -174,7 +193,7 @@ impl FirstLines {
         Ok(match cycle {
             Cycle::Finish => Figures::Finish,
             Cycle::Rough(along) => {
-                let (depth, retract) = self.rough[index(along)];
+                let RoughLine { depth, retract } = self.rough[index(along)];
                 let depth = if one_line {
                     words.without(b"R")?;
                     words.length(b'D', unit)?
@@ -195,13 +214,13 @@ impl FirstLines {
                 )
             }
             Cycle::Pattern => {
-                let (x, z, passes) = if one_line {
+                let PatternLine { x, z, passes } = if one_line {
                     words.without(b"R")?;
-                    (
-                        words.length(b'I', unit)?,
-                        words.length(b'K', unit)?,
-                        words.passes(b'D')?,
-                    )
+                    PatternLine {
+                        x: words.length(b'I', unit)?,
+                        z: words.length(b'K', unit)?,
+                        passes: words.passes(b'D')?,
+                    }
                 } else {
                     self.pattern
                 };

@@ -60,6 +60,7 @@ impl SurfaceSpeed {
 }
 
 #[cfg(test)]
+#[allow(clippy::arithmetic_side_effects, clippy::float_arithmetic)]
 mod tests {
     use super::*;
 

@@ -42,8 +42,8 @@ pub enum Scaling {
     Rapid,
     /// The feed override.
     Feed,
-    /// The feed override, and the measured spindle speed divided by the commanded one (G99). This is the commanded speed, in
-    /// 2⁻¹⁶ turns per second.
+    /// The feed override, and the measured spindle speed divided by the commanded one (G99). This is the commanded speed,
+    /// in 2⁻¹⁶ turns per second.
     Turns(Divisor),
 }
 

@@ -62,7 +62,7 @@ pub(super) fn nearest_to(
     clockwise: bool,
 ) -> Option<Length> {
     let middle = from + centre.x;
-    let inward = if middle > axis { -1 } else { 1 };
+    let inward: i64 = if middle > axis { -1 } else { 1 };
     let radius = root(centre.square());
     let radius = Length::from_nm(i64::try_from(radius).unwrap_or(i64::MAX));
     // Start and end seen from the centre, so that the arc goes from the first to the second against the clock.
@@ -81,13 +81,14 @@ pub(super) fn nearest_to(
     };
     let product = |a: Length, b: Length| i128::from(a.nm()).wrapping_mul(i128::from(b.nm()));
     let is_small = product(first.z, last.x) >= product(first.x, last.z);
-    let (before, after) = (first.z.signum() * inward, last.z.signum() * -inward);
+    let before = first.z.times(inward) >= Length::ZERO;
+    let after = last.z.times(inward) <= Length::ZERO;
     let passes = if way.is_zero() {
         true
     } else if is_small {
-        before >= 0 && after >= 0
+        before && after
     } else {
-        before >= 0 || after >= 0
+        before || after
     };
     let nearest = if (middle - axis).abs() <= radius {
         axis

@@ -19,9 +19,6 @@ pub const VARIABLE: &str = "LEADSCREW_SEED";
 /// The variable that asks for full volumes: 1.
 pub const FULL: &str = "LEADSCREW_FULL";
 
-/// Takes the place of the commit's while fresh seeds still find tests that are too tight: docs/reliability.md, "Held".
-const HELD: Option<u64> = Some(920_115_851_709_530_970);
-
 /// Where there is no commit.
 const NO_COMMIT: u64 = 1;
 
@@ -33,8 +30,6 @@ const DIGITS: usize = 15;
 pub enum Source {
     /// From `LEADSCREW_SEED`.
     Given,
-    /// Held, while fresh seeds find tests that are too tight.
-    Held,
     /// From the hash of the commit that is checked out.
     Commit,
     /// From nowhere: this is no working copy of git.
@@ -45,7 +40,6 @@ impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Given => "from LEADSCREW_SEED",
-            Self::Held => "held: see docs/reliability.md",
             Self::Commit => "from the commit",
             Self::Fixed => "a fixed one, for there is no commit here",
         })
@@ -60,10 +54,9 @@ pub fn of_run() -> (u64, Source) {
     static SEED: OnceLock<(u64, Source)> = OnceLock::new();
     *SEED.get_or_init(|| match std::env::var(VARIABLE) {
         Ok(given) => (read(&given), Source::Given),
-        Err(_) => match (HELD, commit().as_deref().and_then(of_hash)) {
-            (Some(seed), _) => (seed, Source::Held),
-            (None, Some(seed)) => (seed, Source::Commit),
-            (None, None) => (NO_COMMIT, Source::Fixed),
+        Err(_) => match commit().as_deref().and_then(of_hash) {
+            Some(seed) => (seed, Source::Commit),
+            None => (NO_COMMIT, Source::Fixed),
         },
     })
 }

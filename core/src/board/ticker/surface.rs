@@ -1,7 +1,7 @@
 //! The spindle's command under constant surface speed, step by step.
 //!
-//! The exact law needs a long division. A command changes only a little from one to the next, so the step is found from how far the
-//! last command is off, with a short one. Knows nothing of drives.
+//! The exact law needs a long division. A command changes only a little from one to the next, so a short division is
+//! enough: it finds the step from how far the last command is off. Knows nothing of drives.
 
 use crate::call::SurfaceSpeed;
 use crate::motion::Rate;
@@ -105,6 +105,7 @@ impl Surface {
 }
 
 #[cfg(test)]
+#[allow(clippy::arithmetic_side_effects, clippy::float_arithmetic)]
 mod tests {
     use super::*;
     use crate::units::Feed;
