@@ -17,8 +17,8 @@ use leadscrew_core::bus::{
 use leadscrew_core::call::{
     ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
     Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
-    SpindleMode, SurfaceSpeed, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat,
-    TapReturn, TapSpindle, ThreadCall, ThreadCycle,
+    SpindleMode, SurfaceSpeed, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck,
+    TapRepeat, TapReturn, TapSpindle, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
