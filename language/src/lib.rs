@@ -20,6 +20,7 @@
 //! - [`geometry`] says where such elements meet, and what lies beside them.
 //! - [`corner`] puts a chamfer or a rounding between two of them.
 //! - [`nose`] moves the path so that a round nose keeps to it.
+//! - `path` joins corners and nose to the events of the core.
 //!
 //! This crate has floating point: a macro calculates in it, and so does geometry between exact ends. Each function comes
 //! from one portable library, so the result has the same bits on every machine.
@@ -39,6 +40,7 @@ pub mod lines;
 mod macro_a;
 pub mod nose;
 pub mod outline;
+mod path;
 pub mod plane;
 #[cfg(test)]
 mod random;

@@ -4,19 +4,28 @@
 //! block with expressions goes there as words, each with its place in the text. This module knows which increment a word
 //! has; it must not know files.
 
-use leadscrew_core::alarm::{Alarm, Span};
-use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position};
+mod glimpse;
+mod system;
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+
+use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::call::{Aux, Call, CallKind, Position};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Dialect, Event, InForce, Interpreter, Options, Way};
-use leadscrew_core::units::{Decimal, Length};
+use leadscrew_core::program::{Dialect, Event, Interpreter, Options, Way};
+use leadscrew_core::units::Decimal;
 
 use crate::flow::{Done, Flow, Machine, Rules, Trouble};
 use crate::lines::Source;
+use crate::nose::Side;
+use crate::path::Path;
 use crate::plane::{Element, Point, Shape};
 use crate::roughing::{Collected, Cycle, FirstLines, Unit};
-use crate::value::Value;
-use crate::variables::{Kept, System, Variables, Written};
+use crate::variables::{Kept, Variables};
 use crate::word::Word;
+use glimpse::{codes, letters};
 
 /// A program being read.
 #[derive(Debug)]
@@ -38,6 +47,10 @@ struct Core<'p> {
     /// The contour that is being read. For all cycles but G70 the interpreter is then a copy, whose moves are collected;
     /// the program's own one waits here.
     contour: Option<(Collected, Option<Interpreter<'p>>)>,
+    /// Corners and the round nose.
+    path: Path,
+    /// Events of the core that go through the path.
+    events: VecDeque<Event>,
 }
 
 impl<'p, S: Source> Reader<'p, S> {
@@ -57,6 +70,8 @@ impl<'p, S: Source> Reader<'p, S> {
                 tool: None,
                 first: FirstLines::default(),
                 contour: None,
+                path: Path::new(),
+                events: VecDeque::new(),
             },
         }
     }
@@ -70,7 +85,18 @@ impl<'p, S: Source> Reader<'p, S> {
             core: &mut self.core,
             out,
         };
-        self.flow.step(&mut acting)
+        let mut result = self.flow.step(&mut acting);
+        if self.flow.is_over() {
+            // What was held before an alarm is right as far as it goes.
+            let finished = self.core.path.finish();
+            while let Some(event) = self.core.path.next() {
+                out(event);
+            }
+            if result.is_ok() {
+                result = finished.map_err(Trouble::Alarm);
+            }
+        }
+        result
     }
 
     /// True where nothing more comes.
@@ -107,6 +133,12 @@ impl<'p, S: Source> Reader<'p, S> {
 }
 
 impl Core<'_> {
+    /// T of a block.
+    fn call_tool(&mut self, number: u16) {
+        self.tool = Some(number);
+        self.path.tool(number, self.params);
+    }
+
     /// Decimals to which a value of this letter's word is rounded, in inches or millimetres.
     fn decimals(&self, letter: u8, inch: bool) -> u8 {
         let angle = 3 + u8::from(self.params.increment_is_c());
@@ -164,74 +196,6 @@ impl Core<'_> {
             },
         }
     }
-
-    /// A length in the unit in force.
-    fn shown(&self, length: Length) -> f64 {
-        let unit = if self.interpreter.is_inch() {
-            25_400_000.0
-        } else {
-            1_000_000.0
-        };
-        length.nm() as f64 / unit
-    }
-
-    /// F as it would be written.
-    fn feed(&self, now: &InForce) -> Option<f64> {
-        Some(match now.feed? {
-            FeedRate::PerMinute(feed) => self.shown(Length::from_nm(feed.nm_per_min())),
-            FeedRate::PerTurn(feed, _) => self.shown(Length::from_nm(feed.nm())),
-        })
-    }
-
-    /// The value of a system variable.
-    fn system(&self, number: u32) -> Option<Value> {
-        let now = self.interpreter.in_force();
-        let at = self.interpreter.position();
-        let (x, z, c) = (at.x, at.z, at.c.udeg());
-        let zero = now.origin;
-        let number = match number {
-            4001 => now.motion.into(),
-            4002 => 97.0 - f64::from(u8::from(now.surface.is_some())),
-            4005 => 98.0 + f64::from(u8::from(now.per_turn)),
-            4006 => 21.0 - f64::from(u8::from(self.interpreter.is_inch())),
-            4014 => now.system.into(),
-            4016 => now.plane.into(),
-            4109 => return Some(self.feed(&now).map_or(Value::Null, Value::Number)),
-            4114 => self.interpreter.sequence_number().unwrap_or(0).into(),
-            4115 => self.interpreter.program_number().unwrap_or(0).into(),
-            4119 => match now.surface {
-                // Metres or feet a minute.
-                Some(speed) => {
-                    self.shown(Length::from_nm(speed.nm_per_min()))
-                        / if self.interpreter.is_inch() {
-                            12.0
-                        } else {
-                            1000.0
-                        }
-                }
-                None => now.speed.into(),
-            },
-            4120 => self.tool.unwrap_or(0).into(),
-            // What comes next is read after the board has got there, so the present place is that of the block's end.
-            5001 | 5041 => self.shown(x - zero.x) * 2.0,
-            5002 | 5042 => self.shown(z - zero.z),
-            5003 | 5043 => (c - zero.c.udeg()) as f64 / 1e6,
-            5021 => self.shown(x) * 2.0,
-            5022 => self.shown(z),
-            5023 => c as f64 / 1e6,
-            5221..=5322 => {
-                let (system, axis) = ((number - 5221) / 20, (number - 5221) % 20);
-                let [x, z] = self.params.work_offset(system as u8);
-                match axis {
-                    0 => self.shown(x) * 2.0,
-                    1 => self.shown(z),
-                    _ => return None,
-                }
-            }
-            _ => return None,
-        };
-        Some(Value::Number(number))
-    }
 }
 
 /// A core that carries out one step.
@@ -246,52 +210,119 @@ impl Acting<'_, '_> {
         &mut self,
         action: impl FnOnce(&mut Core<'_>, &mut dyn FnMut(Event)) -> Result<(), Alarm>,
     ) -> Result<Done, Alarm> {
-        let (mut moved, mut tool) = (false, None);
-        let out = &mut *self.out;
         let mut contour = self.core.contour.take();
         let collected = match &mut contour {
             Some((collected, Some(_))) => Some(collected),
             _ => None,
         };
-        let result = if let Some(collected) = collected {
-            action(self.core, &mut |event| {
+        self.core.path.begin(self.core.interpreter.position());
+        let result = if self.core.path.is_idle() {
+            self.act_at_once(action, collected)
+        } else {
+            let mut events = std::mem::take(&mut self.core.events);
+            let acted = action(self.core, &mut |event| events.push_back(event));
+            let result = self.along_path(&mut events, collected);
+            events.clear();
+            self.core.events = events;
+            // What came before an alarm of the core was right.
+            result.and_then(|moved| acted.map(|()| moved))
+        };
+        self.core.contour = contour;
+        Ok(Done {
+            moved: result?,
+            ended: self.core.interpreter.is_ended(),
+        })
+    }
+
+    /// With no corner and no nose on the way: hands each event on as it comes. True where an axis moves.
+    fn act_at_once(
+        &mut self,
+        action: impl FnOnce(&mut Core<'_>, &mut dyn FnMut(Event)) -> Result<(), Alarm>,
+        collected: Option<&mut Collected>,
+    ) -> Result<bool, Alarm> {
+        if let Some(collected) = collected {
+            return action(self.core, &mut |event| {
                 if let Event::Call(call) = &event {
                     collect(collected, call);
                 }
             })
-        } else {
-            action(self.core, &mut |event| {
-                if let Event::Call(call) = &event {
-                    moved |= moves(call);
-                    if let CallKind::Aux(Aux::T(number)) = call.kind {
-                        tool = Some(number);
-                    }
+            .map(|()| false);
+        }
+        let (mut moved, mut tool) = (false, None);
+        let out = &mut *self.out;
+        let result = action(self.core, &mut |event| {
+            if let Event::Call(call) = &event {
+                moved |= moves(call);
+                if let CallKind::Aux(Aux::T(number)) = call.kind {
+                    tool = Some(number);
                 }
-                out(event);
-            })
-        };
-        self.core.contour = contour;
-        result?;
-        self.core.tool = tool.or(self.core.tool);
-        Ok(Done {
-            moved,
-            ended: self.core.interpreter.is_ended(),
-        })
+            }
+            out(event);
+        });
+        if let Some(number) = tool {
+            self.core.call_tool(number);
+        }
+        result.map(|()| moved)
+    }
+
+    /// Takes the events of a block through corners and nose. True where an axis moves.
+    fn along_path(
+        &mut self,
+        events: &mut VecDeque<Event>,
+        mut collected: Option<&mut Collected>,
+    ) -> Result<bool, Alarm> {
+        let mut moved = false;
+        let in_cycle = matches!(self.core.interpreter.in_force().motion, 90 | 92 | 94);
+        for event in events.drain(..) {
+            let mut tool = None;
+            if let (None, Event::Call(call)) = (&collected, &event) {
+                moved |= moves(call);
+                if in_cycle && moves(call) && self.core.path.side() != Side::None {
+                    return Err(Alarm::new(Code::NoseInCycle, call.span));
+                }
+                if let CallKind::Aux(Aux::T(number)) = call.kind {
+                    tool = Some(number);
+                }
+            }
+            let collected = &mut collected;
+            self.core.path.shape(
+                event,
+                &mut |path, event, from| match (collected.as_mut(), &event) {
+                    (Some(collected), Event::Call(call)) => {
+                        collect(collected, call);
+                        Ok(())
+                    }
+                    (Some(_), Event::Warning(_)) => Ok(()),
+                    (None, _) => path.compensate(event, from),
+                },
+            )?;
+            if let Some(number) = tool {
+                self.core.call_tool(number);
+            }
+        }
+        self.core.path.end_block()?;
+        while let Some(event) = self.core.path.next() {
+            (self.out)(event);
+        }
+        Ok(moved)
+    }
+
+    /// Carries out a block that goes to a place of the machine with the nose not compensated.
+    fn without_nose(
+        &mut self,
+        goes_home: bool,
+        action: impl FnOnce(&mut Self) -> Result<Done, Alarm>,
+    ) -> Result<Done, Alarm> {
+        self.core.path.suspend(goes_home);
+        let done = action(self);
+        self.core.path.suspend(false);
+        done
     }
 }
 
-/// The letters of the words of a plain text, without its comments.
-fn letters(text: &[u8]) -> impl Iterator<Item = u8> {
-    let mut depth = 0_u32;
-    text.iter().filter_map(move |byte| {
-        match byte {
-            b'(' => depth += 1,
-            b')' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        let letter = byte.to_ascii_uppercase();
-        (depth == 0 && letter.is_ascii_uppercase()).then_some(letter)
-    })
+/// True for the codes that take the tool to a place of the machine: G28, G30, G53.
+const fn goes_home(code: i64) -> bool {
+    matches!(code, 28 | 30 | 53)
 }
 
 /// Adds a call of a contour's block to the contour.
@@ -329,30 +360,37 @@ const fn moves(call: &Call) -> bool {
 }
 
 impl Acting<'_, '_> {
-    /// Makes a move that was calculated.
-    fn trace(&mut self, span: Span, to: Point, way: Way) -> Result<Done, Alarm> {
-        self.act(|core, out| {
-            let to = Position {
-                x: to.x,
-                z: to.z,
-                c: core.interpreter.position().c,
-            };
-            core.interpreter
-                .trace(span, to, way, &mut |event| out(event))
-        })
-    }
-}
-
-impl System for Acting<'_, '_> {
-    fn read(&mut self, number: u32) -> Option<Value> {
-        self.core.system(number)
-    }
-
-    fn write(&mut self, number: u32, _value: Value) -> Written {
-        match self.core.system(number) {
-            Some(_) => Written::ReadOnly,
-            None => Written::Unknown,
+    /// Takes the words out of a block that are not the core's. `None` where there are none.
+    fn take_words(&mut self, words: &[Word]) -> Result<Option<Vec<Word>>, Alarm> {
+        if !words.iter().any(crate::path::is_word) {
+            return Ok(None);
         }
+        let core = &mut *self.core;
+        let called = words.iter().find(|word| word.letter == b'T');
+        let called = called.and_then(|word| u16::try_from(word.value().whole()?).ok());
+        let offset = called.or(core.tool).unwrap_or(0);
+        let acts = !matches!(core.contour, Some((_, Some(_))));
+        let unit = core.unit();
+        let taken = core.path.take(words, unit, acts, offset, core.params)?;
+        if let Some(warning) = taken.warning {
+            (self.out)(warning);
+        }
+        Ok(Some(taken.words))
+    }
+
+    /// Makes a move that was calculated. Its path is that of the tip.
+    fn trace(&mut self, span: Span, to: Point, way: Way) -> Result<Done, Alarm> {
+        self.without_nose(true, |acting| {
+            acting.act(|core, out| {
+                let to = Position {
+                    x: to.x,
+                    z: to.z,
+                    c: core.interpreter.position().c,
+                };
+                core.interpreter
+                    .trace(span, to, way, &mut |event| out(event))
+            })
+        })
     }
 }
 
@@ -361,17 +399,27 @@ impl Machine for Acting<'_, '_> {
         if let Some((collected, Some(_))) = &mut self.core.contour {
             collected.block(letters(text));
         }
-        self.act(|core, out| core.interpreter.line(text, line, &mut |event| out(event)))
+        let home = self.core.path.side() != Side::None && codes(text).any(goes_home);
+        self.without_nose(home, |acting| {
+            acting.act(|core, out| core.interpreter.line(text, line, &mut |event| out(event)))
+        })
     }
 
     fn words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
         if let Some((collected, Some(_))) = &mut self.core.contour {
             collected.block(words.iter().map(|word| word.letter));
         }
-        self.act(|core, out| {
-            let numbers: Vec<_> = core.numbers(words).collect();
-            core.interpreter
-                .words(line, numbers, &mut |event| out(event))
+        let taken = self.take_words(words)?;
+        let words = taken.as_deref().unwrap_or(words);
+        let home = words
+            .iter()
+            .any(|word| word.letter == b'G' && word.value().whole().is_some_and(goes_home));
+        self.without_nose(home, |acting| {
+            acting.act(|core, out| {
+                let numbers: Vec<_> = core.numbers(words).collect();
+                core.interpreter
+                    .words(line, numbers, &mut |event| out(event))
+            })
         })
     }
 
@@ -409,6 +457,7 @@ impl Machine for Acting<'_, '_> {
             let start = collected.start();
             return self.trace(Span::default(), start, Way::Rapid);
         };
+        core.path.end_contour()?;
         core.interpreter = own;
         let mut done = Done::default();
         collected.moves(|cut| {
@@ -427,6 +476,3 @@ impl Machine for Acting<'_, '_> {
         self.core.interpreter.finish()
     }
 }
-
-#[cfg(test)]
-mod tests;

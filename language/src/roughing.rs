@@ -60,7 +60,10 @@ pub struct Unit {
 
 impl Unit {
     /// The length of a word.
-    fn length(self, word: &Word) -> Result<At<Length>, Alarm> {
+    ///
+    /// # Errors
+    /// More digits than the increment has, or a length out of range.
+    pub(crate) fn length(self, word: &Word) -> Result<At<Length>, Alarm> {
         let number = word.decimal(self.decimals, self.decimals);
         let count = number.and_then(|number| number.scaled(self.decimals).ok());
         let nm = count.and_then(|count| count.checked_mul(self.step_nm));

@@ -11,7 +11,7 @@ mod piece;
 mod tests;
 
 pub use cursor::{Cursor, span};
-pub use glance::{Glance, glance, has_blocks};
+pub use glance::{Glance, glance, has_blocks, number};
 use piece::begins_block;
 pub use piece::{Piece, piece};
 

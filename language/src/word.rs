@@ -22,7 +22,7 @@ pub enum Given {
 /// A letter with its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// A capital letter.
+    /// A capital letter; a small one where a comma is before it (`,C` `,R`).
     pub letter: u8,
     /// Its number.
     pub given: Given,
@@ -127,11 +127,17 @@ pub fn read<L: Lookup>(
     words: &mut Vec<Word>,
 ) -> Result<(), Alarm> {
     while let Some(byte) = cursor.peek() {
-        if !byte.is_ascii_uppercase() {
-            return Err(cursor.alarm(not_a_word(cursor.rest())));
-        }
         let from = cursor.at();
         let whole = *cursor;
+        let byte = match byte {
+            b',' if corner(whole).is_some() => {
+                cursor.advance();
+                cursor.skip();
+                corner(whole).unwrap_or(byte)
+            }
+            letter if letter.is_ascii_uppercase() => letter,
+            _ => return Err(cursor.alarm(not_a_word(cursor.rest()))),
+        };
         cursor.advance();
         let first = cursor.peek();
         let mut ahead = *cursor;
@@ -141,7 +147,8 @@ pub fn read<L: Lookup>(
         let (given, variable) = match ahead.peek() {
             Some(b'#' | b'[') => {
                 *cursor = ahead;
-                let (value, variable) = calculated(cursor, variables, decimals(byte))?;
+                let (value, variable) =
+                    calculated(cursor, variables, decimals(byte.to_ascii_uppercase()))?;
                 let given = match (value, first) {
                     (Value::Null, _) => Value::Null,
                     (Value::Number(number), Some(b'-')) => Value::Number(-number),
@@ -160,6 +167,15 @@ pub fn read<L: Lookup>(
         });
     }
     Ok(())
+}
+
+/// The letter of `,C` or `,R`, small.
+fn corner(mut cursor: Cursor<'_>) -> Option<u8> {
+    cursor.advance();
+    match cursor.peek() {
+        Some(letter @ (b'C' | b'R')) => Some(letter.to_ascii_lowercase()),
+        _ => None,
+    }
 }
 
 /// The value at `#` or `[`, and the number of the variable at `#`.

@@ -988,6 +988,10 @@ codes! {
         "cut two blocks first, or cancel with G40 and begin anew",
         "刀尖半径补偿刚建立即改变方向或刀尖", "请先执行两个程序段，或用 G40 取消后重新建立";
 
+    /// A cycle, or a motion of C, while G41 or G42 is in force.
+    NoseInCycle = 4602, "a cycle or a motion of C cannot follow the round nose, and G41 or G42 is in force", "write G40 before it",
+        "循环或 C 轴移动不能在刀尖半径补偿（G41/G42）中执行", "请在前面写 G40";
+
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.
     CutInMode = 4900, "cut-in mode {0} does not exist: parameter 5144 decides", "write 00 to 04 as the middle two digits of P",
@@ -1061,6 +1065,10 @@ codes! {
     /// M99 in the main program.
     MainRepeats = 4992, "M99 begins the main program again: it is read once here", "nothing needs to be done; write M30 where the program ends",
         "M99 使主程序重新开始：此处只执行一遍", "无需处理；程序结束处请写 M30";
+
+    /// G41 or G42 with a tool whose radius is zero; {0} the number of the offset.
+    NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set parameters 9201 to 9232 (radius) and 9301 to 9332 (tip direction) for this tool, and call the tool before it",
+        "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请为该刀具设定参数 9201…9232（半径）和 9301…9332（刀尖方向），并先调用刀具";
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.

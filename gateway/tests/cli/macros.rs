@@ -25,7 +25,10 @@ fn shop() -> Vec<String> {
         let name = entry.unwrap().file_name();
         format!("examples/shop/{}", name.to_str().unwrap())
     };
-    files.map(name).collect()
+    files
+        .map(name)
+        .filter(|name| name.ends_with(".nc"))
+        .collect()
 }
 
 #[test]
@@ -40,8 +43,10 @@ fn the_programs_of_the_shop_are_checked_simulated_and_run() {
             &["simulate", &program, "-o", &trace],
             &["run", &program],
         ] {
-            let output = leadscrew(args);
+            let args = [args, &["--params", "examples/shop/tools.toml"]].concat();
+            let output = leadscrew(&args);
             assert_eq!(code(&output), 0, "{args:?}: {}", stderr(&output));
+            assert!(!stdout(&output).contains("warning"), "{}", stdout(&output));
         }
     }
 }

@@ -189,6 +189,12 @@ impl<T> Filter<T> {
         Ok(())
     }
 
+    /// True where nothing is held, and the next motion need not have this filter.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.held.is_empty() && !self.is_open
+    }
+
     /// The next thing that may go to the machine.
     pub fn pull(&mut self) -> Option<Output<T>> {
         let front = self.held.front()?;

@@ -3,7 +3,7 @@
 use super::*;
 use leadscrew_core::call::Position;
 use leadscrew_core::program::Events;
-use leadscrew_core::units::Angle;
+use leadscrew_core::units::{Angle, Length};
 
 fn read_with(text: &str, params: &Params, options: Options) -> (Vec<Event>, Option<Alarm>) {
     let mut events = Vec::new();

@@ -15,7 +15,7 @@ pub enum Glance {
 /// Bytes that have to be looked at. Every line is read this way, and most bytes are digits.
 const STOPS: [bool; 256] = {
     let mut table = [false; 256];
-    let mut stops: &[u8] = b"()\xEF;#[<:Oo/ \tMmGgEe";
+    let mut stops: &[u8] = b"()\xEF;#[<:Oo/ \tMmGgEe,";
     while let [stop, rest @ ..] = stops {
         table[*stop as usize] = true;
         stops = rest;
@@ -78,15 +78,18 @@ pub fn has_blocks(text: &[u8], depth: u32) -> bool {
 fn is_special(text: &[u8]) -> bool {
     match text {
         [b'#' | b'[' | b'<' | b':' | b'O' | b'o', ..] | [b'/', b'1'..=b'9', ..] => true,
-        [b'M' | b'm', b'0' | b'9', ..] => matches!(code(&text[1..]), 97..=99),
-        [b'G' | b'g', b'0' | b'6' | b'7', ..] => matches!(code(&text[1..]), 65..=67 | 70..=73),
+        [b',', rest @ ..] => matches!(super::trimmed(rest), [b'C' | b'c' | b'R' | b'r', ..]),
+        [b'M' | b'm', b'0' | b'9', ..] => matches!(number(&text[1..]), 97..=99),
+        [b'G' | b'g', b'0' | b'4' | b'6' | b'7', ..] => {
+            matches!(number(&text[1..]), 40..=42 | 65..=67 | 70..=73)
+        }
         [b'E' | b'e', b'N' | b'n', ..] => true,
         _ => false,
     }
 }
 
 /// The whole number at the front of `text`.
-fn code(text: &[u8]) -> u32 {
+pub fn number(text: &[u8]) -> u32 {
     text.iter()
         .take_while(|byte| byte.is_ascii_digit())
         .fold(0_u32, |code, byte| {

@@ -1,0 +1,139 @@
+//! Chamfers and roundings on the way of the events: a motion with a corner waits for the next motion.
+
+use std::collections::VecDeque;
+
+use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::program::Event;
+
+use super::{call, element, point};
+use crate::corner::{Corner, insert};
+use crate::plane::{Point, Shape};
+
+/// Events that may stand between the two motions of a corner.
+const BETWEEN: usize = 8;
+
+/// What waits.
+#[derive(Debug, Default)]
+pub(super) struct Corners {
+    waiting: Option<Waiting>,
+}
+
+/// A motion whose end is a corner.
+#[derive(Debug)]
+struct Waiting {
+    from: Position,
+    first: Call,
+    corner: Corner,
+    span: Span,
+    between: Vec<Event>,
+}
+
+/// Events with the place where their motion begins.
+type Ready = VecDeque<(Event, Position)>;
+
+impl Corners {
+    /// True where nothing waits.
+    pub fn is_free(&self) -> bool {
+        self.waiting.is_none()
+    }
+
+    /// The next event. Its motion begins at `from` and may have a corner at its end.
+    ///
+    /// # Errors
+    /// 0051, 0052 and 0055 at the word of the corner.
+    pub fn push(
+        &mut self,
+        event: Event,
+        from: Position,
+        corner: Option<(Corner, Span)>,
+        ready: &mut Ready,
+    ) -> Result<(), Alarm> {
+        let motion = match &event {
+            Event::Call(call) => element(call).map(|element| (*call, element)),
+            Event::Warning(_) => None,
+        };
+        let Some((next, next_element)) = motion else {
+            return self.other(event, from, ready);
+        };
+        let (mut next, mut from) = (next, from);
+        if let Some(waiting) = self.waiting.take() {
+            let Some(first) = element(&waiting.first) else {
+                return Ok(());
+            };
+            let start = point(waiting.from);
+            let corner = insert(
+                start,
+                &first,
+                Some(&next_element),
+                waiting.corner,
+                None,
+                waiting.span,
+            )?;
+            let mut at = waiting.from;
+            let mut put = |call: Call, ready: &mut Ready| {
+                ready.push_back((Event::Call(call), at));
+                if let Some(end) = super::end_of(&Event::Call(call)) {
+                    at = end;
+                }
+            };
+            let is_way = |from: Point, to: Point, shape: Shape| {
+                from != to || matches!(shape, Shape::Arc { .. })
+            };
+            if is_way(start, corner.first.end, corner.first.shape) {
+                put(call(&corner.first, &waiting.first), ready);
+            }
+            if let Some(between) = &corner.between {
+                put(call(between, &waiting.first), ready);
+            }
+            from = at;
+            let others = waiting.between.into_iter();
+            ready.extend(others.map(|event| (event, at)));
+            next = call(&corner.second, &next);
+        }
+        match corner {
+            Some((corner, span)) => {
+                self.waiting = Some(Waiting {
+                    from,
+                    first: next,
+                    corner,
+                    span,
+                    between: Vec::new(),
+                });
+            }
+            None => ready.push_back((Event::Call(next), from)),
+        }
+        Ok(())
+    }
+
+    /// An event that is no motion of the plane.
+    fn other(&mut self, event: Event, from: Position, ready: &mut Ready) -> Result<(), Alarm> {
+        let Some(waiting) = &mut self.waiting else {
+            ready.push_back((event, from));
+            return Ok(());
+        };
+        let may_wait = match &event {
+            Event::Warning(_) => true,
+            Event::Call(call) => matches!(
+                call.kind,
+                CallKind::Dwell(_) | CallKind::Spindle(_) | CallKind::Aux(_)
+            ),
+        };
+        if !may_wait || waiting.between.len() == BETWEEN {
+            return Err(Alarm::new(Code::CornerNextMissing, waiting.span));
+        }
+        waiting.between.push(event);
+        Ok(())
+    }
+
+    /// No motion follows.
+    ///
+    /// # Errors
+    /// 0051 where one was expected.
+    pub fn finish(&mut self) -> Result<(), Alarm> {
+        match self.waiting.take() {
+            Some(waiting) => Err(Alarm::new(Code::CornerNextMissing, waiting.span)),
+            None => Ok(()),
+        }
+    }
+}
