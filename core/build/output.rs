@@ -143,31 +143,42 @@ fn write_accessor(out: &mut String, a: &Accessor) {
     if a.family {
         // Counted as the trade counts them: G54 is 0, tool 1 is 1.
         let base = usize::from(a.members[0].0 == "1");
-        let value = |slots: &[(Part, usize)]| {
-            let values: Vec<_> = slots
-                .iter()
-                .map(|&(_, slot)| typed(&a.kind, &raw(slot)).1)
-                .collect();
-            format!("[{}]", values.join(", "))
+        let n = first.len();
+        let listed = |values: Vec<String>| match values.as_slice() {
+            [one] => one.clone(),
+            values => format!("[{}]", values.join(", ")),
         };
-        let (t, zero) = (typed(&a.kind, "").0, typed(&a.kind, "0").1);
-        let (n, last) = (first.len(), base + a.members.len() - 1);
+        let value = |slots: &[(Part, usize)]| {
+            let values = slots.iter().map(|&(_, slot)| typed(&a.kind, &raw(slot)).1);
+            listed(values.collect())
+        };
+        let zero = match a.kind.as_str() {
+            "u8" | "u32" => "0".to_owned(),
+            kind => typed(kind, "0").1,
+        };
+        let (t, last) = (typed(&a.kind, "").0, base + a.members.len() - 1);
+        let (t, axes) = match n {
+            1 => (t.to_owned(), ""),
+            _ => (
+                format!("[{t}; {n}]"),
+                " One value an axis, X (a radius) first.",
+            ),
+        };
         write_line(
             out,
-            format_args!(
-                "/// `member` counts {base}…{last}; zero for any other. One value an axis, X (a radius) first."
-            ),
+            format_args!("/// `member` counts {base}…{last}; zero for any other.{axes}"),
         );
         write_line(
             out,
             format_args!(
-                "#[must_use] pub const fn {name}(&self, member: u8) -> [{t}; {n}] {{ match member {{"
+                "#[must_use] pub const fn {name}(&self, member: u8) -> {t} {{ match member {{"
             ),
         );
         for (index, (_, slots)) in a.members.iter().enumerate() {
             write_line(out, format_args!("{} => {},", base + index, value(slots)));
         }
-        write_line(out, format_args!("_ => [{zero}; {n}], }} }}"));
+        let zeros = listed(vec![zero; n]);
+        write_line(out, format_args!("_ => {zeros}, }} }}"));
         return;
     }
     match first.as_slice() {

@@ -166,11 +166,9 @@ impl Path {
 /// The nose of the tool with this offset number, or of none.
 fn nose_of(number: u16, params: &Params) -> Nose {
     let number = u8::try_from(number % 100).unwrap_or(0);
-    let [radius] = params.nose_radius(number);
-    let [tip] = params.nose_direction(number);
     Nose {
-        radius,
-        tip: tip as u8,
+        radius: params.nose_radius(number),
+        tip: params.nose_direction(number) as u8,
     }
 }
 
