@@ -122,24 +122,32 @@ fn plant(bench: &Bench) {
     assert!(!(below && held), "planted");
 }
 
-/// The first seed of which a shift has the fault. How soon a tap is held below R depends on what is drawn, and any change
-/// of the parameters or programs draws anew.
-fn planted() -> u64 {
-    for round in 0..20 {
+/// Seeds whose shift has the fault. How soon a tap is held below R depends on what is drawn, and any change of the
+/// parameters or programs draws anew.
+fn planted() -> impl Iterator<Item = u64> {
+    (0..20).flat_map(|round| {
         let report = hours(100 + 1000 * round, Until::Ticks(400_000), 1, plant, &|_| {});
-        if let Some((kind, failures)) = report.failures.first_key_value() {
+        let seeds = report.failures.first_key_value().map(|(kind, failures)| {
             assert!(kind.ends_with("planted"), "{report}");
-            return failures.seeds[0];
-        }
-    }
-    panic!("it is found");
+            failures.seeds.clone()
+        });
+        seeds.unwrap_or_default()
+    })
 }
 
 #[test]
 fn a_failure_is_cut_down_to_what_it_needs() {
-    let seed = planted();
+    // A shift with single block or a silent gateway may need more than the hold. One that needs the hold alone is looked
+    // for.
+    let one_chance = |seed: &u64| {
+        let shortest = shrink(*seed, plant).expect("it fails again");
+        assert!(shortest.failure.kind.ends_with("planted"), "{shortest}");
+        let [_, chances, _] = shortest.sizes;
+        assert!(chances[1] <= chances[0], "{shortest}");
+        chances[1] == 1
+    };
+    let seed = planted().find(one_chance).expect("one of the shifts");
     let shortest = shrink(seed, plant).expect("it fails again");
-    assert!(shortest.failure.kind.ends_with("planted"), "{shortest}");
     // The job with the hole, perhaps the one that brings the tap to where the hole begins, and whoever holds in it.
     let [jobs, chances, lines] = shortest.sizes;
     assert!(jobs[1] <= 2 && jobs[0] > jobs[1], "{shortest}");
@@ -174,7 +182,7 @@ fn a_shift_that_does_not_fail_is_not_cut_down() {
 /// It goes on after a failure, and all of them are counted.
 #[test]
 fn a_soak_goes_on_after_a_failure() {
-    let seed = planted();
+    let seed = planted().next().expect("it is found");
     let told = std::sync::Mutex::new(Vec::new());
     let tell = |words: &str| told.lock().expect("nobody failed").push(words.to_owned());
     let report = hours(seed, Until::Ticks(1_500_000), 2, plant, &tell);

@@ -1067,8 +1067,8 @@ codes! {
         "M99 使主程序重新开始：此处只执行一遍", "无需处理；程序结束处请写 M30";
 
     /// G41 or G42 with a tool whose radius is zero; {0} the number of the offset.
-    NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set parameters 9201 to 9232 (radius) and 9301 to 9332 (tip direction) for this tool, and call the tool before it",
-        "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请为该刀具设定参数 9201…9232（半径）和 9301…9332（刀尖方向），并先调用刀具";
+    NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set parameters 9201 to 9216 (radius) and 9301 to 9316 (tip direction) for this tool, and call the tool before it",
+        "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请为该刀具设定参数 9201…9216（半径）和 9301…9316（刀尖方向），并先调用刀具";
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.

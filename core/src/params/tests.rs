@@ -358,8 +358,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xAA61_B071),
     // Constant surface speed: 3771.
     (2, 0x7640_E40B),
-    // Noses of tools: 9201 to 9232, 9301 to 9332.
-    (2, 0x049D_C30B),
+    // Noses of tools: 9201 to 9216, 9301 to 9316.
+    (2, 0xFA00_A73F),
 ];
 
 #[test]
