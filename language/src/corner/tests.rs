@@ -220,16 +220,18 @@ fn check(path: &[Element], inserted: Inserted, corner: Corner) -> Result<(), Str
         Stroke::new(start, &path[0]),
         Stroke::new(path[0].end, &path[1]),
     ];
+    let size = match corner {
+        Corner::Chamfer(size) | Corner::ChamferLine(size) | Corner::Round(size) => size.nm() as f64,
+    };
     let Some(between) = between else {
-        let turn = turned(whole[0].heading(1.0), whole[1].heading(0.0));
-        return (turn.abs() < 1e-4 && is_same(&first, &path[0]))
+        // Tangent, or so nearly that the arc would be a few nanometres long.
+        let turn = turned(whole[0].heading(1.0), whole[1].heading(0.0)).abs();
+        let is_tangent = turn < 1e-4 || turn * size < 5.0;
+        return (is_tangent && is_same(&first, &path[0]))
             .then_some(())
             .ok_or("no corner".into());
     };
     let middle = Stroke::new(first.end, &between);
-    let size = match corner {
-        Corner::Chamfer(size) | Corner::ChamferLine(size) | Corner::Round(size) => size.nm() as f64,
-    };
     let within = |what: &str, value: f64, expected: f64, room: f64| {
         let is_near = (value - expected).abs() <= room;
         is_near
