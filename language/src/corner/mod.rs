@@ -42,7 +42,7 @@ pub enum Toward {
 pub struct Inserted {
     /// The first motion, shortened; of no length where the leg is all of it.
     pub first: Element,
-    /// The chamfer or the arc; `None` where the motions are tangent.
+    /// The chamfer or the arc; `None` where the motions are tangent, or where its ends are one place.
     pub between: Option<Element>,
     /// The second motion, shortened; it begins where `between` ends.
     pub second: Element,
@@ -98,7 +98,19 @@ pub fn insert(
     }
     let cut = cut(&a, &b, corner, turn).ok_or(alarm(Code::CornerTooLong))?;
     if (cut.to - cut.from).length() < NOTHING {
-        return Ok(as_it_is);
+        if cut.from.length() < NOTHING {
+            return Ok(as_it_is);
+        }
+        // The second motion comes back along the first, and crosses it there: the tip between them goes.
+        let tip = cut.from.from(at);
+        return Ok(Inserted {
+            first: Element { end: tip, ..*first },
+            between: None,
+            second: Element {
+                shape: shape_from(at, next.shape, tip),
+                ..*next
+            },
+        });
     }
     let (from, to) = (cut.from.from(at), cut.to.from(at));
     let shape = match cut.arc {

@@ -9,7 +9,7 @@ use leadscrew_core::units::Length;
 
 use super::{Corner, Inserted, Toward, insert};
 use crate::figures::{Chance, Stroke, assert_path, at, elements, is_same};
-use crate::plane::{Element, Point};
+use crate::plane::{Element, Point, Shape};
 
 fn millimetres(value: f64) -> Length {
     Length::from_nm((value * 1e6).round() as i64)
@@ -227,7 +227,8 @@ fn check(path: &[Element], inserted: Inserted, corner: Corner) -> Result<(), Str
         // Tangent, or so nearly that the arc would be a few nanometres long.
         let turn = turned(whole[0].heading(1.0), whole[1].heading(0.0)).abs();
         let is_tangent = turn < 1e-4 || turn * size < 5.0;
-        return (is_tangent && is_same(&first, &path[0]))
+        let is_kept = is_tangent && is_same(&first, &path[0]);
+        return (is_kept || is_tip(&whole, first.end, corner, size))
             .then_some(())
             .ok_or("no corner".into());
     };
@@ -280,6 +281,42 @@ fn check(path: &[Element], inserted: Inserted, corner: Corner) -> Result<(), Str
                 .ok_or("the arc goes the long way round".into())
         }
     }
+}
+
+/// True where a chamfer has taken a tip away: its ends are one place, which lies on both elements.
+fn is_tip(whole: &[Stroke; 2], end: Point, corner: Corner, size: f64) -> bool {
+    let place = (end.x.nm() as f64, end.z.nm() as f64);
+    let edge = whole[0].end;
+    let leg = (place.0 - edge.0).hypot(place.1 - edge.1);
+    matches!(corner, Corner::Chamfer(_))
+        && (leg - size).abs() <= 3.0
+        && whole.iter().all(|stroke| stroke.distance(place) <= 8.0)
+}
+
+#[test]
+fn a_chamfer_whose_ends_are_one_place_takes_the_tip_away() {
+    // The line comes back along the end of the arc, and crosses the arc where the legs end.
+    let path = [
+        Element {
+            end: Point::from_nm(-157_624, 53_345),
+            shape: Shape::Arc {
+                i: Length::from_nm(-78_785),
+                k: Length::from_nm(26_752),
+                clockwise: true,
+            },
+            span: Span::default(),
+        },
+        Element {
+            end: Point::from_nm(1_223_369, 3_383_714),
+            shape: Shape::Line,
+            span: Span::default(),
+        },
+    ];
+    let corner = Corner::Chamfer(Length::from_nm(11_291));
+    let inserted = put(&path, Point::default(), corner).expect("it fits");
+    assert_eq!(inserted.between, None);
+    assert_ne!(inserted.first.end, path[0].end);
+    check(&path, inserted, corner).expect("a tip");
 }
 
 /// There is no place for it on both elements: found by trying.
