@@ -25,7 +25,7 @@ fn main() {
         Err(_) => std::fs::read(&source).unwrap_or_else(|error| usage(&error.to_string())),
     };
     let lines = text.iter().filter(|byte| **byte == b'\n').count();
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let start = Instant::now();
     let (mut calls, mut sum) = (0_u64, 0_u64);
     for _ in 0..rounds {

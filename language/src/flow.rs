@@ -18,6 +18,7 @@ use std::io;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
+use crate::dialect::{Control, Setting, Translator};
 use crate::lines::{Lines, Place, Source};
 use crate::roughing::Cycle;
 use crate::text::{Glance, glance, has_blocks};
@@ -53,6 +54,11 @@ pub trait Machine: System {
     /// Decimals of the increment of a letter's word.
     fn decimals(&self, letter: u8) -> u8;
 
+    /// What is in force for the next block.
+    fn setting(&self) -> Setting {
+        Setting::default()
+    }
+
     /// Tells the operator something.
     fn note(&mut self, warning: Alarm);
 
@@ -84,6 +90,8 @@ pub trait Machine: System {
 /// How a program is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
+    /// The control that the program was written for.
+    pub control: Control,
     /// Blocks with `/` in front are passed over.
     pub skip: bool,
     /// M99 in the main program begins it again; otherwise it ends there, with a note.
@@ -97,6 +105,7 @@ pub struct Rules {
 impl Default for Rules {
     fn default() -> Self {
         Self {
+            control: Control::default(),
             skip: false,
             repeat: false,
             budget: 1_000_000,
@@ -132,6 +141,7 @@ pub struct Flow<S> {
     lines: Lines<S>,
     variables: Variables,
     rules: Rules,
+    translator: Translator,
     /// The program, and what it has called. Never empty.
     frames: Vec<Frame>,
     /// The next block.
@@ -164,6 +174,7 @@ impl<S: Source> Flow<S> {
             lines: Lines::new(source),
             variables: Variables::new(kept),
             rules,
+            translator: Translator::new(rules.control),
             frames: vec![Frame::main()],
             at: Place::START,
             last: Place::START,
@@ -184,6 +195,12 @@ impl<S: Source> Flow<S> {
     #[must_use]
     pub const fn variables(&self) -> &Variables {
         &self.variables
+    }
+
+    /// The control whose words are read, and what its blocks have set.
+    #[must_use]
+    pub const fn translator(&self) -> &Translator {
+        &self.translator
     }
 
     /// The line of the latest step.
@@ -223,7 +240,10 @@ impl<S: Source> Flow<S> {
 
     fn try_step(&mut self, machine: &mut impl Machine) -> Result<(), Trouble> {
         // After each block with a motion there may be a modal call.
-        let by_lines = self.at.column == 0 && self.top().modals.is_empty() && !self.in_contour;
+        let by_lines = self.at.column == 0
+            && self.top().modals.is_empty()
+            && !self.in_contour
+            && self.rules.control.is_gsk();
         let Some(line) = self.lines.line(self.at)? else {
             return self.text_over(machine);
         };

@@ -11,6 +11,7 @@
 //!
 //! - [`text`] cuts lines into blocks; [`lines`] reads them from any place of the text.
 //! - [`statement`] tells what a block is; [`expression`] and [`word`] calculate in it, with [`variables`].
+//! - [`dialect`] makes of a block of any control one of the G-code system A.
 //! - [`flow`] carries out assignments, jumps, loops and calls, and so decides which block comes next; [`outline`] is what
 //!   its searches see.
 //! - [`reader`] is the whole way: text in, events of the core out.
@@ -31,6 +32,7 @@
 pub mod arguments;
 pub mod contour;
 pub mod corner;
+pub mod dialect;
 pub mod expression;
 #[cfg(test)]
 mod figures;

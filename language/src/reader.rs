@@ -17,6 +17,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Event, Interpreter, Options, Way};
 use leadscrew_core::units::Decimal;
 
+use crate::dialect::{Control, Setting};
 use crate::flow::{Done, Flow, Machine, Rules, Trouble};
 use crate::lines::Source;
 use crate::nose::Side;
@@ -39,7 +40,7 @@ pub struct Reader<'p, S> {
 struct Core<'p> {
     interpreter: Interpreter<'p>,
     params: &'p Params,
-    dialect: Dialect,
+    control: Control,
     /// T of the latest block that has one.
     tool: Option<u16>,
     /// What the first lines of the contour cycles have said.
@@ -61,12 +62,19 @@ impl<'p, S: Source> Reader<'p, S> {
             skip: options.skip,
             ..rules
         };
+        let control = rules.control;
+        let options = Options {
+            dialect: control.family(),
+            per_turn: control.begins_per_turn(),
+            limits_every_speed: control.limits_every_speed(),
+            ..options
+        };
         Self {
             flow: Flow::new(source, kept, rules),
             core: Core {
                 interpreter: Interpreter::new(params, options),
                 params,
-                dialect: options.dialect,
+                control,
                 tool: None,
                 first: FirstLines::default(),
                 contour: None,
@@ -81,6 +89,13 @@ impl<'p, S: Source> Reader<'p, S> {
     /// # Errors
     /// What ends the program; there is no further step.
     pub fn step(&mut self, out: &mut dyn FnMut(Event)) -> Result<(), Trouble> {
+        let control = self.core.control;
+        let out = &mut |event| {
+            out(match event {
+                Event::Warning(warning) => Event::Warning(control.in_own_codes(warning)),
+                call => call,
+            });
+        };
         let mut acting = Acting {
             core: &mut self.core,
             out,
@@ -96,7 +111,10 @@ impl<'p, S: Source> Reader<'p, S> {
                 result = finished.map_err(Trouble::Alarm);
             }
         }
-        result
+        result.map_err(|trouble| match trouble {
+            Trouble::Alarm(alarm) => Trouble::Alarm(control.in_own_codes(alarm)),
+            unreadable => unreadable,
+        })
     }
 
     /// True where nothing more comes.
@@ -147,9 +165,14 @@ impl Core<'_> {
             b'X' | b'Z' | b'U' | b'W' | b'I' | b'J' | b'K' | b'R' | b'D' | b'E' => length,
             b'C' | b'H' => angle,
             b'F' => 6 - u8::from(inch),
-            b'P' | b'Q' if self.dialect == Dialect::Gsk988 || self.params.pq_in_mm() => length,
+            b'P' | b'Q' if !self.counts() => length,
             _ => 0,
         }
+    }
+
+    /// P and Q of G74 to G76 count increments.
+    fn counts(&self) -> bool {
+        self.control.family() == Dialect::Gsk980td && !self.params.pq_in_mm()
     }
 
     /// Decimals of one increment where macro A has counted it.
@@ -171,12 +194,15 @@ impl Core<'_> {
             words.iter().any(is)
         };
         let dwell = has(4);
+        let enhanced = has(78);
         let inch = has(20) || (self.interpreter.is_inch() && !has(21));
         words.iter().filter_map(move |word| {
             let (decimals, step) = match word.letter {
                 // Milliseconds, and seconds.
                 b'P' if dwell => (0, 0),
                 b'X' | b'U' if dwell => (3, 3),
+                // Lengths, whatever P and Q of the other cycles are.
+                b'P' | b'Q' if enhanced => (self.decimals(b'X', inch), self.increment(b'X', inch)),
                 letter => (self.decimals(letter, inch), self.increment(letter, inch)),
             };
             Some((word.letter, word.decimal(decimals, step)?, word.span))
@@ -427,6 +453,16 @@ impl Machine for Acting<'_, '_> {
         self.core.decimals(letter, self.core.interpreter.is_inch())
     }
 
+    fn setting(&self) -> Setting {
+        let now = self.core.interpreter.in_force();
+        Setting {
+            motion: now.motion,
+            increment: self.core.unit().decimals,
+            counts: self.core.counts(),
+            holes: now.taps,
+        }
+    }
+
     fn note(&mut self, warning: Alarm) {
         (self.out)(Event::Warning(warning));
     }
@@ -441,7 +477,8 @@ impl Machine for Acting<'_, '_> {
         let at = core.interpreter.position();
         let start = Point { x: at.x, z: at.z };
         let (unit, first, params) = (core.unit(), core.first, core.params);
-        let collected = Collected::new(cycle, words, &first, unit, params, span, start)?;
+        let control = core.control;
+        let collected = Collected::new(cycle, words, &first, unit, params, control, span, start)?;
         let own = (!collected.is_finish()).then(|| core.interpreter.clone());
         core.contour = Some((collected, own));
         Ok(())

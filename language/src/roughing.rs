@@ -7,6 +7,7 @@ use leadscrew_core::alarm::{Alarm, Arg, At, Code, Span};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Diameter, Length};
 
+use crate::dialect::Control;
 use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats, Roughing};
 use crate::plane::{Element, Point};
 use crate::word::Word;
@@ -181,8 +182,10 @@ impl FirstLines {
         block: &[Word],
         unit: Unit,
         params: &Params,
+        control: Control,
         span: Span,
     ) -> Result<Figures, Alarm> {
+        let retract_feeds = control.retract_feeds();
         let words = Words(block);
         let given = |length| At::new(length, Span::default());
         let allowance = Allowance {
@@ -198,7 +201,10 @@ impl FirstLines {
             Cycle::Rough(along) => {
                 let RoughLine { depth, retract } = self.rough[index(along)];
                 let depth = if one_line {
-                    words.without(b"R")?;
+                    // R1 of a Haas says that the contour has pockets, which its first block tells.
+                    if control != Control::Haas {
+                        words.without(b"R")?;
+                    }
                     words.length(b'D', unit)?
                 } else {
                     depth
@@ -208,7 +214,7 @@ impl FirstLines {
                     Roughing {
                         depth: depth.unwrap_or_else(|| given(params.rough_depth())),
                         retract: retract.unwrap_or_else(|| given(params.rough_retract())),
-                        retract_feeds: true,
+                        retract_feeds,
                         allowance,
                         semi_finish: true,
                         tolerance: Length::ZERO,
@@ -270,11 +276,12 @@ impl Collected {
         first: &FirstLines,
         unit: Unit,
         params: &Params,
+        control: Control,
         span: Span,
         start: Point,
     ) -> Result<Self, Alarm> {
         Ok(Self {
-            figures: first.figures(cycle, words, unit, params, span)?,
+            figures: first.figures(cycle, words, unit, params, control, span)?,
             start,
             axes: None,
             elements: Vec::new(),

@@ -22,7 +22,7 @@ pub enum Given {
 /// A letter with its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// A capital letter; a small one where a comma is before it (`,C` `,R`).
+    /// A capital letter, or one of the small ones for a corner: [`Word::CHAMFER`] and those beside it.
     pub letter: u8,
     /// Its number.
     pub given: Given,
@@ -33,6 +33,17 @@ pub struct Word {
 }
 
 impl Word {
+    /// `,C`.
+    pub const CHAMFER: u8 = b'c';
+    /// `,R`, and D of the GSK.
+    pub const ROUND: u8 = b'r';
+    /// L of the GSK: what it measures is a parameter.
+    pub const CHAMFER_L: u8 = b'l';
+    /// C, I or K of FANUC and Haas: a chamfer whose sign says where the next motion goes.
+    pub const CHAMFER_TOWARD: u8 = b'k';
+    /// R of FANUC and Haas: a rounding with such a sign.
+    pub const ROUND_TOWARD: u8 = b'q';
+
     /// An alarm that blames this word.
     #[cold]
     #[must_use]

@@ -19,7 +19,7 @@ fn main() {
     let [first, count] = numbers.as_slice() else {
         panic!("usage: bits SEED COUNT");
     };
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for seed in (0..*count).map(|number| first.wrapping_add(number)) {
         let run::Outcome { hash, ticks, alarm } =
             run::run(programs::random(seed).as_bytes(), &params);

@@ -8,7 +8,7 @@ use leadscrew_core::params::{Entry, Params};
 /// Where there is no such parameter, or a value is outside its range: the values of these tests are right.
 #[must_use]
 pub fn with(values: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (key, raw) in values {
         set(&mut params, key, *raw);
     }

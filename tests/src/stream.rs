@@ -142,7 +142,7 @@ impl Watch {
 /// # Panics
 /// For a text that is refused, and at an alarm.
 pub fn directly(text: impl Read) -> Ran {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let mut calls = Calls::new(text, &params).peekable();
     let mut watch = Watch::new(Ran::default());
@@ -163,7 +163,7 @@ pub fn directly(text: impl Read) -> Ran {
 /// # Panics
 /// For a text that is refused, at an alarm, and where a transfer fails.
 pub fn over_the_wire(text: impl Read) -> (Ran, Certificate) {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut calls = Calls::new(text, &params).peekable();

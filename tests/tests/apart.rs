@@ -69,7 +69,7 @@ impl Apart {
 #[test]
 fn a_late_background_carries_nothing_over_a_stop() {
     leadscrew_seed::volume(0, |first| {
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         let rounds = leadscrew_seed::amount(20, 600);
         let next: VecDeque<Call> = calls(NEXT, &params).into();
         for seed in (0..rounds).map(|round| first.wrapping_add(round)) {

@@ -17,7 +17,7 @@ const THREAD: &str = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 
 fn plain(text: &str) -> Ran {
     run(
         text,
-        &Params::slant_bed(),
+        &Params::sheets(),
         &PlantOptions::default(),
         |_, _| {},
     )
@@ -45,12 +45,12 @@ fn worst(rows: &[Row]) -> i64 {
 fn a_thread_obeys_every_limit_where_the_spindle_does_not_lead() {
     let ran = plain(THREAD);
     ends_at(&ran, 50_000_000, 50_000_000);
-    within(&ran, &Params::slant_bed());
+    within(&ran, &Params::sheets());
 }
 
 #[test]
 fn ripple_of_ten_percent_stays_within_the_figures() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let options = PlantOptions {
         ripple: Ripple::new(10_000, 5_000),
         ..PlantOptions::default()
@@ -153,7 +153,7 @@ fn held(text: &str, params: &Params, tick: u64) -> (Ran, Row) {
 
 #[test]
 fn feed_hold_in_a_stroke_waits_for_the_x_retract() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = plain(THREAD);
     let middle = calm
         .rows
@@ -174,7 +174,7 @@ fn feed_hold_in_a_stroke_waits_for_the_x_retract() {
 
 #[test]
 fn feed_hold_anywhere_stops_within_the_limits_and_loses_nothing() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = plain(THREAD);
     let last = calm.rows.last().expect("rows").position;
     for tick in (5..calm.rows.len() as u64 - 10).step_by(97) {
@@ -191,7 +191,7 @@ fn feed_hold_anywhere_stops_within_the_limits_and_loses_nothing() {
 
 #[test]
 fn overrides_change_the_speed_and_nothing_else() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let text = "G98 G1 X20 Z-40 F500\nG0 X0 Z0\nM30\n";
     let full = plain(text);
     let mut feeds = [50_u8, 150, 0, 10, 120, 100].into_iter().cycle();
@@ -213,7 +213,7 @@ fn overrides_change_the_speed_and_nothing_else() {
 /// from where the machine stands.
 #[test]
 fn reset_anywhere_leaves_nothing_latent() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = plain(THREAD);
     // Height of the thread 0.2 mm, and the clearance of parameter 9009.
     let clear = 76_000_000 / 2 + 200_000 + params.thread_clearance().nm();
@@ -242,7 +242,7 @@ fn reset_anywhere_leaves_nothing_latent() {
 /// An emergency stop brings both axes to rest together, on the path, and the alarm stays until reset.
 #[test]
 fn an_emergency_stop_in_a_stroke_stops_both_axes_on_the_path() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = plain(THREAD);
     let locked: Vec<u64> = calm
         .rows
@@ -270,7 +270,7 @@ fn an_emergency_stop_in_a_stroke_stops_both_axes_on_the_path() {
 fn stopped(text: &str, stop: u64, behind: u64, also: &[Command]) -> Ran {
     run(
         text,
-        &Params::slant_bed(),
+        &Params::sheets(),
         &PlantOptions::default(),
         |sim, ticks| {
             if ticks == stop {
@@ -289,7 +289,7 @@ fn stopped(text: &str, stop: u64, behind: u64, also: &[Command]) -> Ran {
 /// lost [D110]. The way to rest is the same as without it.
 #[test]
 fn a_reset_during_a_stop_acts_when_the_machine_stands() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let tap = "G98 G0 X0 Z5\nM29 S500\nG84 Z-12 R3 P200 F500\nG80\nM30\n";
     for (text, inside) in [
         (THREAD, Doing::Run),
@@ -340,7 +340,7 @@ fn a_stop_behind_a_waiting_reset_keeps_the_alarm_and_a_hold_stays() {
     let mut held = false;
     let ran = run(
         THREAD,
-        &Params::slant_bed(),
+        &Params::sheets(),
         &PlantOptions::default(),
         |sim, ticks| {
             match ticks.checked_sub(stop) {
@@ -358,7 +358,7 @@ fn a_stop_behind_a_waiting_reset_keeps_the_alarm_and_a_hold_stays() {
 
 #[test]
 fn single_block_stops_after_every_pass_of_a_thread() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let ran = run(THREAD, &params, &PlantOptions::default(), |sim, ticks| {
         if ticks == 0 {
             sim.command(Command::SingleBlock(true));
@@ -393,7 +393,7 @@ fn a_standing_spindle_is_an_alarm_before_the_cycle_moves() {
 #[test]
 fn a_drive_fault_in_a_stroke_stops_everything_and_names_the_drive() {
     use leadscrew_board_sim::plant::Trouble;
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = plain(THREAD);
     let tick = calm
         .rows

@@ -33,7 +33,7 @@ fn what_passes_the_checks_is_accepted_by_board_and_machine() {
         let entries = Entry::all();
         let (mut passed, mut refused) = (0, 0);
         for round in 0..2_000 {
-            let mut params = Params::slant_bed();
+            let mut params = Params::sheets();
             for _ in 0..1 + round % 6 {
                 let entry = &entries[usize::try_from(random.below(entries.len() as u64)).unwrap()];
                 let value = random.value(entry);

@@ -7,7 +7,7 @@ const O0013: &str = include_str!("../../examples/o0013-g76-m68x6.nc");
 
 #[test]
 fn the_thread_of_the_sheet_runs_to_its_end_on_the_helix() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let ran = run(O0013, &params, &Default::default(), |_, _| {});
     assert_eq!(ran.alarm, None);
     let last = ran.rows.last().expect("rows");

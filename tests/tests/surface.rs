@@ -60,7 +60,7 @@ fn wanted(x: Length) -> i32 {
 
 #[test]
 fn the_spindle_follows_the_tool_and_the_feed_follows_the_spindle() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let (ran, looks) = watched(FACE, &params, |_, _| {});
     assert_eq!(ran.alarm, None);
     assert_eq!(first_excess(&ran.rows, &params), None);
@@ -110,7 +110,7 @@ fn the_spindle_follows_the_tool_and_the_feed_follows_the_spindle() {
 
 #[test]
 fn feed_hold_holds_the_speed_and_the_override_stops_at_the_limit() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut held_at = None;
     let (ran, looks) = watched(FACE, &params, |sim, tick| {
         let x = sim.board().ticker().executor().position().x;
@@ -140,7 +140,7 @@ fn feed_hold_holds_the_speed_and_the_override_stops_at_the_limit() {
 #[test]
 fn an_alarm_and_a_reset_stop_the_spindle_for_good() {
     for order in [Command::Stop, Command::Reset] {
-        let (_, looks) = watched(FACE, &Params::slant_bed(), |sim, tick| {
+        let (_, looks) = watched(FACE, &Params::sheets(), |sim, tick| {
             if tick == 4000 {
                 sim.command(order);
             }

@@ -28,7 +28,7 @@ fn root() -> PathBuf {
 fn the_board_and_a_host_make_the_same_setpoints() {
     let golden = root().join("firmware/mps2-an386/hashes.txt");
     let golden = std::fs::read_to_string(golden).expect("the board's rows are there");
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let (mut examples, mut random) = (0, 0);
     for row in golden.lines().filter(|row| !row.starts_with('#')) {
         let words: Vec<&str> = row.split_whitespace().collect();

@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn the_built_in_machine_has_them_where_they_are_known_to_be() {
-        let nodes = DriveNodes::of(&Params::slant_bed());
+        let nodes = DriveNodes::of(&Params::sheets());
         let axes = [NodeId::DRIVE_X, NodeId::DRIVE_Z, NodeId::DRIVE_C];
         assert_eq!(Axis::ALL.map(|axis| nodes.axis(axis)), axes);
         let spindles = [
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn what_is_no_drive_of_the_machine_has_no_letter() {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         for (key, value) in [("9014", 2), ("9015.Z", 126), ("9016", 5)] {
             params.set(Entry::find_text(key).unwrap(), value).unwrap();
         }

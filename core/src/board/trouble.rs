@@ -167,7 +167,7 @@ mod tests {
             (NmtCommand::ResetNode.frame(None), None),
             (NmtCommand::ResetNode.frame(Some(NodeId::BOARD)), None),
         ];
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         let drives = DriveNodes::of(&params);
         for (frame, expected) in cases {
             assert_eq!(Intrusion::of(&frame, &drives), expected, "{frame:?}");
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn the_frame_for_all_drives_is_said_by_their_own_board() {
-        let drives = DriveNodes::of(&Params::slant_bed());
+        let drives = DriveNodes::of(&Params::sheets());
         let (first, second) = (Some(NodeId::BOARD), NodeId::new(2));
         for (id, board, victim) in [
             (0x481, first, Some(X)),

@@ -220,7 +220,7 @@ fn every_refusal() {
 #[test]
 fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do() {
     let with = |counts: u32, edges: u32| {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         let values = [(3720, Part::Whole, counts), (9006, Part::Bit(0), edges)];
         for (no, part, value) in values {
             let entry = Entry::all().iter().find(|e| e.no == no && e.part == part);

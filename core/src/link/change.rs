@@ -66,7 +66,7 @@ mod tests {
     use crate::params::Entry;
 
     fn set(values: &[(&str, i64)]) -> Params {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         for (key, raw) in values {
             params.set(Entry::find_text(key).unwrap(), *raw).unwrap();
         }

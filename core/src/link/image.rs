@@ -231,7 +231,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], piece: usize) -> Result<Params, ImageError> {
-        let mut staged = Params::slant_bed();
+        let mut staged = Params::sheets();
         let mut reader = ImageReader::new();
         for piece in bytes.chunks(piece) {
             reader.take(piece, &mut staged)?;
@@ -240,7 +240,7 @@ mod tests {
     }
 
     fn changed() -> Params {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         for (key, raw) in [("9007", 20), ("1320.X", 123_456_789), ("182.7", 1)] {
             params.set(Entry::find_text(key).unwrap(), raw).unwrap();
         }
@@ -290,11 +290,11 @@ mod tests {
     #[test]
     fn a_value_out_of_range_or_an_undefined_bit_is_named() {
         let tolerance = Entry::find(9007, None).unwrap();
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         params.put_slot(tolerance.place(), tolerance.max() + 1);
         assert_eq!(read(&image(&params), 64), Err(ImageError::Range(9007)));
         let switches = Entry::find(9008, Some(Part::Bit(0))).unwrap();
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         params.put_slot(switches.place(), 2);
         assert_eq!(read(&image(&params), 64), Err(ImageError::Range(9008)));
     }
@@ -302,10 +302,10 @@ mod tests {
     #[test]
     fn the_identity_tells_sets_apart() {
         assert_eq!(
-            identity(&Params::slant_bed()),
-            identity(&Params::slant_bed())
+            identity(&Params::sheets()),
+            identity(&Params::sheets())
         );
-        assert_ne!(identity(&Params::slant_bed()), identity(&changed()));
+        assert_ne!(identity(&Params::sheets()), identity(&changed()));
         let bytes = image(&changed());
         assert_eq!(bytes[bytes.len() - 4..], identity(&changed()).to_le_bytes());
     }

@@ -466,7 +466,7 @@ fn events_and_status_come_back_equal() {
         credit: u16::MAX,
         newest_event: u32::MAX,
         signals: u16::MAX,
-        parameters: identity(&Params::slant_bed()),
+        parameters: identity(&Params::sheets()),
     };
     let mut bytes = [0; Status::BYTES];
     let used = status.encode(&mut bytes).unwrap();

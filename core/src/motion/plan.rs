@@ -265,7 +265,7 @@ mod tests {
         timed(
             Position::default(),
             &target,
-            &Limits::from_params(&Params::slant_bed()),
+            &Limits::from_params(&Params::sheets()),
         )
     }
 

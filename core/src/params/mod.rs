@@ -42,6 +42,17 @@ impl Params {
         }
         Self { raw }
     }
+
+    /// The built-in machine with input increments of 0.0001 mm (IS-C), in which the makers' sheets print their examples.
+    #[must_use]
+    pub fn sheets() -> Self {
+        let mut params = Self::slant_bed();
+        if let Ok(entry) = Entry::find_text("1004.1") {
+            // A bit of the table: 1 is in its range.
+            let _ = params.set(entry, 1);
+        }
+        params
+    }
 }
 
 impl Default for Params {

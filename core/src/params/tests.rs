@@ -103,7 +103,7 @@ fn every_number_of_the_sheets_is_there_with_its_default_and_nothing_else() {
 fn the_built_in_machine_is_that_of_the_contract() {
     let p = Params::slant_bed();
     let mm = 1_000_000;
-    assert!(p.increment_is_c());
+    assert!(!p.increment_is_c() && Params::sheets().increment_is_c());
     assert_eq!(
         (p.soft_limit_minus(Axis::X), p.soft_limit_plus(Axis::X)),
         (-300 * mm, 300 * mm)

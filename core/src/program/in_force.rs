@@ -24,6 +24,8 @@ pub struct InForce {
     pub surface: Option<Feed>,
     /// Machine coordinates of the work zero.
     pub origin: Position,
+    /// Rigid tapping or a cycle of holes.
+    pub taps: bool,
 }
 
 impl State<'_> {
@@ -43,6 +45,7 @@ impl State<'_> {
             speed: modal.speed,
             surface: modal.surface.filter(|_| modal.in_surface),
             origin: modal.origin,
+            taps: self.tapping.is_on(),
         }
     }
 }

@@ -91,10 +91,26 @@ impl State<'_> {
                 self.modal.surface = Some(self.surface(word)?);
             } else {
                 self.modal.speed = self.speed(word)?;
+                self.tell_limit(word, plan);
             }
         }
         self.before_motion_codes(block, plan, word);
         Ok(())
+    }
+
+    /// Warns where S of G50 is lower than this S of G97.
+    fn tell_limit(&self, word: &Word, plan: &mut Plan) {
+        let limited = self.modal.options.limits_every_speed;
+        if let Some(limit) = self.modal.speed_limit
+            && limited
+            && self.modal.speed > limit
+        {
+            let args = [
+                Arg::Int(i64::from(self.modal.speed)),
+                Arg::Int(i64::from(limit)),
+            ];
+            plan.warn(word.alarm(Code::SpeedLimited).with(args));
+        }
     }
 
     /// M03 M04 M08; `speed` is the S word of the block, if it is an ordinary one.
@@ -160,6 +176,10 @@ impl State<'_> {
             plan.warn(word.alarm(Code::SpeedLimited).with(args));
         }
         self.modal.speed_limit = Some(limit.min(highest));
+        let turns = self.modal.direction != 0 && !self.modal.in_surface;
+        if turns && self.modal.options.limits_every_speed && self.modal.speed > limit {
+            plan.spindle(word.span, SpindleCall::speed(self.modal.rpm()));
+        }
         Ok(())
     }
 }

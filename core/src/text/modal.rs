@@ -66,7 +66,7 @@ impl<'p> Modal<'p> {
             shift: Position::ZERO,
             origin: Position::ZERO,
             position: options.position,
-            per_turn: false,
+            per_turn: options.per_turn,
             feed: ModalFeed::None,
             speed: 0,
             direction: 0,
@@ -195,9 +195,11 @@ impl<'p> Modal<'p> {
         law.rpm(law.centre + Length::from_nm(nearest), self.direction)
     }
 
-    /// Commanded spindle speed under G97.
+    /// Commanded spindle speed under G97; S of G50 may limit it.
     pub(crate) fn rpm(&self) -> Rpm {
-        let speed = i32::try_from(self.speed).unwrap_or(i32::MAX);
+        let limit = self.speed_limit.filter(|_| self.options.limits_every_speed);
+        let speed = limit.map_or(self.speed, |limit| self.speed.min(limit));
+        let speed = i32::try_from(speed).unwrap_or(i32::MAX);
         Rpm::new(speed.saturating_mul(self.direction))
     }
 

@@ -23,6 +23,10 @@ pub struct Options {
     pub optional_stop: bool,
     /// Cuts other than threads run at the dry-run feed.
     pub dry_run: bool,
+    /// G99 and not G98 is in force at power-on.
+    pub per_turn: bool,
+    /// S of G50 limits the speed under G97, too.
+    pub limits_every_speed: bool,
     /// Where the machine stands before the first block.
     pub position: Position,
 }

@@ -24,7 +24,7 @@ const PROGRAMS: u64 = 1000;
 
 #[entry]
 fn main() -> ! {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let (mut first, mut count) = (None, PROGRAMS);
     for word in leadscrew_console::words(&mut [0; leadscrew_console::LONGEST]) {
         let number = |text: &str| text.parse().expect("a number");

@@ -387,7 +387,7 @@ mod tests {
         let [spindle, light] = [(); 2].map(|()| Pin::default());
         let mut switches = Switches::new(spindle.clone(), light.clone());
         let alarm = Alarm::new(Code::EmergencyStop, Span::default());
-        let board = Board::new(&Params::slant_bed(), None, None).unwrap();
+        let board = Board::new(&Params::sheets(), None, None).unwrap();
         let up = Snapshot::new(board.ticker(), &Setpoint::default(), Mirrored::default());
         let mut shown = |state, needs_spindle| {
             switches.show(&Snapshot {

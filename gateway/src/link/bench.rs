@@ -15,7 +15,7 @@ use super::{Inside, Link};
 
 /// A board at power-up with its drives.
 pub fn machine(flash: Flash) -> Inside {
-    machine_of(&Params::slant_bed(), flash)
+    machine_of(&Params::sheets(), flash)
 }
 
 /// The same with these parameters.

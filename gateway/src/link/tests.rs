@@ -20,7 +20,7 @@ use super::bench::{Fate, between, link, machine};
 use super::{Inside, Link, Trouble};
 
 fn set(values: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (key, raw) in values {
         params.set(Entry::find_text(key).unwrap(), *raw).unwrap();
     }
@@ -51,7 +51,7 @@ fn flash_with(params: &Params) -> Flash {
 fn stored(inside: &Inside) -> (Found, Params) {
     let mut flash = inside.sim().flash().clone();
     flash.power(true);
-    let up = stored_params(&mut flash, &Params::slant_bed()).unwrap();
+    let up = stored_params(&mut flash, &Params::sheets()).unwrap();
     (up.found, up.params)
 }
 
@@ -113,7 +113,7 @@ fn a_push_that_ends_at_any_frame_leaves_the_old_set_or_the_new_one() {
 /// number fits.
 #[test]
 fn what_another_client_says_in_a_transfer_does_not_spoil_it() {
-    let flash = flash_with(&Params::slant_bed());
+    let flash = flash_with(&Params::sheets());
     let new = set(&[("9007", 13)]);
     // Upload of either kind, its pieces, its ends, an abort.
     for command in [0x40, 0x60, 0x70, 0x80, 0xA0, 0xA1, 0xA2, 0xA3] {
@@ -175,7 +175,7 @@ fn a_board_says_why_it_does_not_take_a_set() {
 #[test]
 fn a_password_opens_writing() {
     let password = Entry::find_text("parameter_password").unwrap();
-    let mut secret = Params::slant_bed();
+    let mut secret = Params::sheets();
     secret.set(password, 4711).unwrap();
     let inside = machine(flash_with(&secret));
     let mut link = link(&inside);
@@ -392,7 +392,7 @@ fn a_board_that_does_not_say_what_became_of_a_set_has_not_refused_it() {
 /// More values change than their list has room for: the set in force is read as a whole.
 #[test]
 fn a_set_that_changes_everywhere_is_told_whole() {
-    let new = Params::slant_bed();
+    let new = Params::sheets();
     let mut old = new.clone();
     for entry in Entry::all() {
         let raw = old.get(entry);

@@ -362,7 +362,7 @@ mod tests {
 
     #[test]
     fn the_drives_of_two_boards_stand_side_by_side() {
-        let mut second = Params::slant_bed();
+        let mut second = Params::sheets();
         for (key, raw) in [
             ("9015.X", 48),
             ("9015.Z", 49),
@@ -375,7 +375,7 @@ mod tests {
             second.set(Entry::find_text(key).unwrap(), raw).unwrap();
         }
         let mut table =
-            Table::new(Vec::new(), &[Params::slant_bed(), second], NodeId::BOARD).unwrap();
+            Table::new(Vec::new(), &[Params::sheets(), second], NodeId::BOARD).unwrap();
         let mut sync = SyncProducer::new();
         let target = |target, node| {
             let command = DriveCommand {
@@ -432,7 +432,7 @@ mod tests {
 
     #[test]
     fn columns_are_those_of_the_drives_wherever_they_are() {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         // X is where Z is on the built-in machine, and there is one spindle only.
         for (key, node) in [("9015.X", 17), ("9015.Z", 33), ("9014", 1)] {
             let entry = Entry::find_text(key).unwrap();
@@ -458,7 +458,7 @@ mod tests {
 
     #[test]
     fn setpoints_in_one_frame_stand_where_those_of_many_would() {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         params.set(Entry::find_text("9031").unwrap(), 1).unwrap();
         let mut table = Table::new(Vec::new(), &[params], NodeId::new(3).unwrap()).unwrap();
         let content: Vec<u8> = [10_i32, -20, 30, 900_000]
@@ -485,7 +485,7 @@ mod tests {
 
     #[test]
     fn setpoints_stand_at_the_sync_that_latches_them_and_events_where_they_happen() {
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         let mut table = Table::new(Vec::new(), &[params], NodeId::BOARD).unwrap();
         let mut sync = SyncProducer::new();
         let mut us = 5_000_000;

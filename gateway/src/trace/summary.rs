@@ -283,7 +283,7 @@ mod tests {
 
     #[test]
     fn sums_up_what_went_by() {
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         let mut summary = Summary::new(&params);
         for (tick, (x_nm, z_nm, error_nm)) in [
             (0, 0, None),

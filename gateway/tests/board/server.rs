@@ -249,7 +249,7 @@ impl Client {
 }
 
 fn serve(listener: &TcpListener, options: &Options, knobs: &Knobs, seen: &Mutex<Seen>) {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (key, value) in &options.set {
         params.set(Entry::find_text(key).unwrap(), *value).unwrap();
     }

@@ -11,7 +11,7 @@ const PROGRAM: &str = "examples/shaft.nc";
 
 /// A board whose rapid rate on X is 9 m/min.
 fn slow() -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     let rapid = Entry::find_text("1420.X").unwrap();
     params.set(rapid, 9_000_000_000).unwrap();
     params

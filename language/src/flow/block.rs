@@ -5,6 +5,7 @@ use leadscrew_core::program::MAX_LINE;
 use leadscrew_core::units::Decimal;
 
 use super::{Flow, Machine, Trouble};
+use crate::dialect::one_line;
 use crate::expression::Calculator;
 use crate::lines::{Place, Source};
 use crate::roughing::Cycle;
@@ -57,7 +58,7 @@ impl<S: Source> Flow<S> {
         let kind = if skipped {
             Statement::Empty
         } else {
-            statement(&mut cursor)
+            self.statement(&mut cursor)
         };
         if !skipped && matches!(kind, Statement::Plain | Statement::Empty) {
             if kind == Statement::Plain || head.sequence.is_some() {
@@ -80,7 +81,7 @@ impl<S: Source> Flow<S> {
             }
             // What else stands in the block is carried out like a block of its own.
             let from = here.in_line(cursor.at());
-            return match statement(&mut cursor) {
+            return match self.statement(&mut cursor) {
                 Statement::Empty => Ok(()),
                 Statement::Plain => self.plain(from, text, piece, machine),
                 kind => self.macro_block(kind, here, cursor, None, machine),
@@ -88,6 +89,14 @@ impl<S: Source> Flow<S> {
         }
         self.start(here);
         self.macro_block(kind, here, cursor, sequence, machine)
+    }
+
+    /// What a block is. Only those of a GSK may be the core's as they are.
+    fn statement(&self, cursor: &mut Cursor<'_>) -> Statement {
+        match statement(cursor) {
+            Statement::Plain if !self.rules.control.is_gsk() => Statement::Words,
+            kind => kind,
+        }
     }
 
     /// Carries out a block in which something has to be calculated or called.
@@ -183,6 +192,15 @@ impl<S: Source> Flow<S> {
         };
         let of = |letter: u8| decimals[usize::from(letter - b'A') % 26];
         word::read(cursor, &mut scope, of, words)?;
+        let now = machine.setting();
+        self.translator.translate(words, now)?;
+        if let Some(blocks) = one_line::blocks(words, self.rules.control, now)? {
+            for block in &blocks {
+                let done = machine.words(cursor.line(), block)?;
+                self.done(done)?;
+            }
+            return Ok(());
+        }
         if self.call(cursor.line(), words, machine)? {
             return Ok(());
         }

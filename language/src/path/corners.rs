@@ -7,7 +7,7 @@ use leadscrew_core::call::{Call, CallKind, Position};
 use leadscrew_core::program::Event;
 
 use super::{call, element, point};
-use crate::corner::{Corner, insert};
+use crate::corner::{Corner, Toward, insert};
 use crate::plane::{Point, Shape};
 
 /// Events that may stand between the two motions of a corner.
@@ -19,13 +19,22 @@ pub(super) struct Corners {
     waiting: Option<Waiting>,
 }
 
+/// The corner that a block asks for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asked {
+    pub corner: Corner,
+    /// Where the next motion has to go.
+    pub toward: Option<Toward>,
+    /// Its word.
+    pub span: Span,
+}
+
 /// A motion whose end is a corner.
 #[derive(Debug)]
 struct Waiting {
     from: Position,
     first: Call,
-    corner: Corner,
-    span: Span,
+    corner: Asked,
     between: Vec<Event>,
 }
 
@@ -46,7 +55,7 @@ impl Corners {
         &mut self,
         event: Event,
         from: Position,
-        corner: Option<(Corner, Span)>,
+        corner: Option<Asked>,
         ready: &mut Ready,
     ) -> Result<(), Alarm> {
         let motion = match &event {
@@ -66,9 +75,9 @@ impl Corners {
                 start,
                 &first,
                 Some(&next_element),
-                waiting.corner,
-                None,
-                waiting.span,
+                waiting.corner.corner,
+                waiting.corner.toward,
+                waiting.corner.span,
             )?;
             let mut at = waiting.from;
             let mut put = |call: Call, ready: &mut Ready| {
@@ -92,12 +101,11 @@ impl Corners {
             next = call(&corner.second, &next);
         }
         match corner {
-            Some((corner, span)) => {
+            Some(corner) => {
                 self.waiting = Some(Waiting {
                     from,
                     first: next,
                     corner,
-                    span,
                     between: Vec::new(),
                 });
             }
@@ -120,7 +128,7 @@ impl Corners {
             ),
         };
         if !may_wait || waiting.between.len() == BETWEEN {
-            return Err(Alarm::new(Code::CornerNextMissing, waiting.span));
+            return Err(Alarm::new(Code::CornerNextMissing, waiting.corner.span));
         }
         waiting.between.push(event);
         Ok(())
@@ -132,7 +140,7 @@ impl Corners {
     /// 0051 where one was expected.
     pub fn finish(&mut self) -> Result<(), Alarm> {
         match self.waiting.take() {
-            Some(waiting) => Err(Alarm::new(Code::CornerNextMissing, waiting.span)),
+            Some(waiting) => Err(Alarm::new(Code::CornerNextMissing, waiting.corner.span)),
             None => Ok(()),
         }
     }

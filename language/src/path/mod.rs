@@ -13,15 +13,14 @@ mod words;
 
 use std::collections::VecDeque;
 
-use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::call::{ArcCall, Call, CallKind, FeedRate, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Event;
 
-use crate::corner::Corner;
 use crate::nose::{Nose, Side};
 use crate::plane::{Element, Point, Shape};
-use corners::Corners;
+use corners::{Asked, Corners};
 use round::Round;
 pub(crate) use words::is_word;
 
@@ -33,7 +32,7 @@ pub(crate) struct Path {
     side: Side,
     nose: Nose,
     /// The corner after the motion of the block under way.
-    corner: Option<(Corner, Span)>,
+    corner: Option<Asked>,
     /// The moves that come are not the programmed path: no compensation.
     suspended: bool,
     /// Where the programmed path is.
@@ -135,7 +134,7 @@ impl Path {
     /// Its corner had no motion to follow.
     pub fn end_block(&mut self) -> Result<(), Alarm> {
         match self.corner.take() {
-            Some((_, span)) => Err(Alarm::new(Code::CornerNextWrong, span)),
+            Some(asked) => Err(Alarm::new(Code::CornerNextWrong, asked.span)),
             None => Ok(()),
         }
     }
@@ -245,4 +244,4 @@ fn call(element: &Element, like: &Call) -> Call {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

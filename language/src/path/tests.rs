@@ -13,7 +13,7 @@ use crate::variables::Kept;
 /// A machine of 0.001 mm whose tool 3 has a nose of 0.4 mm with tip direction 3, and whose tool 4 is a bar of 0.8 mm with
 /// direction 2.
 fn machine() -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (key, raw) in [
         ("1004.1", 0),
         ("nose_radius_3", 400_000),
@@ -48,7 +48,7 @@ fn mm(length: Length) -> String {
 }
 
 /// Letter, X as a diameter, Z; arcs with their radius and direction, other calls by their name.
-fn moves_of(events: &[Event]) -> String {
+pub(crate) fn moves_of(events: &[Event]) -> String {
     let mut list = Vec::new();
     for event in events {
         let call = match event {

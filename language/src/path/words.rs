@@ -5,8 +5,9 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
 
+use super::corners::Asked;
 use super::{Path, nose_of};
-use crate::corner::Corner;
+use crate::corner::{Corner, Toward};
 use crate::nose::Side;
 use crate::roughing::Unit;
 use crate::word::Word;
@@ -55,20 +56,33 @@ impl Path {
                         taken.warning = Some(Event::Warning(warning));
                     }
                 }
-            } else if matches!(word.letter, b'c' | b'r') {
+            } else if is_corner(word) {
                 if self.corner.is_some() {
                     return Err(word.alarm(Code::WordTwice));
                 }
-                let size = unit.length(word)?.value;
+                let written = unit.length(word)?.value;
+                let has_sign = matches!(word.letter, Word::CHAMFER_TOWARD | Word::ROUND_TOWARD);
+                let size = if has_sign { written.abs() } else { written };
                 if size <= Length::ZERO {
                     return Err(word.alarm(Code::CornerTooLong));
                 }
-                let corner = if word.letter == b'c' {
-                    Corner::Chamfer(size)
-                } else {
-                    Corner::Round(size)
+                let corner = match word.letter {
+                    Word::CHAMFER_L if !params.corner_l_by_legs() => Corner::ChamferLine(size),
+                    Word::CHAMFER | Word::CHAMFER_L | Word::CHAMFER_TOWARD => Corner::Chamfer(size),
+                    _ => Corner::Round(size),
                 };
-                self.corner = Some((corner, word.span));
+                let plus = written > Length::ZERO;
+                let along_z = words.iter().any(|word| matches!(word.letter, b'Z' | b'W'));
+                let toward = has_sign.then_some(if along_z {
+                    Toward::X(plus)
+                } else {
+                    Toward::Z(plus)
+                });
+                self.corner = Some(Asked {
+                    corner,
+                    toward,
+                    span: word.span,
+                });
             } else {
                 taken.words.push(*word);
             }
@@ -79,7 +93,19 @@ impl Path {
 
 /// True for a word that is taken out.
 pub fn is_word(word: &Word) -> bool {
-    matches!(word.letter, b'c' | b'r') || side(word).is_some()
+    is_corner(word) || side(word).is_some()
+}
+
+/// True for the word of a corner.
+fn is_corner(word: &Word) -> bool {
+    matches!(
+        word.letter,
+        Word::CHAMFER
+            | Word::ROUND
+            | Word::CHAMFER_L
+            | Word::CHAMFER_TOWARD
+            | Word::ROUND_TOWARD
+    )
 }
 
 /// The side that a word asks for.

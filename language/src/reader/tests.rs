@@ -20,7 +20,7 @@ fn read_with(text: &str, params: &Params, options: Options) -> (Vec<Event>, Opti
 }
 
 fn read(text: &str) -> (Vec<Event>, Option<Alarm>) {
-    read_with(text, &Params::slant_bed(), Options::default())
+    read_with(text, &Params::sheets(), Options::default())
 }
 
 /// The same by the core alone.
@@ -63,7 +63,7 @@ fn programs_without_macros_are_what_they_are_to_the_core() {
             .chain([text.len()])
         {
             let text = &text[..end];
-            let (params, options) = (Params::slant_bed(), Options::default());
+            let (params, options) = (Params::sheets(), Options::default());
             let (expected, found) = (alone(text, &params, options), read(text));
             // A letter in front of a space is a word only with the number after it.
             if expected != found {
@@ -115,7 +115,7 @@ fn a_calculated_word_does_what_the_written_one_does() {
                 .map(|(line, kind)| (line, without_places(kind)))
                 .collect::<Vec<_>>()
         };
-        let (params, options) = (Params::slant_bed(), Options::default());
+        let (params, options) = (Params::sheets(), Options::default());
         let expected = calls(alone(written, &params, options));
         assert_eq!(calls(read(calculated)), expected, "{calculated}");
         assert!(expected.len() < 9);
@@ -229,7 +229,7 @@ fn the_end_of_the_text_is_minded_as_by_the_core() {
 
 /// A machine with IS-B, as the worked cases are written for.
 fn is_b() -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     let entry = leadscrew_core::params::Entry::find_text("1004.1").expect("a parameter");
     params.set(entry, 0).expect("in range");
     params

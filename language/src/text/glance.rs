@@ -15,7 +15,7 @@ pub enum Glance {
 /// Bytes that have to be looked at. Every line is read this way, and most bytes are digits.
 const STOPS: [bool; 256] = {
     let mut table = [false; 256];
-    let mut stops: &[u8] = b"()\xEF;#[<:Oo/ \tMmGgEe,";
+    let mut stops: &[u8] = b"()\xEF;#[<:Oo/ \tMmGgEe,LlDd";
     while let [stop, rest @ ..] = stops {
         table[*stop as usize] = true;
         stops = rest;
@@ -80,9 +80,12 @@ fn is_special(text: &[u8]) -> bool {
         [b'#' | b'[' | b'<' | b':' | b'O' | b'o', ..] | [b'/', b'1'..=b'9', ..] => true,
         [b',', rest @ ..] => matches!(super::trimmed(rest), [b'C' | b'c' | b'R' | b'r', ..]),
         [b'M' | b'm', b'0' | b'9', ..] => matches!(number(&text[1..]), 97..=99),
-        [b'G' | b'g', b'0' | b'4' | b'6' | b'7', ..] => {
-            matches!(number(&text[1..]), 40..=42 | 65..=67 | 70..=73)
+        [b'G' | b'g', rest @ ..] => {
+            let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+            rest.get(digits) == Some(&b'.')
+                || matches!(number(rest), 40..=42 | 65..=67 | 70..=76)
         }
+        [b'L' | b'l' | b'D' | b'd', ..] => true,
         [b'E' | b'e', b'N' | b'n', ..] => true,
         _ => false,
     }

@@ -52,7 +52,7 @@ fn a_look_tells_what_the_core_reads_alone() {
         "G1 X1; M30;",
         "/M8",
         "M09",
-        "G75 R0.5 F150; (a)",
+        "G78 R0.5 F150; (a)",
         "G60 M9 M980 G650",
         "X1E4 N5",
     ] {

@@ -30,7 +30,7 @@ pub fn device(data: &[u8]) {
     let Some((choice, records)) = data.split_first() else {
         return;
     };
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     if choice & 1 == 1 {
@@ -89,7 +89,7 @@ fn whole(sim: &mut Sim) {
         return;
     };
     assert_eq!(bytes.len(), ImageWriter::BYTES as usize);
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     let mut reader = ImageReader::new();
     let read = reader
         .take(&bytes, &mut params)

@@ -37,7 +37,7 @@ pub fn language(data: &[u8]) {
     let Some((choice, text)) = data.split_first() else {
         return;
     };
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let options = Options {
         dialect: if choice & 1 == 0 {
             Dialect::Gsk980td

@@ -60,7 +60,7 @@ fn calls(message: &[u8]) {
 
 /// A right image with some bytes changed: only an unchanged image may be accepted.
 fn image(message: &[u8]) {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut bytes = vec![0; ImageWriter::BYTES as usize];
     assert_eq!(ImageWriter::new(&params).read(0, &mut bytes), bytes.len());
     let right = bytes.clone();
@@ -84,7 +84,7 @@ fn image(message: &[u8]) {
 
 /// The changes of a staged set: accepted bytes give a set with their identity that may be stored.
 fn changes(message: &[u8]) {
-    let after = Params::slant_bed();
+    let after = Params::sheets();
     let Ok(before) = link::decode_changes(message, &after) else {
         return;
     };

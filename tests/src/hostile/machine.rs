@@ -21,7 +21,7 @@ pub fn machine(data: &[u8]) {
         return;
     };
     let (presses, text) = (&data[..cut], &data[cut + 1..]);
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calls: Vec<_> = Events::new(text, &params, Options::default())
         .map_while(Result::ok)
         .filter_map(|event| match event {

@@ -23,7 +23,7 @@ pub fn program(data: &[u8]) {
         return;
     };
     line_ends(text, usize::from(choice >> 4) + 1);
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let options = Options {
         dialect: if choice & 1 == 0 {
             Dialect::Gsk980td

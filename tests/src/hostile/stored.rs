@@ -38,7 +38,7 @@ pub fn stored(data: &[u8]) {
 
 /// Bytes as they are, and with a right checksum behind them, so that what is inside is reached.
 fn set(bytes: &[u8]) {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     let mut summed = bytes.to_vec();
     let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes);
     summed.extend(sum.to_le_bytes());
@@ -76,8 +76,8 @@ fn power_up(changes: &[u8]) {
         }
     }
     let [a, b] = &stored;
-    let built_in = Params::slant_bed();
-    let up = PowerUp::of(Params::slant_bed, Ok(Some(&mark)), Ok(Some(a)), Ok(Some(b)));
+    let built_in = Params::sheets();
+    let up = PowerUp::of(Params::sheets, Ok(Some(&mark)), Ok(Some(a)), Ok(Some(b)));
     let is = |place: usize| up.params == sets[place].1;
     match up.found {
         // Only where the mark is damaged as well can the older one seem to be the newest.
@@ -110,7 +110,7 @@ fn pages(bytes: &[u8]) {
     if store.recover().is_err() {
         return;
     }
-    let up = store.power_up(Params::slant_bed);
+    let up = store.power_up(Params::sheets);
     assert!(up.params.validate().is_ok());
     let _ = store.read(Region::TapJournal, &mut buffer);
     if store.write(Region::TapJournal, b"written later").is_ok() {

@@ -291,7 +291,7 @@ mod tests {
     /// The boot-up that comes next may be that of a reset of the communication, and the program goes on.
     #[test]
     fn a_reset_of_the_node_that_is_lost_begins_nothing_anew() {
-        let (params, options) = (Params::slant_bed(), PlantOptions::default());
+        let (params, options) = (Params::sheets(), PlantOptions::default());
         for (lost, resets) in [(100, false), (0, true)] {
             let sim = Sim::new(&params, &options).expect("the machine starts");
             let wire = Wire { lost, twice: 0 };

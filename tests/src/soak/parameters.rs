@@ -199,7 +199,7 @@ mod tests {
     /// Of each kind of damage that one bit does, the first place.
     #[test]
     fn an_image_with_a_wrong_bit_is_refused_at_once_whatever_the_bit_says() {
-        let (params, options) = (Params::slant_bed(), PlantOptions::default());
+        let (params, options) = (Params::sheets(), PlantOptions::default());
         let sim = Sim::new(&params, &options).expect("the machine starts");
         let mut bench = Bench::new(
             Draws::live(1),

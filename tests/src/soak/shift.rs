@@ -40,7 +40,7 @@ pub struct Shift {
 
 /// A machine that is not like the built-in one.
 fn machine(r: &mut Draws) -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     set(&mut params, "9000", r.of(&[1000, 1000, 2000]));
     let latency = r.of(&[0, 0, 1000, 1700, 3000]);
     set(&mut params, "9003.X", latency);

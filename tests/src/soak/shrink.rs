@@ -204,7 +204,7 @@ pub(super) fn work(
 
 /// The differences from the built-in machine.
 fn machine(shift: &Shift) -> String {
-    let usual = Params::slant_bed();
+    let usual = Params::sheets();
     let others: Vec<String> = Entry::all()
         .iter()
         .filter(|entry| usual.get(entry) != shift.built_in.get(entry))

@@ -91,7 +91,7 @@ fn a_groove_counted_is_the_groove_walked() {
     for _ in 0..cycles() / 5 {
         let call = groove(&mut r);
         let groove = GrooveMoves::new(&call, place(1)).unwrap();
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         narrow(&mut r, &call, &mut params);
         let walked = walk(groove, call.start, &params);
         assert_eq!(counted(&groove).0, walked.ways, "{call:?}");

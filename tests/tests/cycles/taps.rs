@@ -90,7 +90,7 @@ fn infeeds(moves: &[Move]) -> usize {
 
 /// The moves of a program on the built-in machine with these numbers changed.
 fn program(values: &[(&str, &str)], text: &str) -> Vec<Move> {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (key, value) in values {
         let entry = Entry::find_text(key).unwrap();
         let raw = entry.parse(value, Writing::UnitOptional).unwrap();

@@ -33,7 +33,7 @@ pub fn image(params: &Params) -> Vec<u8> {
 /// A board with this flash, and what it says at power-up.
 pub fn power_up(flash: Flash) -> (Sim, Gateway, Vec<Event>) {
     let mut sim =
-        Sim::with_flash(&Params::slant_bed(), &PlantOptions::default(), flash).expect("it starts");
+        Sim::with_flash(&Params::sheets(), &PlantOptions::default(), flash).expect("it starts");
     let mut gateway = Gateway::connect(&mut sim);
     let mut told = Vec::new();
     for _ in 0..50 {
@@ -128,7 +128,7 @@ fn what_is_pushed_is_there_when_the_power_comes_back() {
     let identities = |gateway: &mut Gateway, sim: &mut Sim| {
         [(0x1020, 1), (0x5010, 3), (0x5010, 4)].map(|(index, sub)| number(gateway, sim, index, sub))
     };
-    let built_in = identity(&Params::slant_bed());
+    let built_in = identity(&Params::sheets());
     assert_eq!(identities(&mut gateway, &mut sim), [built_in, 0, 0]);
     assert_eq!(state(&mut gateway, &mut sim), CommitState::None as u8);
 
@@ -241,7 +241,7 @@ fn a_new_board_keeps_its_built_in_set_when_it_is_told_to() {
     push(&mut gateway, &mut sim, &set(10)).expect("taken");
     assert_eq!(command(&mut gateway, &mut sim, 0x1011, 1, LOAD), Ok(()));
     rest(&mut gateway, &mut sim);
-    let built_in = identity(&Params::slant_bed());
+    let built_in = identity(&Params::sheets());
     assert_eq!(in_force(&mut gateway, &mut sim), built_in);
 }
 
@@ -250,7 +250,7 @@ fn is_withheld(gateway: &mut Gateway, sim: &mut Sim, code: Code) {
     for _ in 0..2 {
         assert_eq!(gateway.status.state, BoardState::Alarm);
         assert_eq!(gateway.status.alarm, Some(code.number()));
-        let program = calls("G0 X10\nM30\n", &Params::slant_bed());
+        let program = calls("G0 X10\nM30\n", &Params::sheets());
         assert!(!sim.offer(&program[0]));
         gateway.order(sim, Order::Reset);
         for _ in 0..2000 {
@@ -365,7 +365,7 @@ fn a_set_of_another_table_is_not_read_and_both_versions_are_named() {
         ]
     );
     is_withheld(&mut gateway, &mut sim, Code::ParametersForeign);
-    let built_in = identity(&Params::slant_bed());
+    let built_in = identity(&Params::sheets());
     assert_eq!(in_force(&mut gateway, &mut sim), built_in);
     // The last good one of this table is still there.
     assert_eq!(command(&mut gateway, &mut sim, 0x5010, 5, 1), Ok(()));
@@ -398,7 +398,7 @@ fn a_write_that_fails_leaves_the_old_set_in_force_and_stored() {
 /// The requests of a board without a flash, step by step.
 #[test]
 fn a_set_without_its_mark_is_stored_and_told() {
-    let mut board = Board::new(&Params::slant_bed(), None, None).expect("a board");
+    let mut board = Board::new(&Params::sheets(), None, None).expect("a board");
     board.join(NODE).expect("room");
     let save = Object::new(0x1010, 1);
     let (now, patience) = (Duration::ZERO, Duration::from_secs(1));
@@ -409,7 +409,7 @@ fn a_set_without_its_mark_is_stored_and_told() {
     let mut buffer = [0; Region::LONGEST];
     let request = board.store().expect("the set");
     assert_eq!(request.region, Region::ParametersA);
-    assert_eq!(request.fill(&mut buffer), kept(1, &Params::slant_bed()));
+    assert_eq!(request.fill(&mut buffer), kept(1, &Params::sheets()));
     assert!(board.store().is_none(), "one at a time");
     board.stored(Region::ParametersA, Ok(()));
     let request = board.store().expect("the mark");

@@ -42,7 +42,7 @@ fn running(params: &Params) -> (Sim, Gateway) {
 
 #[test]
 fn a_board_says_that_it_is_there_and_lives() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     sim.join(NODE).unwrap();
     let mut gateway = Gateway::default();
     gateway.listen(&mut sim);
@@ -85,7 +85,7 @@ fn a_board_says_that_it_is_there_and_lives() {
 
 #[test]
 fn a_stopped_node_stops_the_machine_and_answers_nothing() {
-    let (mut sim, mut gateway) = running(&Params::slant_bed());
+    let (mut sim, mut gateway) = running(&Params::sheets());
     sim.receive(&NmtCommand::Stop.frame(Some(NODE)));
     let events = steps(&mut sim, &mut gateway, 1000);
     let Some(Event::Alarm(alarm)) = events.iter().find(|e| matches!(e, Event::Alarm(_))) else {
@@ -108,7 +108,7 @@ fn a_stopped_node_stops_the_machine_and_answers_nothing() {
 
 #[test]
 fn a_node_that_is_reset_stops_first_and_begins_anew() {
-    let (mut sim, mut gateway) = running(&Params::slant_bed());
+    let (mut sim, mut gateway) = running(&Params::sheets());
     sim.receive(&NmtCommand::ResetNode.frame(Some(NODE)));
     let events = steps(&mut sim, &mut gateway, 1500);
     let at = |wanted: fn(&Event) -> bool| {
@@ -134,7 +134,7 @@ fn a_node_that_is_reset_stops_first_and_begins_anew() {
 /// A frame that was delayed for long is still the same order, and no new one.
 #[test]
 fn the_count_of_the_last_order_outlives_the_communication() {
-    let (mut sim, mut gateway) = running(&Params::slant_bed());
+    let (mut sim, mut gateway) = running(&Params::sheets());
     let hold = BoardCommand::order(Order::Hold, gateway.status.count);
     sim.receive(&hold.frame(NODE));
     steps(&mut sim, &mut gateway, 500);
@@ -214,7 +214,7 @@ fn a_gateway_that_leaves_an_idle_machine_or_was_never_there_is_not_missed() {
 
 #[test]
 fn a_second_board_with_the_same_number_is_an_alarm() {
-    let (mut sim, mut gateway) = running(&Params::slant_bed());
+    let (mut sim, mut gateway) = running(&Params::sheets());
     sim.receive(&NmtState::Operational.frame(NODE));
     let events = steps(&mut sim, &mut gateway, 500);
     assert!(
@@ -265,7 +265,7 @@ fn a_board_with_the_number_of_a_drive_does_not_join() {
 
 #[test]
 fn without_a_network_nothing_is_said() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     sim.receive(&NmtCommand::Start.frame(None));
     sim.settle();
     for _ in 0..1000 {
@@ -277,7 +277,7 @@ fn without_a_network_nothing_is_said() {
 
 #[test]
 fn a_node_that_is_stopped_just_after_run_begins_nothing() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for command in [NmtCommand::Stop, NmtCommand::ResetNode] {
         for (settles, ticks) in [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (0, 2)] {
             let mut sim = machine(&params, &PlantOptions::default());

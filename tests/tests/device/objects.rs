@@ -34,7 +34,7 @@ fn the_page_of_the_bus_names_every_object() {
 
 #[test]
 fn every_object_answers_as_the_dictionary_says() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut last = None;
     let mut count = 0;
@@ -123,7 +123,7 @@ fn every_object_answers_as_the_dictionary_says() {
 /// within them, and what is next to them is refused with the code that says which side it is on.
 #[test]
 fn every_value_is_within_the_limits_that_are_told_and_nothing_beyond_is_taken() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let (mut read, mut refusals) = (0, 0);
     for item in items() {
@@ -183,7 +183,7 @@ fn every_value_is_within_the_limits_that_are_told_and_nothing_beyond_is_taken() 
 
 #[test]
 fn mappings_are_those_of_the_frames() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut same = |index, mapping: &[Mapped]| {
         assert_eq!(gateway.number(&mut sim, index, 0), Ok(mapping.len() as u64));
@@ -220,7 +220,7 @@ fn the_frame_with_all_setpoints_is_told_of_as_tpdo4() {
 
 #[test]
 fn the_facts_of_5001h_are_those_of_the_process_data() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     for _ in 0..30 {
         sim.step();
@@ -238,7 +238,7 @@ fn the_facts_of_5001h_are_those_of_the_process_data() {
 
 #[test]
 fn the_operator_works_by_sdo_too() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut write = |sim: &mut _, sub, value: u8| {
         gateway.write(sim, Object::new(0x5000, sub), &[value], SdoProtocol::Short)
@@ -260,7 +260,7 @@ fn the_operator_works_by_sdo_too() {
 
 #[test]
 fn signals_are_inputs_and_undefined_bits_are_refused() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let object = Object::new(0x5060, 0);
     let mut write = |sim: &mut _, value: u16| {
@@ -279,7 +279,7 @@ fn signals_are_inputs_and_undefined_bits_are_refused() {
 /// Bits 12 to 14 of 5060h.
 #[test]
 fn hold_single_block_and_emergency_stop_are_told_behind_the_signals() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let signals = |gateway: &mut Gateway, sim: &mut _| gateway.number(sim, 0x5060, 0);
     assert_eq!(signals(&mut gateway, &mut sim), Ok(0));
@@ -317,7 +317,7 @@ fn hold_single_block_and_emergency_stop_are_told_behind_the_signals() {
 /// [D164]
 #[test]
 fn who_writes_signals_back_neither_sets_nor_ends_what_is_mirrored() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let write = |gateway: &mut Gateway, sim: &mut _, value: u16| {
         let object = Object::new(0x5060, 0);

@@ -49,7 +49,7 @@ pub fn rest(gateway: &mut Gateway, sim: &mut Sim) {
 
 #[test]
 fn a_value_is_taken_in_its_range_and_comes_into_force() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     // 9007: 1…50 %.
     let tolerance = parameter(9007, 0);
@@ -86,7 +86,7 @@ fn a_value_is_taken_in_its_range_and_comes_into_force() {
 
 #[test]
 fn bits_are_one_byte_and_no_limit_is_a_value() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let switch = parameter(9008, 0);
     assert_eq!(write(&mut gateway, &mut sim, switch, 1, 1), Ok(()));
@@ -102,9 +102,9 @@ fn bits_are_one_byte_and_no_limit_is_a_value() {
 fn a_rotary_axis_may_have_no_limit_and_a_slide_has_one() {
     /// 99 999.9999°, and millimetres.
     const MOST: i64 = 99_999_999_900;
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
-    let mut expected = Params::slant_bed();
+    let mut expected = Params::sheets();
     for (no, sign, beyond) in [(1320, 1, Abort::TooHigh), (1321, -1, Abort::TooLow)] {
         let limit = parameter(no, 3);
         let mut read = |sim: &mut Sim| {
@@ -141,7 +141,7 @@ fn a_rotary_axis_may_have_no_limit_and_a_slide_has_one() {
 
 #[test]
 fn each_drive_has_a_number_of_its_own() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let z = parameter(9015, 2);
     let first = parameter(9016, 0);
@@ -172,7 +172,7 @@ fn each_drive_has_a_number_of_its_own() {
 
 #[test]
 fn a_running_machine_and_a_protected_one_refuse_with_their_reasons() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let program = calls("G98 F500\nG01 X20\nM30\n", &params);
@@ -211,7 +211,7 @@ fn a_running_machine_and_a_protected_one_refuse_with_their_reasons() {
 
 #[test]
 fn an_image_is_read_written_and_taken_whole_or_not_at_all() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let wanted = with(&[("9007", 12), ("9009", 2_000_000), ("1221.Z", 5_000_000)]);
     let mut image = vec![0; ImageWriter::BYTES as usize];
@@ -244,7 +244,7 @@ fn an_image_is_read_written_and_taken_whole_or_not_at_all() {
             );
             assert_eq!(
                 identity_of(&mut gateway, &mut sim),
-                identity(&Params::slant_bed())
+                identity(&Params::sheets())
             );
         }
     }

@@ -10,7 +10,7 @@ use leadscrew_tests::machine::{calls, machine};
 /// up.
 #[test]
 fn a_restart_during_a_restart_keeps_the_position_to_the_nanometre() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     // Half an increment of the drive away from one of its positions.

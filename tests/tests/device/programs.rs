@@ -20,7 +20,7 @@ use leadscrew_tests::machine::{Ran, STANDING_TICKS, calls, machine, run_calls};
 
 /// Feeds, starts and carries out the program in lock-step: a tick waits for what the gateway still has to send.
 fn run_fed(calls: &[Call], protocol: SdoProtocol, most: u32) -> (Ran, Gateway, Certificate) {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut upload = Upload::new(7, calls);
     (upload.protocol, upload.most) = (protocol, most);
@@ -68,7 +68,7 @@ fn step(sim: &mut Sim, gateway: &mut Gateway, ran: &mut Ran) {
 }
 
 fn examples() -> Vec<(String, Vec<Call>)> {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
     let mut found: Vec<_> = std::fs::read_dir(folder)
         .expect("the examples")
@@ -107,7 +107,7 @@ fn difference(a: &[Row], b: &[Row]) -> Option<usize> {
 /// `run` where no program waits for it changes nothing, and is not swallowed: a warning by process data, an abort by SDO.
 #[test]
 fn a_run_without_a_program_is_refused_visibly() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let refusals = |sim: &mut Sim, gateway: &mut Gateway| {
@@ -145,7 +145,7 @@ fn every_example_gives_the_same_rows_over_the_wire() {
     for (name, calls) in examples {
         let direct = run_calls(
             calls.clone(),
-            &Params::slant_bed(),
+            &Params::sheets(),
             &PlantOptions::default(),
             |_, _| {},
         );
@@ -198,7 +198,7 @@ fn long_program(lines: usize) -> Vec<Call> {
         text.push_str(&format!("G01 X{x}.5 Z-{}.25\n", line % 5));
     }
     text.push_str("M30\n");
-    calls(&text, &Params::slant_bed())
+    calls(&text, &Params::sheets())
 }
 
 #[test]
@@ -208,7 +208,7 @@ fn a_program_larger_than_the_memory_runs_call_by_call_or_in_batches() {
     assert!(bytes > 2 * PROGRAM_BYTES, "{bytes}");
     let direct = run_calls(
         calls.clone(),
-        &Params::slant_bed(),
+        &Params::sheets(),
         &PlantOptions::default(),
         |_, _| {},
     );
@@ -226,7 +226,7 @@ fn a_program_larger_than_the_memory_runs_call_by_call_or_in_batches() {
 #[test]
 fn nothing_moves_before_run_and_a_hold_goes_past_a_transfer() {
     let calls = long_program(30);
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut upload = Upload::new(1, &calls);
     upload.feed(&mut gateway, &mut sim);
@@ -263,7 +263,7 @@ fn nothing_moves_before_run_and_a_hold_goes_past_a_transfer() {
 #[test]
 fn a_transfer_that_is_broken_off_leaves_the_program_as_it_was() {
     let calls = long_program(3);
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let upload = Upload::new(1, &calls);
     let (bytes, count) = upload.batch(u16::MAX).unwrap();
@@ -295,11 +295,11 @@ fn a_batch_that_comes_twice_is_carried_out_once() {
     let calls = long_program(20);
     let direct = run_calls(
         calls.clone(),
-        &Params::slant_bed(),
+        &Params::sheets(),
         &PlantOptions::default(),
         |_, _| {},
     );
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut upload = Upload::new(1, &calls);
     upload.most = 4;
@@ -324,7 +324,7 @@ fn a_batch_that_comes_twice_is_carried_out_once() {
 
 #[test]
 fn another_version_of_the_link_is_refused_and_both_can_be_named() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let upload = Upload::new(1, &long_program(1));
     let (mut bytes, _) = upload.batch(u16::MAX).unwrap();
@@ -339,7 +339,7 @@ fn another_version_of_the_link_is_refused_and_both_can_be_named() {
 
 #[test]
 fn calls_that_no_program_can_say_are_refused_whole() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut calls = long_program(2);
     let far = leadscrew_core::units::Length::from_nm(1 << 50);
@@ -357,7 +357,7 @@ fn calls_that_no_program_can_say_are_refused_whole() {
 #[test]
 fn a_reset_forgets_the_program_and_the_rest_of_it_is_refused() {
     let calls = long_program(200);
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut upload = Upload::new(1, &calls);
     upload.feed(&mut gateway, &mut sim);
@@ -398,13 +398,13 @@ fn a_reset_forgets_the_program_and_the_rest_of_it_is_refused() {
 }
 
 fn calls_of(text: &str) -> Vec<Call> {
-    calls(text, &Params::slant_bed())
+    calls(text, &Params::sheets())
 }
 
 #[test]
 fn events_and_status_are_read_as_they_happened() {
     let calls = calls_of("G98 F1000\nG01 X10\nM08\nM30\n");
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     Upload::new(5, &calls).feed(&mut gateway, &mut sim);
     gateway.order(&mut sim, Order::Run);
@@ -446,7 +446,7 @@ fn events_and_status_are_read_as_they_happened() {
 
 #[test]
 fn an_alarm_is_told_once_with_its_number_and_cleared_by_the_reset() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     Upload::new(5, &calls_of("G98 F1000\nG01 X10\nG01 X5000\nM30\n")).feed(&mut gateway, &mut sim);
     gateway.order(&mut sim, Order::Run);
@@ -492,7 +492,7 @@ fn status(gateway: &mut Gateway, sim: &mut Sim) -> Status {
 
 #[test]
 fn the_tap_journal_is_read_and_its_record_dropped() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let (record, discard) = (Object::new(0x5030, 1), Object::new(0x5030, 2));
     let drop = DROP.to_le_bytes();

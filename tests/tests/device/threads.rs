@@ -23,7 +23,7 @@ use leadscrew_tests::random::Random;
 const THREAD: &str = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 X76 Z-30 P20000 Q15000 F3\nG0 X100 Z50\nM30\n";
 
 fn with(number: &str, value: i64) -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     let entry = Entry::find_text(number).expect("a parameter");
     params.set(entry, value).expect("in its range");
     params
@@ -128,7 +128,7 @@ fn cut_calls(
 }
 
 fn cut(text: &str) -> Cut {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let nothing = |_: &mut Sim, _: u64| {};
     cut_calls(
         calls(text, &params),
@@ -167,7 +167,7 @@ fn each_start_is_a_pass() {
             "/../examples/g78-two-start.nc"
         ))
         .expect("the example");
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         calls(&text, &params)
             .iter()
             .filter_map(|call| match &call.kind {
@@ -213,7 +213,7 @@ fn each_hole_is_one_however_it_is_pecked() {
 
 #[test]
 fn the_same_block_twice_is_two_threads() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut twice = calls(THREAD, &params);
     let place = twice
         .iter()
@@ -226,7 +226,7 @@ fn the_same_block_twice_is_two_threads() {
 
 #[test]
 fn a_program_behind_another_counts_on() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut two = calls(THREAD, &params);
     two.extend(calls(THREAD, &params));
     let cut = cut_calls(two, &params, &PlantOptions::default(), |_, _| {});
@@ -288,7 +288,7 @@ fn a_stroke_that_is_left_by_a_hold_is_done_again_and_counts_again() {
 
 #[test]
 fn a_thread_is_cut_short_by_a_reset_and_by_an_alarm() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for (pass, command) in [
         (1, Command::Reset),
         (3, Command::Reset),
@@ -336,7 +336,7 @@ fn a_thread_is_cut_short_by_a_reset_and_by_an_alarm() {
 /// thread.
 #[test]
 fn a_thread_that_is_done_stays_done() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let feed = |sim: &mut Sim, stop_on: Option<u32>| {
         let mut waiting = calls(THREAD, &params).into_iter().peekable();
@@ -375,7 +375,7 @@ fn a_thread_that_is_done_stays_done() {
 #[test]
 fn an_error_shows_in_the_thread_in_which_it_was() {
     let text = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 X76 Z-30 P20000 Q15000 F3\nG0 X80 Z10\nG76 X76 Z-30 P20000 Q15000 F3\nG0 X80 Z10\nG76 X76 Z-30 P20000 Q15000 F3\nM30\n";
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let options = PlantOptions::default();
     let quiet = cut_calls(calls(text, &params), &params, &options, |_, _| {});
     let mut share = 100;
@@ -412,7 +412,7 @@ fn an_error_shows_in_the_thread_in_which_it_was() {
 fn random_programs_add_up() {
     leadscrew_seed::volume(0x5041, |seed| {
         let mut r = Random(seed);
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         for program in 0..leadscrew_seed::amount(4, 40) {
             let mut text = String::from("G98\nG0 X80 Z10\n");
             let mut expected = Vec::new();
@@ -484,7 +484,7 @@ fn a_way_out_belongs_to_its_hole_and_is_one_of_its_own_behind_a_reset() {
     let whole = format!("{begun}G30 P99\nM30\n");
     let in_one = cut(&whole);
     assert_eq!(in_one.told(), [(4, RigidTap, Finished, 1)]);
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut told = Vec::new();
     let mut sim = machine(&params, &PlantOptions::default());
     for (text, resets) in [(&whole[..], true), ("G30 P99\nM30\n", false)] {
@@ -513,7 +513,7 @@ fn a_way_out_belongs_to_its_hole_and_is_one_of_its_own_behind_a_reset() {
 /// What is planned anew after a push is another thread.
 #[test]
 fn a_push_between_makes_no_one_thread_of_two() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     feed_to(&mut sim, THREAD, &params, |_, _| {});
@@ -581,7 +581,7 @@ fn feed_to(
 
 #[test]
 fn a_hole_that_is_left_is_whole_whatever_comes() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let cases = [
         ("M29 S1000", "F2000", RigidTap),
         ("M3 S300", "F300", FloatingTap),
@@ -630,7 +630,7 @@ fn a_hole_that_is_left_is_whole_whatever_comes() {
 /// A block that is refused after a hole or a thread may have the same line number: a subprogram called again, another file.
 #[test]
 fn what_is_refused_on_the_same_line_cuts_nothing_short() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let cases = [
         (
             "M29 S1000",
@@ -670,7 +670,7 @@ fn what_is_refused_on_the_same_line_cuts_nothing_short() {
 /// An alarm in the very tick after the last tick of a hole, and in the tick before: the hole's own end counts.
 #[test]
 fn a_hole_is_whole_from_its_last_tick_on() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let hole = "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-20 P30 F2000\n";
     let (mut sim, mut tick, mut last) = (machine(&params, &PlantOptions::default()), 0, None);
     feed_to(
@@ -719,7 +719,7 @@ fn a_hole_is_whole_from_its_last_tick_on() {
 /// reads.
 #[test]
 fn a_board_waits_for_whoever_takes_the_certificates_of_this_program() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let text = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-6 R-3 F600 K12\nG80\nM30\n";
     for takes in [false, true] {
         let mut sim = machine(&params, &PlantOptions::default());
@@ -815,7 +815,7 @@ fn nobody_is_waited_for_who_is_gone() {
 /// A tap that K198 has left in its hole is not through with it, though a program ends there that no reader would let pass.
 #[test]
 fn a_hole_in_which_the_program_ends_is_not_whole() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut sim = machine(&params, &PlantOptions::default());
     let text = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-8 R-3 F600 K198\nG30 P99\nM30\n";
     let mut waiting = calls(text, &params)

@@ -247,7 +247,7 @@ impl Bench {
         let from = self.rows.len();
         self.runs(what, NEXT, 40_000_000, 10_000_000);
         let expected = PHASES.get_or_init(|| {
-            let rows = calm(&Params::slant_bed(), NEXT);
+            let rows = calm(&Params::sheets(), NEXT);
             rows.iter().filter_map(phase).collect()
         });
         let apart = |a: i64, b: i64| ((a - b + LEAD / 2).rem_euclid(LEAD) - LEAD / 2).abs();

@@ -13,7 +13,7 @@ use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm, places, span};
 /// Out for so long that it is noticed: nothing is pulled to where the board has braked to meanwhile.
 #[test]
 fn a_cable_out_anywhere_is_a_drive_that_is_silent_and_no_jump_when_it_is_back() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         for ticks in [20, 35, 60, 120, 1_000] {
             let what = format!("cable out at {tick} for {ticks}");
@@ -47,7 +47,7 @@ fn a_cable_out_anywhere_is_a_drive_that_is_silent_and_no_jump_when_it_is_back() 
 /// The cable is out for less time than that: positions are absolute, and nothing is lost but time.
 #[test]
 fn a_loose_contact_that_nobody_notices_loses_nothing() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         let what = format!("out for 8 at {tick}");
         let faults = Faults {
@@ -105,7 +105,7 @@ fn three_statuses_missing_are_silence_at_any_rate() {
 /// when all stand. From where it may be far from where it was last heard, it stops by itself.
 #[test]
 fn a_drive_that_is_silent_follows_until_all_stand() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let rows = calm(&params, WORK);
     let mut followed = 0;
     for tick in places(&rows) {
@@ -140,7 +140,7 @@ fn a_drive_that_is_silent_follows_until_all_stand() {
 /// missed before it was missed can be made up for, and that is a jump of no more than twelve periods.
 #[test]
 fn a_drive_that_was_cut_off_is_not_sent_after_the_others() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let limit = params.following_error_limit(Axis::Z);
     // The worst place is where Z is fastest.
     let rows = calm(&params, WORK);
@@ -181,7 +181,7 @@ fn a_drive_that_was_cut_off_is_not_sent_after_the_others() {
 /// of a turn from where it was last heard.
 #[test]
 fn a_spindle_that_was_cut_off_in_a_rigid_tap_is_not_sent_after_its_axis() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let rows = calm(&params, TAP);
     let moving: Vec<u64> = rows
         .windows(2)
@@ -245,7 +245,7 @@ fn turned(bench: &mut Bench) -> i64 {
 /// A blocked axis does not go on pushing once all stand, and does not leap when what blocks it is gone.
 #[test]
 fn an_axis_that_is_blocked_loses_its_torque_when_all_stand() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let places = places(&calm(&params, WORK));
     for (tick, axis, letter, node) in [
         (places[0], Axis::Z, b'Z', 17),

@@ -20,7 +20,7 @@ fn bus_off(ticks: leadscrew_board_sim::line::Span) -> Faults {
 
 #[test]
 fn bus_off_anywhere_stops_lets_the_drives_go_and_comes_back_saying_so() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         // The line is well again while the machine still stops, or only long after.
         for ticks in [5, 40, 700] {
@@ -70,7 +70,7 @@ fn bus_off_anywhere_stops_lets_the_drives_go_and_comes_back_saying_so() {
 
 #[test]
 fn bus_off_that_stays_keeps_the_alarm_whatever_is_reset() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let tick = places(&calm(&params, WORK))[2];
     let mut bench = Bench::at_work(&params, WORK, bus_off(from(tick)));
     bench.until("bus-off", tick, |bench| bench.ticks == tick);
@@ -82,7 +82,7 @@ fn bus_off_that_stays_keeps_the_alarm_whatever_is_reset() {
 
 #[test]
 fn bus_off_in_a_tap_remembers_the_hole() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let rows = calm(&params, TAP);
     let deep = rows
         .iter()
@@ -105,7 +105,7 @@ fn bus_off_in_a_tap_remembers_the_hole() {
 
 #[test]
 fn error_passive_anywhere_is_a_controlled_stop_that_lasts_as_long_as_its_cause() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         let what = format!("error passive at {tick}");
         let faults = Faults {
@@ -135,7 +135,7 @@ fn error_passive_anywhere_is_a_controlled_stop_that_lasts_as_long_as_its_cause()
 
 #[test]
 fn an_idle_machine_whose_controller_fails_says_so_too() {
-    let mut bench = Bench::at_work(&Params::slant_bed(), "", bus_off(span(50, 100)));
+    let mut bench = Bench::at_work(&Params::sheets(), "", bus_off(span(50, 100)));
     bench.ticks(49);
     bench.stops_with("idle", 4370, 5);
     bench.ticks(200);

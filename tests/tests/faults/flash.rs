@@ -14,7 +14,7 @@ fn deepest(bench: &Bench, from: usize) -> i64 {
 
 #[test]
 fn a_hole_is_not_begun_where_its_entry_cannot_be_written() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for writes in [0, 1] {
         let what = format!("{writes} writes are possible");
         let mut bench = Bench::at_work(&params, TAP, Faults::NONE);
@@ -35,7 +35,7 @@ fn a_hole_is_not_begun_where_its_entry_cannot_be_written() {
 
 #[test]
 fn worn_pages_are_an_alarm_before_the_hole_that_needs_one_more() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut bench = Bench::new(&params);
     bench.sim.flash_mut().wear_out_after(1);
     let mut holes = 0;

@@ -51,7 +51,7 @@ fn gateway(seed: u64, noise: Noise) -> Faults {
 #[test]
 fn between_board_and_drives_they_cost_a_step_and_never_a_position() {
     leadscrew_seed::volume(1, |first| {
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         let mut silent = 0;
         for seed in (0..8).map(|n| first.wrapping_add(n)) {
             let what = format!("seed {seed}");
@@ -86,7 +86,7 @@ fn between_board_and_drives_they_cost_a_step_and_never_a_position() {
 /// Mode and speed of a spindle go out on change: if that frame is lost, the next repetition makes up for it.
 #[test]
 fn a_spindle_is_told_again_what_it_did_not_hear() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let rows = calm(&params, TAP);
     let first = rows.iter().find(|row| row.is_rigid()).expect("a tap").tick;
     for tick in first - 10..first + 10 {
@@ -123,7 +123,7 @@ fn a_wire_that_loses_every_frame_of_a_drive_is_silence() {
     };
     let mut faults = Faults::NONE;
     *faults.noise_mut(Way::Statuses) = noise;
-    let mut bench = Bench::at_work(&Params::slant_bed(), WORK, Faults::NONE);
+    let mut bench = Bench::at_work(&Params::sheets(), WORK, Faults::NONE);
     bench.ticks(300);
     bench.sim.spoil(faults);
     bench.stops_with("silence", 4360, 20);
@@ -167,7 +167,7 @@ fn upload(bench: &mut Bench, upload: &mut Upload) -> usize {
 #[test]
 fn between_gateway_and_board_a_program_arrives_whole_or_not_at_all() {
     leadscrew_seed::volume(1, |first| {
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         let mut good = Bench::new(&params);
         Upload::new(1, &calls(WORK, &params)).feed(&mut good.gateway, &mut good.lathe.sim);
         good.gateway.order(&mut good.lathe.sim, Order::Run);
@@ -204,7 +204,7 @@ fn between_gateway_and_board_a_program_arrives_whole_or_not_at_all() {
 #[test]
 fn orders_act_once_each() {
     leadscrew_seed::volume(5, |seed| {
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         let mut bench = Bench::new(&params);
         let text = "G98 G1 X40 Z-100 F500\nG1 X20 Z0\nM30\n";
         Upload::new(1, &calls(text, &params)).feed(&mut bench.gateway, &mut bench.lathe.sim);
@@ -240,7 +240,7 @@ fn orders_act_once_each() {
 #[test]
 fn a_parameter_set_arrives_whole_or_not_at_all() {
     leadscrew_seed::volume(1, |first| {
-        let old = Params::slant_bed();
+        let old = Params::sheets();
         let new = with(&[("9022", 20), ("9023", 100), ("1828.X", 400_000)]);
         let mut image = vec![0; ImageWriter::BYTES as usize];
         ImageWriter::new(&new).read(0, &mut image);

@@ -121,7 +121,7 @@ fn killed_in_a_tap_nothing_stops_inside_the_hole_but_an_alarm() {
 
 #[test]
 fn killed_in_a_transfer_nothing_of_it_counts_and_the_next_gateway_can_work() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let upload = Upload::new(1, &calls(WORK, &params));
     let (bytes, _) = upload.batch(u16::MAX).expect("a batch");
     for protocol in [SdoProtocol::Short, SdoProtocol::Block] {

@@ -17,7 +17,7 @@ fn late(tick: u64, ticks: u64) -> Faults {
 
 #[test]
 fn as_many_as_may_be_late_are_counted_and_told() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         let what = format!("ten late from {tick} on");
         let mut bench = Bench::at_work(&params, WORK, late(tick, 10));
@@ -41,7 +41,7 @@ fn as_many_as_may_be_late_are_counted_and_told() {
 
 #[test]
 fn one_more_within_a_second_is_an_alarm_with_the_figures() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         let what = format!("eleven late from {tick} on");
         let mut bench = Bench::at_work(&params, WORK, late(tick, 11));
@@ -58,7 +58,7 @@ fn one_more_within_a_second_is_an_alarm_with_the_figures() {
 
 #[test]
 fn the_limit_is_a_parameter_and_a_second_is_a_second() {
-    let tick = places(&calm(&Params::slant_bed(), WORK))[2];
+    let tick = places(&calm(&Params::sheets(), WORK))[2];
     // Twenty in a row: too many for 15, not for 20, and with 0 they are only counted.
     for (limit, alarm) in [(15, true), (20, false), (0, false)] {
         let params = with(&[("9027", limit)]);
@@ -87,7 +87,7 @@ fn the_limit_is_a_parameter_and_a_second_is_a_second() {
 
 #[test]
 fn a_machine_at_rest_only_counts_them() {
-    let mut bench = Bench::at_work(&Params::slant_bed(), "", late(10, 400));
+    let mut bench = Bench::at_work(&Params::sheets(), "", late(10, 400));
     bench.ticks(500);
     assert_eq!(bench.alarm, None);
     assert_eq!(bench.gateway.status.late, 255);

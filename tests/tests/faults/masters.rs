@@ -18,7 +18,7 @@ fn second(what: Intruder, tick: u64, ticks: u64) -> Faults {
 
 #[test]
 fn another_that_gives_the_beat_stops_the_machine_as_long_as_it_is_there() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         let what = format!("a second SYNC from {tick} on");
         let faults = second(Intruder::Sync, tick, 2_000);
@@ -37,7 +37,7 @@ fn another_that_gives_the_beat_stops_the_machine_as_long_as_it_is_there() {
 
 #[test]
 fn another_that_moves_a_drive_is_named_with_the_drive() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let tick = places(&calm(&params, WORK))[2];
     for (node, letter) in [
         (NodeId::DRIVE_X, b'X'),
@@ -106,7 +106,7 @@ fn another_that_sends_the_frame_for_all_drives_is_told_by_the_first_of_them() {
 
 #[test]
 fn a_drive_that_is_stopped_by_nmt_is_known_at_once_and_brought_up_again() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         let what = format!("drive Z stopped by NMT at {tick}");
         let faults = second(Intruder::Stop(NodeId::DRIVE_Z), tick, 1);
@@ -150,7 +150,7 @@ fn what_is_said_to_the_drives_of_another_board_is_not_this_ones_affair() {
 #[test]
 fn at_rest_a_stopped_drive_is_only_missed() {
     let faults = second(Intruder::Stop(NodeId::DRIVE_X), 20, 1);
-    let mut bench = Bench::at_work(&Params::slant_bed(), "", faults);
+    let mut bench = Bench::at_work(&Params::sheets(), "", faults);
     bench.ticks(20);
     let alarm = bench.stops_with("stopped", 4360, 20);
     assert_eq!(alarm.args[..2], [Arg::Letter(b'X'), Arg::Int(16)]);

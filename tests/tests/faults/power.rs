@@ -39,7 +39,7 @@ fn restarted(params: &Params, text: &str, tick: u64, off: u32) -> Bench {
 
 #[test]
 fn a_board_that_starts_again_anywhere_has_forgotten_the_program_and_moves_nothing() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for tick in places(&calm(&params, WORK)) {
         for off in [0, 7, 900] {
             let what = format!("restarted at {tick} after {off}");
@@ -58,7 +58,7 @@ fn a_board_that_starts_again_anywhere_has_forgotten_the_program_and_moves_nothin
 
 #[test]
 fn a_board_that_starts_again_in_a_tap_knows_that_it_is_in_its_hole() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let rows = calm(&params, TAP);
     let inside: Vec<u64> = rows
         .iter()

@@ -40,7 +40,7 @@ fn a_change_of_any_bit_of_an_image_is_noticed() {
         params: &params,
     };
     assert_eq!(set.fill(&mut bytes), bytes.len());
-    let mut read = Params::slant_bed();
+    let mut read = Params::sheets();
     assert_eq!(KeptSet::decode(&bytes, &mut read), Ok(9));
     assert_eq!(read, params);
     for bit in 0..bytes.len() * 8 {

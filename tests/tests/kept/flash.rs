@@ -59,7 +59,7 @@ pub fn power_up(flash: &mut Flash) -> PowerUp {
     flash.power(true);
     let mut store = Store::new(flash).expect("a store");
     store.recover().expect("recovered");
-    store.power_up(Params::slant_bed)
+    store.power_up(Params::sheets)
 }
 
 /// The number of the set that is in force; `None`: nothing was ever stored.

@@ -13,7 +13,7 @@ use crate::bench::{Recovers, calm};
 /// Nobody is in a hurry to hand over: the machine waits, never in the thread, and does the same.
 #[test]
 fn calls_that_come_slowly_change_nothing_but_the_time() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let swift = calm(&params);
     let mut bench = Lathe::new(&params);
     for call in calls(WORK, &params) {
@@ -52,7 +52,7 @@ fn calls_that_come_slowly_change_nothing_but_the_time() {
 /// them is carried out when the alarm is cleared.
 #[test]
 fn calls_for_a_machine_on_alarm_are_not_taken() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut bench = Lathe::new(&params);
     bench.load(WORK);
     bench.ticks(100);

@@ -17,7 +17,7 @@ use crate::bench::{Recovers, calm, places};
 /// All that a drive can do wrong, at every place; then it is mended, and the next program runs.
 #[test]
 fn a_failing_drive_anywhere_and_the_next_program() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = calm(&params);
     let troubles = [
         Trouble::Silent,
@@ -69,7 +69,7 @@ fn a_failing_drive_anywhere_and_the_next_program() {
 /// is carried out ends that alarm, and what is still wrong then is the next one [D181].
 #[test]
 fn a_second_failure_is_let_go_and_told_behind_the_reset() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = calm(&params);
     for tick in places(&calm, amount(601, 29)) {
         // In the same tick, while it stops, and when it stands.
@@ -163,7 +163,7 @@ fn a_drive_that_is_up_first_waits_for_the_last_where_it_stands() {
 /// again, with the error code of the emergency that came before: the drive does not say it twice.
 #[test]
 fn a_fault_keeps_its_code_when_the_node_is_reset() {
-    let mut bench = Lathe::new(&Params::slant_bed());
+    let mut bench = Lathe::new(&Params::sheets());
     bench.sim.join(NodeId::BOARD).expect("there is room");
     bench.ticks(20);
     for spindle in [false, true] {

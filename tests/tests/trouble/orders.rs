@@ -12,7 +12,7 @@ use crate::bench::{Recovers, calm, places};
 
 #[test]
 fn a_reset_anywhere_and_the_next_program() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = calm(&params);
     // The thread's crest is at X60 + 2 · 0.8 mm.
     let crest = 30_000_000 + 800_000;
@@ -39,7 +39,7 @@ fn a_reset_anywhere_and_the_next_program() {
 
 #[test]
 fn an_emergency_stop_anywhere_and_the_next_program() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = calm(&params);
     for tick in places(&calm, amount(61, 1)) {
         let what = format!("stop at {tick}");
@@ -82,7 +82,7 @@ fn commands_one_after_another_in_any_order() {
         &[Command::Hold, Command::Resume, Command::Reset],
         &[Command::Hold, Command::Resume, Command::Stop],
     ];
-    for params in [Params::slant_bed(), retracting()] {
+    for params in [Params::sheets(), retracting()] {
         let calm = calm(&params);
         for (index, tick) in places(&calm, amount(401, 7)).enumerate() {
             let order = orders[index % orders.len()];
@@ -126,7 +126,7 @@ fn commands_one_after_another_in_any_order() {
 
 #[test]
 fn a_stop_while_a_reset_retracts_leaves_the_tool_where_it_stops() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = calm(&params);
     let strokes: Vec<u64> = calm
         .iter()
@@ -162,7 +162,7 @@ fn a_stop_while_a_reset_retracts_leaves_the_tool_where_it_stops() {
 
 #[test]
 fn a_tapered_thread_is_left_outwards() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let text = "M3 S600\nG0 X90 Z8\nG76 P010060 Q800 R0.1\nG76 X60 Z-12 R-8 P8000 Q7000 F1\nG0 X100 Z8\nM30\n";
     let mut calm = Lathe::new(&params);
     calm.runs("calm", text, 50_000_000, 8_000_000);
@@ -194,7 +194,7 @@ fn a_tapered_thread_is_left_outwards() {
 
 #[test]
 fn the_spindle_override_is_frozen_in_a_thread() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let text = WORK.replace("Q7000", "Q2000");
     let mut calm = Lathe::new(&params);
     calm.runs("calm", &text, 35_000_000, 8_000_000);
@@ -215,7 +215,7 @@ fn the_spindle_override_is_frozen_in_a_thread() {
 /// A cycle of hundreds of moves is given up within as many ticks as it takes to stop.
 #[test]
 fn a_reset_does_not_wait_for_the_rest_of_the_cycle() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut bench = Lathe::new(&params);
     bench.load("M3 S600\nG0 X61 Z-3\nG98 G75 R0.2\nG75 X20 Z-30 P2000 Q10000 F600\nM30\n");
     bench.ticks(3_000);
@@ -229,7 +229,7 @@ fn a_reset_does_not_wait_for_the_rest_of_the_cycle() {
 /// A hold that is there before the program: the machine says that it is held.
 #[test]
 fn a_program_under_hold_waits_and_says_so() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut bench = Lathe::new(&params);
     bench.sim.command(Command::Hold);
     bench.load(NEXT);

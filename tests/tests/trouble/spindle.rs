@@ -38,7 +38,7 @@ fn brakes_at_once(rows: &[Row], params: &Params, what: &str) {
 
 /// Disturbs the spindle in a stroke: percent, and the alarm that must come within so many ticks.
 fn spindle_trouble(percent: i16, alarm: u16, within: u64) {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = calm(&params);
     for nth in (0..600).step_by(amount(199, 37)) {
         let tick = locked(&calm, nth);
@@ -81,7 +81,7 @@ fn a_spindle_far_too_fast_in_a_stroke() {
 /// The index and the counts disagree: at once in a stroke, before the next one otherwise.
 #[test]
 fn an_encoder_that_slips_anywhere_and_the_next_program() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let calm = calm(&params);
     for tick in places(&calm, amount(293, 11)) {
         let what = format!("slip at {tick}");
@@ -117,7 +117,7 @@ fn an_encoder_that_slips_anywhere_and_the_next_program() {
 
 #[test]
 fn an_encoder_without_index_is_an_alarm_in_time() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut bench = Lathe::new(&params);
     bench.sim.plant().encoder().break_index(true);
     bench.load(

@@ -31,7 +31,7 @@ impl Bench {
     }
 
     fn new() -> Self {
-        let mut bench = Self::with(&Params::slant_bed());
+        let mut bench = Self::with(&Params::sheets());
         assert_eq!(bench.tick().len(), 7, "boot-up messages");
         bench
     }
@@ -109,7 +109,7 @@ fn result(outcome: Option<Result<(), SdoError>>) -> Result<(), Abort> {
 
 #[test]
 fn drives_are_where_the_parameters_say() {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (key, node) in [("9015.X", 70), ("9015.C", 32), ("9016", 5), ("9014", 2)] {
         params.set(Entry::find_text(key).unwrap(), node).unwrap();
     }
@@ -302,7 +302,7 @@ fn a_drive_takes_its_own_of_a_frame_for_many_and_tells_of_one_that_ends_before_i
 /// The bytes after a drive's own do not concern it. Still, a drive may report them, each time.
 #[test]
 fn a_drive_that_is_made_so_tells_of_every_frame_that_is_longer_than_its_mapping() {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     params.set(Entry::find_text("9031").unwrap(), 1).unwrap();
     for tells_longer in [false, true] {
         let drives = DriveOptions {
@@ -391,7 +391,7 @@ fn a_drive_that_is_stopped_by_nmt_does_what_it_is_set_up_for() {
 
 #[test]
 fn drives_of_a_machine_with_one_frame_for_all_are_delivered_so() {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     params.set(Entry::find_text("9031").unwrap(), 1).unwrap();
     let mut bench = Bench::with(&params);
     bench.tick();

@@ -37,7 +37,7 @@ impl Bench {
             reach: 10_000,
         };
         Self {
-            plant: Plant::new(&Params::slant_bed(), options).unwrap(),
+            plant: Plant::new(&Params::sheets(), options).unwrap(),
             sync: SyncProducer::new(),
             masters: [
                 DriveMaster::new(config(b'X', NodeId::DRIVE_X)),

@@ -54,7 +54,7 @@ fn state_with(params: &Params, spindles: usize) -> State {
 #[test]
 fn a_board_comes_up_where_every_spindle_it_has_is_stood_in_for() {
     for present in 1..=4_u8 {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         params
             .set(Entry::find_text("9014").unwrap(), present.into())
             .unwrap();

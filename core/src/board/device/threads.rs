@@ -198,7 +198,7 @@ mod tests {
     use crate::units::Length;
 
     fn snapshot() -> Snapshot {
-        let board = Board::new(&Params::slant_bed(), None, None).unwrap();
+        let board = Board::new(&Params::sheets(), None, None).unwrap();
         let mut snapshot = Snapshot::new(board.ticker(), &Setpoint::default(), Contacts::default());
         snapshot.state = State::Running;
         snapshot.in_program = true;

@@ -314,7 +314,7 @@ mod tests {
     }
 
     fn machine(settings: &[(&str, i64)]) -> Params {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         for (key, value) in settings {
             params.set(Entry::find_text(key).unwrap(), *value).unwrap();
         }

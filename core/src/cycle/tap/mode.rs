@@ -50,7 +50,8 @@ impl Tapping {
         }
     }
 
-    pub(super) const fn is_on(&self) -> bool {
+    /// Rigid mode, or a cycle in force.
+    pub(crate) const fn is_on(&self) -> bool {
         self.rigid.is_some() || self.cycle.is_some()
     }
 

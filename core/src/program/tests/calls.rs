@@ -75,7 +75,7 @@ fn feeds_by_minute_and_by_turn() {
         dry_run: true,
         ..Options::default()
     };
-    let (events, alarm) = read_with(b"G1 X10 F.5", &Params::slant_bed(), dry);
+    let (events, alarm) = read_with(b"G1 X10 F.5", &Params::sheets(), dry);
     assert_eq!(alarm, None);
     let Event::Call(call) = events[0] else {
         panic!()
@@ -84,7 +84,7 @@ fn feeds_by_minute_and_by_turn() {
         call.kind,
         CallKind::Line(
             at(100_000, 0),
-            FeedRate::PerMinute(Params::slant_bed().dry_run_feed())
+            FeedRate::PerMinute(Params::sheets().dry_run_feed())
         )
     );
 }
@@ -293,7 +293,7 @@ fn stops_ends_and_what_follows() {
         optional_stop: true,
         ..Options::default()
     };
-    let (events, _) = read_with(b"M1", &Params::slant_bed(), options);
+    let (events, _) = read_with(b"M1", &Params::sheets(), options);
     assert_eq!(events.len(), 1);
     assert_eq!(
         kinds("%\nO1\nG0 X1\n%\nnonsense"),
@@ -308,7 +308,7 @@ fn the_start_position_counts() {
         position: at(1_000_000, 500_000),
         ..Options::default()
     };
-    let (events, _) = read_with(b"G0 U-2 W1", &Params::slant_bed(), options);
+    let (events, _) = read_with(b"G0 U-2 W1", &Params::sheets(), options);
     let Event::Call(call) = events[0] else {
         panic!()
     };
@@ -317,7 +317,7 @@ fn the_start_position_counts() {
 
 #[test]
 fn numbers_of_program_and_block_are_kept() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut interpreter = Interpreter::new(&params, Options::default());
     let mut count = 0;
     for (line, text) in ["%", "O0013 (THREAD)", "N10 G0 X1", "N20 Z1"]

@@ -36,7 +36,7 @@ G00 X80 Z10
 ";
 
 fn thread(text: &str) -> ThreadCall {
-    thread_with(text, &Params::slant_bed(), Options::default())
+    thread_with(text, &Params::sheets(), Options::default())
 }
 
 fn thread_with(text: &str, params: &Params, options: Options) -> ThreadCall {
@@ -325,7 +325,7 @@ fn p_and_q_follow_the_dialect() {
         dialect: Dialect::Gsk988,
         ..Options::default()
     };
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let text = "G0 X80 Z10\nG76 P20560 Q.05 R.1\nG76 X60 Z-20 P1.5 Q.4 F2";
     let call = thread_with(text, &params, options);
     assert_eq!(call.height.value, um(1_500));

@@ -27,7 +27,7 @@ fn skipped_blocks_do_nothing() {
         ..Options::default()
     };
     let text = "/G0 X50 (a;b\u{29}\nN5 /nonsense ##; G0 Z1\n/G28\n";
-    let (events, alarm) = read_with(text.as_bytes(), &Params::slant_bed(), options);
+    let (events, alarm) = read_with(text.as_bytes(), &Params::sheets(), options);
     assert_eq!(alarm, None);
     let [Event::Call(call)] = events[..] else {
         panic!("{events:?}")
@@ -81,7 +81,7 @@ fn lines_have_a_limit() {
 
 #[test]
 fn a_line_holds_one_line() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut interpreter = Interpreter::new(&params, Options::default());
     assert_eq!(interpreter.line(b"G0 X1\r\n", 1, &mut |_| ()), Ok(()));
     let alarm = interpreter
@@ -96,7 +96,7 @@ fn a_line_holds_one_line() {
 
 #[test]
 fn words_are_a_block_like_a_written_one() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for text in [
         "N7 G1 X40.5 Z-2 F100 M8",
         "G0 X1 X2",
@@ -130,7 +130,7 @@ fn words_are_a_block_like_a_written_one() {
 
 #[test]
 fn the_modal_state_is_that_of_the_blocks_so_far() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut interpreter = Interpreter::new(&params, Options::default());
     let now = interpreter.in_force();
     assert_eq!((now.motion, now.plane, now.system), (0, 18, 54));

@@ -38,7 +38,7 @@ fn read_with(text: &[u8], params: &Params, options: Options) -> (Vec<Event>, Opt
 }
 
 fn read(text: &str) -> (Vec<Event>, Option<Alarm>) {
-    read_with(text.as_bytes(), &Params::slant_bed(), Options::default())
+    read_with(text.as_bytes(), &Params::sheets(), Options::default())
 }
 
 /// The calls of a program without alarm or warning.

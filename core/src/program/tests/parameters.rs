@@ -5,7 +5,7 @@ use crate::params::{Entry, Writing};
 
 /// The built-in machine with these numbers changed.
 pub(super) fn machine(values: &[(&str, &str)]) -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (key, text) in values {
         let entry = Entry::find_text(key).unwrap_or_else(|_| panic!("{key}"));
         let raw = entry.parse(text, Writing::UnitOptional).expect(text);

@@ -117,7 +117,7 @@ fn check(text: &[u8], events: &[Event], alarm: Option<Alarm>) {
 
 /// The same through the stream reader, cut into random pieces.
 fn in_pieces(text: &[u8], options: Options, random: &mut Random) -> (Vec<Event>, Option<Alarm>) {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut reader = Reader::new(&params, options);
     let mut events = Vec::new();
     let mut rest = text;
@@ -138,7 +138,7 @@ fn in_pieces(text: &[u8], options: Options, random: &mut Random) -> (Vec<Event>,
 fn any_text_gives_calls_or_an_alarm_however_it_is_cut() {
     leadscrew_seed::volume(2024, |seed| {
         let mut random = Random(seed);
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         let rounds = leadscrew_seed::amount(20_000, 300_000);
         let (mut clean, mut refused, mut done) = (0, 0, 0);
         for round in 0..rounds {
@@ -176,7 +176,7 @@ fn any_text_gives_calls_or_an_alarm_however_it_is_cut() {
 fn line_by_line_is_the_same_as_whole() {
     leadscrew_seed::volume(99, |seed| {
         let mut random = Random(seed);
-        let params = Params::slant_bed();
+        let params = Params::sheets();
         for _ in 0..5_000 {
             let text = program(&mut random);
             let options = options(&mut random);

@@ -6,7 +6,7 @@ use crate::params::Entry;
 use crate::units::CentiRpm;
 
 fn machine(settings: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (number, value) in settings {
         let entry = Entry::find_text(number).unwrap();
         params.set(entry, *value).unwrap();

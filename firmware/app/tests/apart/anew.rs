@@ -10,7 +10,7 @@ use crate::setpoints::{sim, whole};
 
 #[test]
 fn a_set_that_names_other_nodes_is_followed_from_its_restart_on() {
-    let mut apart = Apart::new(&Params::slant_bed());
+    let mut apart = Apart::new(&Params::sheets());
     // 2000h + 9015, X: a byte.
     let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
     let request = Frame::new(request, &[0x2F, 0x37, 0x43, 1, 50, 0, 0, 0]);
@@ -26,7 +26,7 @@ fn a_set_that_names_other_nodes_is_followed_from_its_restart_on() {
 
 #[test]
 fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut apart = Apart::new(&params);
     let text = "G0 X60 Z5\nM30\n";
     let first = apart.run(text, &params);
@@ -49,7 +49,7 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
 /// Drives that watch SYNC see no gap in its counter.
 #[test]
 fn a_board_that_is_made_anew_goes_on_counting_its_syncs() {
-    let mut apart = Apart::new(&Params::slant_bed());
+    let mut apart = Apart::new(&Params::sheets());
     let count = |apart: &Apart| apart.bench.given.expect("a SYNC").payload()[0];
     let mut before = count(&apart);
     let mut tick = |apart: &mut Apart| {
@@ -76,7 +76,7 @@ fn a_board_that_is_made_anew_goes_on_counting_its_syncs() {
 /// After the restart the machine has no feed hold. A contact that is still pressed holds it again.
 #[test]
 fn a_feed_hold_that_stays_pressed_outlives_a_restart_of_the_application() {
-    let mut apart = Apart::new(&Params::slant_bed());
+    let mut apart = Apart::new(&Params::sheets());
     for pressed in [true, false] {
         apart.bench.inputs.hold = true;
         apart.step();

@@ -19,7 +19,7 @@ fn a_controller_that_has_stopped_sending_does_too() {
 }
 
 fn leaves(state: BusState, code: Code) {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut apart = Apart::new(&params);
     let calls = calls("G0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n", &params);
     let mut calls = calls.iter();
@@ -61,7 +61,7 @@ fn leaves(state: BusState, code: Code) {
 
 #[test]
 fn a_second_master_is_noticed_whichever_side_hears_it() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let setpoint = CobId::of(Service::Rpdo1, NodeId::DRIVE_X);
     let frame = Frame::new(setpoint, &[0x0F, 0, 0, 0, 0, 0, 0]).expect("a frame");
     for heard_by_tick in [true, false] {
@@ -77,6 +77,6 @@ fn a_second_master_is_noticed_whichever_side_hears_it() {
 
 #[test]
 fn the_serial_number_is_an_object() {
-    let mut apart = Apart::started(&Params::slant_bed(), None, ResetCause::Power);
+    let mut apart = Apart::started(&Params::sheets(), None, ResetCause::Power);
     assert_eq!(apart.object(0x1018, 4), 0x1234_5678);
 }

@@ -14,7 +14,7 @@ const REPORTS: u32 = 3;
 
 #[test]
 fn a_background_that_hangs_is_not_covered_up() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut apart = Apart::new(&params);
     apart.steps(1000);
     let before = apart.bench.fed;
@@ -32,7 +32,7 @@ fn a_background_that_hangs_is_not_covered_up() {
 #[test]
 fn the_patience_with_the_background_is_a_time_whatever_the_tick() {
     for (tick_us, periods) in [(1000, 250), (2000, 125), (4000, 62), (10_000, 25)] {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         let entry = Entry::find_text("9000").expect("a parameter");
         params.set(entry, tick_us).expect("in its range");
         let mut apart = Apart::off(&params);
@@ -48,7 +48,7 @@ fn the_patience_with_the_background_is_a_time_whatever_the_tick() {
 
 #[test]
 fn behind_a_failure_nothing_moves_before_a_reset() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let failure = Failure {
         kind: FailureKind::Fault,
         place: 0x0800_1234,
@@ -97,7 +97,7 @@ fn behind_a_failure_nothing_moves_before_a_reset() {
 
 #[test]
 fn behind_too_many_failures_nothing_lets_it_move() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let failure = Failure {
         kind: FailureKind::Panic,
         place: 0x0800_1234,
@@ -129,7 +129,7 @@ fn behind_too_many_failures_nothing_lets_it_move() {
 
 #[test]
 fn a_reset_from_outside_is_in_the_event_log() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for (cause, newest) in [
         (ResetCause::Power, 0),
         (ResetCause::Pin, 1),

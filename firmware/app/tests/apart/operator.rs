@@ -13,7 +13,7 @@ use crate::board::{Apart, calls};
 
 #[test]
 fn the_emergency_stop_stops_by_itself_and_holds_until_it_is_released() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut apart = Apart::new(&params);
     let text = "G0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n";
     let mut calls: VecDeque<Call> = calls(text, &params).into();
@@ -53,7 +53,7 @@ fn the_emergency_stop_stops_by_itself_and_holds_until_it_is_released() {
 /// Bits 12 and 14 of 5060h [D164].
 #[test]
 fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
-    let mut apart = Apart::new(&Params::slant_bed());
+    let mut apart = Apart::new(&Params::sheets());
     let told = |apart: &mut Apart, hold, stop| {
         apart.bench.inputs = Inputs {
             hold,
@@ -100,7 +100,7 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
 /// the thread.
 #[test]
 fn a_reset_in_a_thread_or_a_tap_leaves_one_record_of_it() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let before = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\n";
     let thread = format!("{before}G76 X76 Z-30 P20000 Q15000 F3\nG0 X100 Z50\nM30\n");
     let rigid = "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-50 P30 F2000\nG80\nM30\n";

@@ -177,7 +177,7 @@ impl Wired {
 
 #[test]
 fn a_board_with_its_circuits_closed_comes_up_without_an_alarm() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut wired = Wired::on(&params, [false; 2]);
     wired.until(1000, |wired| {
         assert_eq!(wired.alarm(), None);
@@ -189,7 +189,7 @@ fn a_board_with_its_circuits_closed_comes_up_without_an_alarm() {
 
 #[test]
 fn a_board_with_its_stop_circuit_open_comes_up_on_its_alarm_and_tells_no_spindle() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut wired = Wired::on(&params, [true, false]);
     for _ in 0..1000 {
         wired.step();
@@ -205,7 +205,7 @@ fn a_board_with_its_stop_circuit_open_comes_up_on_its_alarm_and_tells_no_spindle
 /// A break contact: its wire, or its button, opens it.
 #[test]
 fn a_hold_circuit_that_opens_holds_and_nothing_resumes_before_it_is_closed() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut wired = Wired::up(&params);
     wired.begin("G0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n", &params);
     wired.until(2000, |wired| wired.has_started(2));
@@ -230,7 +230,7 @@ fn a_hold_circuit_that_opens_holds_and_nothing_resumes_before_it_is_closed() {
 /// A reset may have to move out of the thread; a hold must not keep it from that.
 #[test]
 fn a_reset_with_the_hold_circuit_open_comes_to_its_end() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut wired = Wired::up(&params);
     let text = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\n\
                 G76 X76 Z-30 P20000 Q15000 F3\nM30\n";
@@ -259,7 +259,7 @@ const CLAMPED: &str = "G98\nG0 X40 Z5 C0\nM29 S600\nG84 C0 Z-2 R-3 F600 M10\nC90
 
 #[test]
 fn the_next_move_waits_for_the_clamp_either_way() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for takes in [0, 5, 700] {
         let mut wired = Wired::up(&params);
         wired.takes = Some(takes);
@@ -288,7 +288,7 @@ fn the_next_move_waits_for_the_clamp_either_way() {
 #[test]
 fn a_clamp_that_does_not_answer_is_an_alarm_after_a_second_and_a_reset_lets_go() {
     for tick_us in [1000, 4000] {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         let entry = Entry::find_text("9000").expect("a parameter");
         params.set(entry, tick_us).expect("in its range");
         let second = u32::try_from(1_000_000 / tick_us).expect("a count");
@@ -320,7 +320,7 @@ fn a_clamp_that_does_not_answer_is_an_alarm_after_a_second_and_a_reset_lets_go()
 
 #[test]
 fn a_reset_lets_the_clamp_go_unless_a_tap_is_in_its_hole() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     // In the hole, or on the way to the R plane.
     for in_hole in [true, false] {
         for stop in [true, false] {
@@ -360,7 +360,7 @@ fn a_reset_lets_the_clamp_go_unless_a_tap_is_in_its_hole() {
 
 #[test]
 fn the_clamp_lets_go_where_the_application_begins_anew() {
-    let mut apart = Apart::new(&Params::slant_bed());
+    let mut apart = Apart::new(&Params::sheets());
     assert_eq!(apart.bench.switched, []);
     apart.restart();
     apart.steps(100);
@@ -370,7 +370,7 @@ fn the_clamp_lets_go_where_the_application_begins_anew() {
 /// When the button is released, the power that comes back must find the spindle off.
 #[test]
 fn the_spindle_is_enabled_on_an_alarm_until_it_stands() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for off in [false, true] {
         let mut wired = Wired::up(&params);
         wired.begin("M3 S300\nG4 P3000\nG0 X60 Z5\nM30\n", &params);
@@ -405,7 +405,7 @@ fn the_spindle_is_enabled_on_an_alarm_until_it_stands() {
 /// A spindle that another hand keeps turning also loses its enable: after twice the permitted time to stop, and a second.
 #[test]
 fn a_spindle_that_does_not_stop_loses_its_enable_in_time() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let limit = 2 * params.spindle_ramp_ms() * params.spindle_max_rpm() / 1000 + 1000;
     let mut wired = Wired::up(&params);
     wired.begin("M3 S300\nG4 P3000\nG0 X60 Z5\nM30\n", &params);
@@ -419,7 +419,7 @@ fn a_spindle_that_does_not_stop_loses_its_enable_in_time() {
 
 #[test]
 fn a_spindle_with_a_tap_in_its_hole_stays_enabled() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let mut wired = Wired::up(&params);
     wired.begin(
         "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-50 P30 F2000\nG80\nM30\n",

@@ -45,7 +45,7 @@ fn example(name: &str) -> String {
 
 #[test]
 fn programs_give_the_same_setpoints_as_on_a_board_in_one_piece() {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     for name in ["shaft", "o0008-g75-grooves", "g84-tap", "g84-floating"] {
         let (mut apart, mut sim) = (Apart::new(&params), sim(&params));
         let text = example(name);
@@ -57,7 +57,7 @@ fn programs_give_the_same_setpoints_as_on_a_board_in_one_piece() {
 
 /// The drives on other nodes; one of them takes the node of another drive of the built-in machine.
 fn moved() -> Params {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     let nodes = [("9015.X", 126), ("9015.Z", 16), ("9015.C", 2), ("9016", 99)];
     for (key, node) in nodes {
         let entry = Entry::find_text(key).expect("a parameter");
@@ -70,7 +70,7 @@ fn moved() -> Params {
 fn programs_give_the_same_setpoints_wherever_the_drives_are() {
     for name in ["shaft", "g84-tap"] {
         let text = example(name);
-        let hashes = [Params::slant_bed(), moved()].map(|params| {
+        let hashes = [Params::sheets(), moved()].map(|params| {
             let hash = Apart::new(&params).run(&text, &params);
             assert_eq!(hash, whole(&mut sim(&params), &text, &params), "{name}");
             hash

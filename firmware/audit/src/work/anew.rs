@@ -14,7 +14,7 @@ pub struct BeginAnew {
 impl BeginAnew {
     /// The work.
     pub fn new() -> Self {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         let spindles = Entry::find_text("tap_spindles").expect("in the table");
         params.set(spindles, 4).expect("within its range");
         Self { params }

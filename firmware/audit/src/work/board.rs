@@ -190,7 +190,7 @@ pub struct Machine {
 impl WholeBoard {
     /// The work.
     pub fn new(program: Program) -> Self {
-        let mut params = Params::slant_bed();
+        let mut params = Params::sheets();
         let deep = Entry::find(5200, Some(Part::Bit(5))).expect("in the table");
         let spindles = Entry::find_text("tap_spindles").expect("in the table");
         for (entry, value) in [

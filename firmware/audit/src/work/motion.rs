@@ -53,7 +53,7 @@ impl TimedMove {
 
     fn new(kind: MoveKind, to: Position) -> Self {
         Self {
-            limits: Limits::from_params(&Params::slant_bed()),
+            limits: Limits::from_params(&Params::sheets()),
             target: Move {
                 span: Span::default(),
                 to,
@@ -118,7 +118,7 @@ impl ThreadPass {
         let mut moves = ThreadMoves::new(&call, Span::default()).expect("the sheet's example");
         let mut next = || moves.next().expect("a pass: approach, stroke, run-out");
         Self {
-            params: Params::slant_bed(),
+            params: Params::sheets(),
             from: next().to,
             moves: [next(), next()],
         }

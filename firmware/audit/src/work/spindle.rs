@@ -27,7 +27,7 @@ pub struct Tracking(Params);
 impl Tracking {
     /// The work.
     pub fn at_300_rpm() -> Self {
-        Self(Params::slant_bed())
+        Self(Params::sheets())
     }
 }
 

@@ -74,7 +74,7 @@ fn main() -> ! {
     let mut flash = flash::RamFlash::power_up();
     let tap = flash.tap().expect("the flash can be read");
     let set = flash
-        .params(&Params::slant_bed())
+        .params(&Params::sheets())
         .expect("the flash is one");
     let up = PowerUp {
         set: &set,

@@ -125,7 +125,7 @@ impl Wire {
 /// A link to a board that beats every 10 ms, so that others are not listened for any longer; its drives have numbers that
 /// are not the usual ones.
 fn beside(others: impl Iterator<Item = Frame> + Send + 'static, boards: &[NodeId]) -> (Link, Talk) {
-    let mut params = Params::slant_bed();
+    let mut params = Params::sheets();
     for (key, raw) in [("9023", 10), ("9015.X", 40), ("9016", 50)] {
         params.set(Entry::find_text(key).unwrap(), raw).unwrap();
     }

@@ -28,7 +28,7 @@ fn nm(nm: i64) -> Length {
 
 /// The tap call of a program.
 fn tap(text: &str) -> TapCall {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let call = |event| match event {
         Ok(crate::text::Event::Call(Call {
             kind: CallKind::Tap(call),
@@ -50,7 +50,7 @@ fn plan(call: &TapCall) -> FloatPlan {
         call,
         Signals::default().hand(call.hand),
         Span::default(),
-        &Params::slant_bed(),
+        &Params::sheets(),
     )
     .expect("a plan")
 }
@@ -193,7 +193,7 @@ fn the_last_leg_is_the_extraction() {
 fn turner(rpm: i32) -> Turner {
     let lead = Lead::new(1_250_000, 1).unwrap();
     let speed = CentiRpm::of_rpm(Rpm::new(rpm));
-    Turner::new(speed, lead, 375_000_000, &Params::slant_bed())
+    Turner::new(speed, lead, 375_000_000, &Params::sheets())
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn what_cannot_be_planned_is_an_alarm() {
             call,
             Signals::default().hand(call.hand),
             Span::default(),
-            &Params::slant_bed(),
+            &Params::sheets(),
         )
         .unwrap_err()
         .code
@@ -268,7 +268,7 @@ fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
     let entry = plan.entry_speed().get();
     assert!((40_000..120_000).contains(&entry), "{entry}");
     assert_eq!(
-        super::super::FloatPlan::new(&m8(), Hand::Right, Span::default(), &Params::slant_bed())
+        super::super::FloatPlan::new(&m8(), Hand::Right, Span::default(), &Params::sheets())
             .map(|plan| plan.entry_speed()),
         Ok(CentiRpm::new(50_000))
     );
@@ -282,7 +282,7 @@ fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
         })
         .next()
         .unwrap();
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     let ticks = float_ticks(&stroke, nm(-15_000_000), &params);
     // 12 turns at 500 rpm, and half of the stop.
     assert!((1_440..1_600).contains(&ticks), "{ticks}");
@@ -291,7 +291,7 @@ fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
 /// The speed at which the hole begins. The spindle comes up on its ramp to `peak` and then goes down again to 1, the
 /// speed of the hole.
 fn begins_at(plan: &FloatPlan, peak: f64) -> f64 {
-    let params = Params::slant_bed();
+    let params = Params::sheets();
     assert_eq!(params.tick_us(), 1_000);
     let rpm = f64::from(plan.entry_speed().get()) / 100.0;
     let ramp = 1_000.0 / f64::from(params.spindle_ramp_ms()) / rpm;

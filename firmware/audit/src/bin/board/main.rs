@@ -34,7 +34,7 @@ pub extern "C" fn entry() {
 #[inline(never)]
 fn start() -> Option<(&'static mut Board, &'static mut Output)> {
     // The built-in set; any other set comes over the bus.
-    let board = Board::new(&Params::slant_bed(), any(), any()).ok()?;
+    let board = Board::new(&Params::sheets(), any(), any()).ok()?;
     // SAFETY: done once, and nothing has a reference to the two places yet.
     let (place, output) = unsafe { (&mut *addr_of_mut!(BOARD), &mut *addr_of_mut!(OUTPUT)) };
     Some((place.write(board), output.write(Output::default())))

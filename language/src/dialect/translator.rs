@@ -1,0 +1,268 @@
+//! One block of a control becomes a block of system A.
+
+use leadscrew_core::alarm::{Alarm, Arg, Code};
+use leadscrew_core::units::Decimal;
+
+use super::{Control, one_line};
+use crate::value::Value;
+use crate::word::{Given, Word};
+
+/// What is in force at a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// The code of group 01, of system A.
+    pub motion: u8,
+    /// Decimals of the input increment of a length.
+    pub increment: u8,
+    /// P and Q of G74 to G76 count increments on a GSK 980TD.
+    pub counts: bool,
+    /// A cycle of holes is in force, whose words come without its code.
+    pub holes: bool,
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self {
+            motion: 0,
+            increment: 3,
+            counts: false,
+            holes: false,
+        }
+    }
+}
+
+/// Reads the blocks of a control.
+#[derive(Clone, Copy, Debug)]
+pub struct Translator {
+    control: Control,
+    /// G91.
+    incremental: bool,
+    /// G99 of the systems B and C: a hole ends at R.
+    returns_to_r: bool,
+}
+
+impl Translator {
+    /// At the beginning of a program: G90, G98 of the systems B and C.
+    #[must_use]
+    pub const fn new(control: Control) -> Self {
+        Self {
+            control,
+            incremental: false,
+            returns_to_r: false,
+        }
+    }
+
+    /// The control.
+    #[must_use]
+    pub const fn control(&self) -> Control {
+        self.control
+    }
+
+    /// A hole ends at its level R and not where the tool came from.
+    #[must_use]
+    pub const fn returns_to_r(&self) -> bool {
+        self.returns_to_r
+    }
+
+    /// Turns the words of a block into those of system A.
+    ///
+    /// # Errors
+    /// A code that this control does not have, or a count with a point.
+    pub fn translate(&mut self, words: &mut Vec<Word>, now: Setting) -> Result<(), Alarm> {
+        refuse_decimal_codes(words)?;
+        let increments = !self.control.is_gsk() && self.codes(words)?;
+        let motion = [90, 92, 94, 32, 0, 1, 2, 3];
+        let motion = motion.into_iter().find(|motion| has_code(words, *motion));
+        let motion = motion.unwrap_or_else(|| i64::from(now.motion));
+        let alone = !now.holes && !words.iter().any(is_one_shot);
+        if self.control.is_gsk() {
+            if alone && matches!(motion, 1..=3) {
+                corners_of_gsk(words);
+            }
+            return Ok(());
+        }
+        if alone && motion == 1 {
+            corners(words);
+        }
+        if increments {
+            count_from_here(words);
+        }
+        if self.control == Control::Haas {
+            of_haas(words, motion, alone);
+            return Ok(());
+        }
+        of_fanuc(words, now)
+    }
+
+    /// The G codes. True where the axis words of the block count from where the tool is.
+    fn codes(&mut self, words: &mut Vec<Word>) -> Result<bool, Alarm> {
+        let (control, mut here) = (self.control, false);
+        let mut wrong = None;
+        words.retain_mut(|word| {
+            let Some(code) = code_of(word) else {
+                return true;
+            };
+            match code {
+                90 | 91 if control.has_system_b() => self.incremental = code == 91,
+                98 | 99 if control.has_system_b() => self.returns_to_r = code == 99,
+                91 if control == Control::Haas => here = true,
+                _ => {
+                    match control.to_a(code) {
+                        Some(a) if a != code => word.given = Given::Written(Decimal::new(a, 0)),
+                        Some(_) => {}
+                        None => {
+                            let named = u16::try_from(code.saturating_mul(10)).unwrap_or(0);
+                            let alarm = word.alarm(Code::UnknownG).with([Arg::GCode(named)]);
+                            wrong.get_or_insert(alarm);
+                        }
+                    }
+                    return true;
+                }
+            }
+            false
+        });
+        wrong.map_or(Ok(here || self.incremental), Err)
+    }
+}
+
+/// The code of a G word.
+fn code_of(word: &Word) -> Option<i64> {
+    (word.letter == b'G').then(|| word.value().whole())?
+}
+
+/// True with this G code in the block.
+pub(super) fn has_code(words: &[Word], code: i64) -> bool {
+    words.iter().any(|word| code_of(word) == Some(code))
+}
+
+/// True for a code that gives the axis words of its block another meaning than motion.
+fn is_one_shot(word: &Word) -> bool {
+    let call = word.letter == b'M' && matches!(word.value().whole(), Some(97 | 98));
+    call || matches!(
+        code_of(word),
+        Some(4 | 10 | 28 | 30 | 50 | 53 | 65 | 66 | 70..=76 | 78 | 80..=89)
+    )
+}
+
+/// G12.1, G84.1 and their like: the alarm names them.
+fn refuse_decimal_codes(words: &[Word]) -> Result<(), Alarm> {
+    for word in words.iter().filter(|word| word.letter == b'G') {
+        if let Given::Written(number) = word.given
+            && number.decimals() == 1
+            && let Ok(tenths @ 1..) = u16::try_from(number.mantissa())
+            && tenths % 10 != 0
+        {
+            return Err(word.alarm(Code::GNotAvailable).with([Arg::GCode(tenths)]));
+        }
+    }
+    Ok(())
+}
+
+/// G91: X, Z and C become U, W and H, where they are no coordinates, times or arguments.
+fn count_from_here(words: &mut [Word]) {
+    const ELSEWHERE: [i64; 6] = [4, 10, 50, 53, 65, 66];
+    let call = |word: &Word| {
+        word.letter == b'M' && matches!(word.value().whole(), Some(97 | 98))
+            || code_of(word).is_some_and(|code| ELSEWHERE.contains(&code))
+    };
+    if words.iter().any(call) {
+        return;
+    }
+    for word in words {
+        word.letter = match word.letter {
+            b'X' => b'U',
+            b'Z' => b'W',
+            b'C' => b'H',
+            other => other,
+        };
+    }
+}
+
+/// Counts of increments as lengths.
+fn of_fanuc(words: &mut [Word], now: Setting) -> Result<(), Alarm> {
+    let axes = words
+        .iter()
+        .any(|word| matches!(word.letter, b'X' | b'U' | b'Z' | b'W'));
+    let letters: &[u8] = if has_code(words, 74) || has_code(words, 75) {
+        b"PQD"
+    } else if has_code(words, 76) {
+        // P of the first line has digits.
+        if axes { b"PQD" } else { b"Q" }
+    } else if has_code(words, 71) || has_code(words, 72) {
+        b"D"
+    } else if has_code(words, 83) || has_code(words, 87) {
+        b"Q"
+    } else {
+        return Ok(());
+    };
+    // P of the one-line G76 is the way of the infeed, and Q its start angle.
+    let one_line = one_line::is_thread(words);
+    for word in words {
+        if letters.contains(&word.letter) && !(one_line && word.letter != b'D') {
+            word.given = counted(word, now.increment)?;
+        }
+    }
+    Ok(())
+}
+
+/// A count of increments as a length.
+fn counted(word: &Word, increment: u8) -> Result<Given, Alarm> {
+    let steps = libm::pow(10.0, f64::from(increment));
+    Ok(match word.given {
+        Given::Written(number) if number.has_point() && word.letter != b'D' => {
+            return Err(word.alarm(Code::PointInIncrements));
+        }
+        Given::Written(number) if number.has_point() => Given::Written(number),
+        Given::Written(number) => Given::Written(Decimal::new(number.mantissa(), increment)),
+        Given::Calculated(Value::Null) => word.given,
+        Given::Calculated(Value::Number(number)) => {
+            Given::Calculated(Value::Number(libm::round(number) / steps))
+        }
+        Given::Calculated(Value::Increments(count)) => {
+            Given::Calculated(Value::Number(count / steps))
+        }
+    })
+}
+
+/// The words that a Haas writes with another letter.
+fn of_haas(words: &mut [Word], motion: i64, alone: bool) {
+    let dwell = has_code(words, 4);
+    for word in words {
+        let point = matches!(word.given, Given::Written(number) if number.has_point());
+        word.letter = match (word.letter, motion) {
+            (b'P', _) if dwell && point => b'X',
+            (b'I', 90 | 92) | (b'K', 94) if alone => b'R',
+            (b'E', 92 | 32) if alone => b'F',
+            (letter, _) => letter,
+        };
+    }
+}
+
+/// `L` and `D` of a cut: a chamfer and a rounding at its end.
+fn corners_of_gsk(words: &mut [Word]) {
+    for word in words {
+        word.letter = match word.letter {
+            b'L' => Word::CHAMFER_L,
+            b'D' => Word::ROUND,
+            letter => letter,
+        };
+    }
+}
+
+/// `C`, `I`, `K` and `R` of a straight cut along one axis: a corner at its end, whose sign says where the next motion goes.
+fn corners(words: &mut [Word]) {
+    let has = |letters: &[u8]| words.iter().any(|word| letters.contains(&word.letter));
+    let (along_x, along_z) = (has(b"XU"), has(b"ZW"));
+    if along_x == along_z {
+        return;
+    }
+    for word in words {
+        word.letter = match word.letter {
+            b'C' => Word::CHAMFER_TOWARD,
+            b'I' if along_z => Word::CHAMFER_TOWARD,
+            b'K' if along_x => Word::CHAMFER_TOWARD,
+            b'R' => Word::ROUND_TOWARD,
+            letter => letter,
+        };
+    }
+}
