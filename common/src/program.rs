@@ -4,9 +4,10 @@
 use std::collections::VecDeque;
 use std::io;
 
-use leadscrew_core::alarm::Alarm;
+use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
+use leadscrew_language::dialect::{Control, Named, named};
 use leadscrew_language::flow::{Rules, Trouble};
 use leadscrew_language::lines::Source;
 use leadscrew_language::reader::Reader;
@@ -24,6 +25,76 @@ pub struct Program<'p> {
     steps: u64,
     /// The alarm after the events in the queue.
     alarm: Option<Alarm>,
+    /// Nothing is read at all.
+    over: bool,
+    /// Numbers of `(ALLOW …)`.
+    allowed: Vec<u16>,
+}
+
+/// What the comments of the first lines say of the program as a whole.
+#[derive(Debug, Default)]
+struct FirstLines {
+    control: Option<Control>,
+    allowed: Vec<u16>,
+    alarm: Option<Alarm>,
+}
+
+impl FirstLines {
+    /// Bytes in which such comments may stand.
+    const BYTES: usize = 4096;
+
+    fn read(text: &mut Again) -> io::Result<Self> {
+        let mut bytes = vec![0; Self::BYTES];
+        let mut filled = 0;
+        while filled + 2 <= bytes.len() {
+            match text.read(filled as u64, &mut bytes[filled..])? {
+                0 => break,
+                count => filled += count,
+            }
+        }
+        let mut first = Self::default();
+        for (line, text) in (1..).zip(bytes[..filled].split(|byte| *byte == b'\n')) {
+            first.line(line, text);
+        }
+        Ok(first)
+    }
+
+    fn line(&mut self, line: u32, text: &[u8]) {
+        match named(text) {
+            Named::Control(control) => self.control = Some(control),
+            Named::Unknown { from, to } => {
+                let column = |byte: usize| u16::try_from(byte + 1).unwrap_or(u16::MAX);
+                let span = Span {
+                    line,
+                    column: column(from),
+                    end: column(to),
+                };
+                self.alarm.get_or_insert(Alarm::new(Code::DialectUnknown, span));
+            }
+            Named::Nothing => {}
+        }
+        self.allowed.extend(allowed(text));
+    }
+}
+
+/// The numbers of `(ALLOW 4800 4985)`.
+fn allowed(line: &[u8]) -> Vec<u16> {
+    let text = String::from_utf8_lossy(line).to_ascii_uppercase();
+    let Some((_, rest)) = text.split_once("(ALLOW ") else {
+        return Vec::new();
+    };
+    let numbers = rest.split(')').next().unwrap_or_default();
+    let numbers = numbers.split([' ', ',']);
+    numbers
+        .filter_map(|number| number.parse().ok())
+        .filter(|number| may_be_allowed(*number))
+        .collect()
+}
+
+/// True for the numbers of what looks wrong, which a program or a machine file may silence.
+#[must_use]
+pub const fn may_be_allowed(number: u16) -> bool {
+    matches!(number, 4800..=4811 | 4980..=4991)
 }
 
 /// A text that is read from any of its bytes.
@@ -47,20 +118,36 @@ impl Source for Again {
 }
 
 impl<'p> Program<'p> {
-    /// Opens a file.
-    pub fn open(source: &SourceFile, params: &'p Params, options: Options) -> io::Result<Self> {
-        let text = Again {
+    /// Opens a file that was written for `control`, if its first lines do not name another.
+    pub fn open(
+        source: &SourceFile,
+        params: &'p Params,
+        options: Options,
+        control: Control,
+    ) -> io::Result<Self> {
+        let mut text = Again {
             text: source.open()?,
             at: 0,
         };
+        let first = FirstLines::read(&mut text)?;
         // No command keeps variables from one run to the next, and none runs a program without an end.
-        let (kept, rules) = (Kept::default(), Rules::default());
+        let rules = Rules {
+            control: first.control.unwrap_or(control),
+            ..Rules::default()
+        };
         Ok(Self {
-            reader: Reader::new(text, params, options, kept, rules),
+            reader: Reader::new(text, params, options, Kept::default(), rules),
             queue: VecDeque::new(),
             steps: 0,
-            alarm: None,
+            over: first.alarm.is_some(),
+            alarm: first.alarm,
+            allowed: first.allowed,
         })
+    }
+
+    /// The numbers that the program does not want to be told.
+    pub fn allowed(&self) -> &[u16] {
+        &self.allowed
     }
 
     /// The next event, or the alarm that ends the program; `None` after the last.
@@ -72,7 +159,7 @@ impl<'p> Program<'p> {
             if let Some(alarm) = self.alarm.take() {
                 return Ok(Some(Err(alarm)));
             }
-            if self.reader.is_over() {
+            if self.over || self.reader.is_over() {
                 return Ok(None);
             }
             self.steps += 1;

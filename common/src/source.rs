@@ -182,6 +182,11 @@ impl SourceFile {
         words::path(&self.path)
     }
 
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The name as typed.
     pub fn name(&self) -> String {
         self.path.display().to_string()

@@ -116,7 +116,7 @@ pub enum Detail {
 /// Verifies a program.
 pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Report> {
     let options = setup.options();
-    let mut program = Program::open(source, &setup.params, options)
+    let mut program = Program::open(source, &setup.params, options, setup.control)
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut checker = Checker {
         setup,
@@ -126,6 +126,7 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         at: options.position,
         hole: Hole::new(setup.tap),
         spindle: Spindle::at_start(setup),
+        allowed: setup.allow.iter().chain(program.allowed()).copied().collect(),
     };
     loop {
         let next = program
@@ -150,6 +151,8 @@ struct Checker<'a> {
     at: Position,
     hole: Hole,
     spindle: Spindle,
+    /// Numbers that machine file or program silence.
+    allowed: Vec<u16>,
 }
 
 /// Whether the work piece, or the tool, turns during a feed.
@@ -190,6 +193,9 @@ impl Checker<'_> {
     /// Keeps an alarm or a warning that is new on its line, and counts those beyond the list.
     fn tell(&mut self, alarm: &Alarm, inch: bool) {
         let (number, line) = (alarm.number(), alarm.span.line);
+        if self.allowed.contains(&number) {
+            return;
+        }
         let report = &mut self.report;
         let list = if alarm.code.is_warning() {
             &mut report.warnings
@@ -411,8 +417,12 @@ impl Checker<'_> {
 
 impl Report {
     /// The JSON fields of a file.
-    pub fn fields(&self, source: &SourceFile, json: &mut Json) {
+    pub fn fields(&self, source: &SourceFile, machine: Option<&str>, json: &mut Json) {
         json.text("file", &source.name());
+        match machine {
+            Some(file) => json.text("machine", file),
+            None => json.null("machine"),
+        }
         self.diagnostics(json);
         json.array_at("cycles", |json| {
             for cycle in &self.cycles {

@@ -11,6 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use leadscrew_can::{Address, BitRate};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
+use leadscrew_language::dialect::Control;
 
 use crate::failure::{Failure, Outcome};
 use crate::values::{At, Mistake, Percent, Ripple, SetSignal, Tolerance, mistake};
@@ -55,6 +56,8 @@ pub struct Global {
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=127))]
     pub node: Option<u8>,
     /// Parameter file of the machine (repeatable; later files win)
+    ///
+    /// The nearest `leadscrew.toml`, in the folder of the program or above, is read first.
     #[arg(long, global = true, value_name = "FILE")]
     pub params: Vec<PathBuf>,
     /// One parameter, after all files: `182.7=1`, `1420.X=12000`, `rapid_rate.X=12m/min` (repeatable)
@@ -62,9 +65,11 @@ pub struct Global {
     /// A value without a unit has the one that `leadscrew params docs` prints.
     #[arg(long, global = true, value_name = "NO[.BIT|.AXIS]=VALUE")]
     pub set: Vec<String>,
-    /// Control family: settles words the two families write alike and mean differently
-    #[arg(long, global = true, value_enum, default_value_t)]
-    pub dialect: DialectName,
+    /// The control that the program was written for [default: what the machine file says, else gsk980td]
+    ///
+    /// A comment `(DIALECT HAAS)` in the first lines of a program wins.
+    #[arg(long, global = true, value_enum)]
+    pub dialect: Option<DialectName>,
     /// Block skip: leave out blocks that begin with `/`
     #[arg(long, global = true)]
     pub skip: bool,
@@ -175,13 +180,35 @@ impl Global {
 }
 
 /// `--dialect`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DialectName {
     /// GSK 980TD.
-    #[default]
     Gsk980td,
     /// GSK 988.
     Gsk988,
+    /// FANUC lathe, G-code system A.
+    FanucA,
+    /// FANUC lathe, G-code system B.
+    FanucB,
+    /// FANUC lathe, G-code system C.
+    FanucC,
+    /// Haas lathe.
+    Haas,
+}
+
+impl DialectName {
+    /// The control.
+    #[must_use]
+    pub const fn control(self) -> Control {
+        match self {
+            Self::Gsk980td => Control::Gsk980td,
+            Self::Gsk988 => Control::Gsk988,
+            Self::FanucA => Control::FanucA,
+            Self::FanucB => Control::FanucB,
+            Self::FanucC => Control::FanucC,
+            Self::Haas => Control::Haas,
+        }
+    }
 }
 
 /// `--lang`.

@@ -135,6 +135,7 @@ impl<'a> Execution<'a> {
             let origin = Origin {
                 program: self.source.name(),
                 parameters: Some(identity(&self.setup.params)),
+                machine: self.setup.machine(),
                 board: None,
             };
             origin.fields(json);

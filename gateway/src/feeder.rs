@@ -41,7 +41,7 @@ impl<'a> Feeder<'a> {
         Ok(Self {
             setup,
             source,
-            program: Program::open(source, &setup.params, setup.options())
+            program: Program::open(source, &setup.params, setup.options(), setup.control)
                 .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?,
             ended: false,
             over: false,

@@ -10,6 +10,7 @@
 //! picture. What the simulated board keeps between commands is in
 //! [`state`]. Knows nothing of how motion is made.
 
+pub mod beside;
 pub mod checking;
 pub mod cli;
 pub mod commands;

@@ -23,17 +23,23 @@ pub struct Origin {
     pub program: String,
     /// CRC-32 of the parameter set in force (1020h); `None` where no set is in force, or where it is unknown.
     pub parameters: Option<u32>,
+    /// The machine file beside the program.
+    pub machine: Option<String>,
     /// The board and the start time; `None` for a simulation, which gives the same result at any time.
     pub board: Option<(BoardName, SystemTime)>,
 }
 
 impl Origin {
-    /// `program`, `parameters`, `gateway`, `board` and `started`.
+    /// `program`, `parameters`, `machine`, `gateway`, `board` and `started`.
     pub fn fields(&self, json: &mut Json) {
         json.text("program", &self.program);
         match self.parameters {
             Some(identity) => json.text("parameters", &format!("{identity:08x}")),
             None => json.null("parameters"),
+        }
+        match &self.machine {
+            Some(file) => json.text("machine", file),
+            None => json.null("machine"),
         }
         json.text("gateway", env!("CARGO_PKG_VERSION"));
         let Some((board, started)) = &self.board else {
@@ -101,6 +107,7 @@ mod tests {
         let mut origin = Origin {
             program: "shaft.nc".into(),
             parameters: Some(0xA5),
+            machine: None,
             board: None,
         };
         assert_eq!(origin.line(), None);
@@ -108,7 +115,7 @@ mod tests {
         assert_eq!(
             simulated,
             serde_json::json!({
-                "program": "shaft.nc", "parameters": "000000a5", "gateway": env!("CARGO_PKG_VERSION"),
+                "program": "shaft.nc", "parameters": "000000a5", "machine": null, "gateway": env!("CARGO_PKG_VERSION"),
                 "board": null, "started": null
             })
         );

@@ -1,6 +1,6 @@
 //! The start of every command: the machine's parameters, the language, and the use of colour.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_can::Address;
@@ -10,10 +10,12 @@ use leadscrew_core::cycle::Context;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Dialect, Options};
+use leadscrew_core::program::Options;
+use leadscrew_language::dialect::Control;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 
+use crate::beside;
 use crate::cli::{DialectName, Drive, Global};
 use crate::commands::board;
 use crate::diagnostics::{self, Diagnostic};
@@ -50,25 +52,40 @@ pub struct Setup<'a> {
     pub tap: Option<TapRecord>,
     /// The flash of the simulated board, if it is kept.
     pub kept: Option<(StateFile, Flash)>,
+    /// The control that programs are written for, if they name none.
+    pub control: Control,
+    /// Numbers that the machine file silences.
+    pub allow: Vec<u16>,
+    /// The machine file beside the program.
+    pub machine: Option<PathBuf>,
 }
 
 impl<'a> Setup<'a> {
     /// Loads the files and values of the options and reports their mistakes. They are laid over the set of the board, real
     /// or simulated.
-    pub fn new(global: &'a Global, answer: Answer<'_>) -> Outcome<Self> {
-        Self::of(global, board::base(global, answer)?, None, answer)
+    pub fn new(
+        global: &'a Global,
+        program: Option<&Path>,
+        answer: Answer<'_>,
+    ) -> Outcome<Self> {
+        Self::of(global, board::base(global, answer)?, None, program, answer)
     }
 
     /// The same over a known set; `None`: the built-in machine.
-    pub fn over(global: &'a Global, base: Option<Params>, answer: Answer<'_>) -> Outcome<Self> {
-        Self::of(global, base, None, answer)
+    pub fn over(
+        global: &'a Global,
+        base: Option<Params>,
+        program: Option<&Path>,
+        answer: Answer<'_>,
+    ) -> Outcome<Self> {
+        Self::of(global, base, None, program, answer)
     }
 
     /// The same for a simulated machine that will run `program` with the tick of `drive`.
     pub fn with_drive(global: &'a Global, drive: &Drive, program: &SourceFile) -> Outcome<Self> {
         let tick = drive.tick_us.map(|tick| format!("9000={tick}"));
-        let program = &program.name();
-        Self::of(global, None, tick, Answer::Run { program })
+        let (path, program) = (program.path(), &program.name());
+        Self::of(global, None, tick, Some(path), Answer::Run { program })
     }
 
     /// A set in the flash of a simulated board is the board's own set, as on a real board [D107].
@@ -76,6 +93,7 @@ impl<'a> Setup<'a> {
         global: &'a Global,
         base: Option<Params>,
         last: Option<String>,
+        program: Option<&Path>,
         answer: Answer<'_>,
     ) -> Outcome<Self> {
         let kept = match &global.state {
@@ -92,8 +110,30 @@ impl<'a> Setup<'a> {
         };
         let base = base.or_else(|| stored.clone());
         let set: Vec<String> = global.set.iter().cloned().chain(last).collect();
-        let loaded = params::load_over(base, &global.params, &set, global.lang())?;
-        let params = told_good_in(global, loaded, answer)?.params;
+        let machine = program.and_then(beside::find);
+        let mut files = global.params.clone();
+        let mut said = None;
+        match (&machine, &base) {
+            (Some(file), None) => files.insert(0, file.clone()),
+            // The board's own set counts.
+            (Some(file), Some(board)) => {
+                let over = Some(board.clone());
+                let loaded = params::load_over(over, std::slice::from_ref(file), &[], global.lang())?;
+                let loaded = told_good_in(global, loaded, answer)?;
+                if identity(&loaded.params) != identity(board) {
+                    differs(file, global.lang());
+                }
+                said = Some((loaded.dialect, loaded.allow));
+            }
+            (None, _) => {}
+        }
+        let loaded = params::load_over(base, &files, &set, global.lang())?;
+        let loaded = told_good_in(global, loaded, answer)?;
+        let (dialect, mut allow) = said.unwrap_or_default();
+        allow.extend(loaded.allow);
+        let named = global.dialect.map(DialectName::control);
+        let control = named.or(loaded.dialect).or(dialect).unwrap_or_default();
+        let params = loaded.params;
         if let (Some(path), Some(stored)) = (&global.state, stored)
             && identity(&stored) != identity(&params)
         {
@@ -119,6 +159,9 @@ impl<'a> Setup<'a> {
             turning: false,
             tap,
             kept,
+            control,
+            allow,
+            machine,
         })
     }
 
@@ -156,16 +199,28 @@ impl<'a> Setup<'a> {
     /// The options for reading programs.
     pub fn options(&self) -> Options {
         Options {
-            dialect: match self.global.dialect {
-                DialectName::Gsk980td => Dialect::Gsk980td,
-                DialectName::Gsk988 => Dialect::Gsk988,
-            },
             skip: self.global.skip,
             optional_stop: self.global.optional_stop,
             dry_run: self.global.dry_run,
             position: self.start(),
+            ..Options::default()
         }
     }
+
+    /// The machine file beside the program, as it is shown.
+    pub fn machine(&self) -> Option<String> {
+        self.machine.as_deref().map(words::path)
+    }
+}
+
+/// Tells that a board does not have the set of the file beside the program.
+fn differs(file: &Path, lang: Lang) {
+    let file = words::path(file);
+    let told = both!(
+        "note: {file} differs from the parameters of the board, which count; `leadscrew params diff {file}` shows where\n",
+        "注意：{file} 与控制板的参数不同，以控制板为准；`leadscrew params diff {file}` 可查看差异\n"
+    );
+    diagnostics::say(told.get(lang));
 }
 
 /// The inputs set by the options. The last value of a name counts.
@@ -274,6 +329,7 @@ impl Answer<'_> {
                 let origin = Origin {
                     program: program.to_owned(),
                     parameters: None,
+                    machine: None,
                     board: None,
                 };
                 origin.fields(o);

@@ -10,6 +10,7 @@ use leadscrew_core::board::Board;
 use leadscrew_core::call::{Call, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
+use leadscrew_language::dialect::Control;
 
 /// The source of a board's calls.
 pub struct Feeder {
@@ -29,7 +30,7 @@ impl Feeder {
             position,
             ..Options::default()
         };
-        let program = Program::open(&source, params, options)
+        let program = Program::open(&source, params, options, Control::default())
             .map_err(|error| Failure::file(Doing::Read, path.display(), &error))?;
         Ok(Self {
             source,

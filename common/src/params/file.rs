@@ -8,7 +8,8 @@
 //! X = "120.5 mm"
 //! ```
 //!
-//! Two keys are no parameters: `schema`, the version of the file's table, and `drive`, the sections of the drives.
+//! Four keys are no parameters: `schema`, the version of the file's table; `drive`, the sections of the drives; `dialect`, the
+//! control that programs beside the file are written for; `allow`, the numbers that are not told of these programs.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -18,11 +19,13 @@ use std::path::Path;
 
 use leadscrew_core::alarm::{Code, Lang};
 use leadscrew_core::params::{Entry, FindError, Writing};
+use leadscrew_language::dialect::Control;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::{Loader, drives, mistake, schema};
 use crate::diagnostics::{self, Diagnostic, Place};
+use crate::program::may_be_allowed;
 use crate::failure::{Doing, Failure, Outcome, unreadable};
 use crate::source::SourceFile;
 use crate::words::both;
@@ -201,12 +204,47 @@ impl<'a> Source<'a> {
             let name = key.get_ref().as_ref();
             match value.get_ref() {
                 _ if name == schema::KEY => {}
+                _ if name == super::DIALECT => self.dialect(loader, value),
+                _ if name == super::ALLOW => self.allow(loader, value),
                 _ if name == drives::KEY => drives::apply(loader, self, key, value),
                 DeValue::Table(parts) => self.parts(loader, key, parts),
                 _ => match Entry::find_text(name) {
                     Ok(entry) => self.value(loader, entry, &key.span(), value),
                     Err(error) => loader.not_found(name, error, &self.place(&key.span())),
                 },
+            }
+        }
+    }
+
+    /// `dialect = "fanuc-b"`
+    fn dialect(&self, loader: &mut Loader, value: &Spanned<DeValue>) {
+        let named = match value.get_ref() {
+            DeValue::String(name) => Control::of_name(name),
+            _ => None,
+        };
+        match named {
+            Some(control) => loader.loaded.dialect = Some(control),
+            None => {
+                let found = self.text.get(value.span()).unwrap_or_default();
+                let figures = [mistake::shown(found), Control::names()];
+                loader.report(Code::ParamDialect, &figures, &self.place(&value.span()));
+            }
+        }
+    }
+
+    /// `allow = [4800, 4985]`
+    fn allow(&self, loader: &mut Loader, value: &Spanned<DeValue>) {
+        let DeValue::Array(items) = value.get_ref() else {
+            return loader.report(Code::ParamAllow, &[], &self.place(&value.span()));
+        };
+        for item in items.iter() {
+            let number = match item.get_ref() {
+                DeValue::Integer(number) => number.as_str().parse().ok(),
+                _ => None,
+            };
+            match number.filter(|number| may_be_allowed(*number)) {
+                Some(number) => loader.loaded.allow.push(number),
+                None => loader.report(Code::ParamAllow, &[], &self.place(&item.span())),
             }
         }
     }

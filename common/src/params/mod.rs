@@ -22,6 +22,7 @@ use std::path::PathBuf;
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_core::params::{Entry, FindError, Params, Part, Writing};
 use leadscrew_core::units::Axis;
+use leadscrew_language::dialect::Control;
 
 use crate::diagnostics::{self, Diagnostic, Place, figure};
 use crate::failure::Outcome;
@@ -42,13 +43,23 @@ pub struct Loaded {
     pub diagnostics: Vec<Diagnostic>,
     /// The wanted objects of the drives in the order of the files.
     pub drives: Vec<drives::Setting>,
+    /// The control that programs beside the file are written for.
+    pub dialect: Option<Control>,
+    /// Numbers of what is not told of programs beside the file.
+    pub allow: Vec<u16>,
     /// The values without a place are a board's; otherwise the built-in machine's.
     pub of_a_board: bool,
     sources: BTreeMap<Key, Source>,
 }
 
 /// Keys at the top of a file that are no parameters.
-const OTHER_KEYS: [&str; 2] = [schema::KEY, drives::KEY];
+const OTHER_KEYS: [&str; 4] = [schema::KEY, drives::KEY, DIALECT, ALLOW];
+
+/// The key of the control that programs beside the file are written for.
+pub(crate) const DIALECT: &str = "dialect";
+
+/// The key of the numbers that are not told of programs beside the file.
+pub(crate) const ALLOW: &str = "allow";
 
 /// The number and part of an entry, for sorting.
 type Key = (u16, u8);
@@ -157,6 +168,8 @@ impl Loaded {
             params,
             diagnostics: Vec::new(),
             drives: Vec::new(),
+            dialect: None,
+            allow: Vec::new(),
             of_a_board: true,
             sources: BTreeMap::new(),
         }

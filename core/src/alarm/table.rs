@@ -443,6 +443,11 @@ codes! {
         "end the program behind G30 P99, and start another", "第 {0} 行刚性攻丝返回之后，程序不知道刀具位置，不能移动",
         "请在 G30 P99 之后结束程序，再启动另一个程序";
 
+    // 4086–4089: the program as a whole; `common` and `language`.
+    /// A comment with DIALECT that names none.
+    DialectUnknown = 4086, "there is no dialect of this name", "write one of gsk980td, gsk988, fanuc-a, fanuc-b, fanuc-c, haas: `(DIALECT FANUC-B)`",
+        "没有该名称的方言", "请写下列之一：gsk980td、gsk988、fanuc-a、fanuc-b、fanuc-c、haas，如 `(DIALECT FANUC-B)`";
+
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 
     /// d leaves nothing to rough.
@@ -868,6 +873,12 @@ codes! {
     /// A parameter file with a byte that is no text; {0} the byte.
     ParamNoText = 4415, "the byte {0} here is no UTF-8 text", "save the file as UTF-8 (in an editor: Save as, Encoding: UTF-8), or name another file",
         "此处的字节 {0} 不是 UTF-8 文本", "请将文件另存为 UTF-8（编辑器：另存为 → 编码：UTF-8），或指定另一个文件";
+    /// A dialect in a file that is none; {0} what is written, {1} those that there are.
+    ParamDialect = 4416, "there is no dialect {0}", "write one of {1}, as a text: `dialect = \"fanuc-b\"`",
+        "没有方言 {0}", "请写下列之一（文本）：{1}，如 `dialect = \"fanuc-b\"`";
+    /// `allow` in a file that is no list of numbers which can be silenced.
+    ParamAllow = 4417, "`allow` is a list of numbers of what looks wrong: 4800 to 4811, 4980 to 4991", "write `allow = [4800, 4985]`",
+        "`allow` 是可疑之处的编号列表：4800 至 4811、4980 至 4991", "请写如 `allow = [4800, 4985]`";
     /// A ramp does not fit a profile: axis with the longest part of it, ticks, most ticks.
     RampTooLong = 4420, "speeding up takes {1} ticks, {0} most of them, and a profile holds {2}",
         "raise 1620.{0} or 1622.{0}, lower 1420.{0}, or make the tick (9000) longer",

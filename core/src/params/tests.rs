@@ -85,10 +85,11 @@ fn every_number_of_the_sheets_is_there_with_its_default_and_nothing_else() {
         }
         known.insert(key);
     }
-    // No sheet prints the numbers of the contour cycles.
-    let contours = 5132..=5137;
-    let sheets =
-        |e: &&Entry| e.no < 1000 || ((5000..6000).contains(&e.no) && !contours.contains(&e.no));
+    // No sheet prints the numbers of the contour cycles and of drilling, nor that of the corners.
+    let elsewhere = |number| matches!(number, 181 | 5101 | 5114 | 5132..=5137);
+    let sheets = |e: &&Entry| {
+        (e.no < 1000 || (5000..6000).contains(&e.no)) && !elsewhere(e.no)
+    };
     for entry in Entry::all().iter().filter(sheets) {
         assert!(known.contains(entry.to_string().as_str()), "{entry}");
     }
@@ -360,6 +361,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x7640_E40B),
     // Noses of tools: 9201 to 9216, 9301 to 9316.
     (2, 0xFA00_A73F),
+    // L of a corner: 181.0. Drilling: 5101.2, 5114.
+    (2, 0x31E9_AA8F),
 ];
 
 #[test]

@@ -1,33 +1,37 @@
 //! `check`: everything that can be known before a machine is switched on.
 
+use super::board;
 use crate::checking::{self, Detail, Report, plural};
-use crate::cli::Check;
+use crate::cli::{Check, Global};
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::setup::Setup;
+use crate::setup::{Answer, Setup};
 use crate::source::SourceFile;
-use crate::words::both;
+use crate::words::{Both, both};
 
 /// Checks programs and reports on all of them.
-pub fn run(setup: &Setup, args: &Check) -> Outcome {
+pub fn run(global: &Global, args: &Check) -> Outcome {
+    let base = board::base(global, Answer::Check)?;
     let mut reports = Vec::new();
     for path in &args.programs {
         let source = SourceFile::new(path);
-        let report = checking::check(setup, &source, Detail::Cycles)?;
-        if !setup.global.json {
-            tell(setup, &source, &report)?;
+        // Each has the machine of its own folder.
+        let setup = Setup::over(global, base.clone(), Some(path), Answer::Check)?;
+        let report = checking::check(&setup, &source, Detail::Cycles)?;
+        if !global.json {
+            tell(&setup, &source, &report)?;
         }
-        reports.push((source, report));
+        reports.push((source, setup.machine(), report));
     }
     let fails =
         |report: &Report| !report.alarms.is_empty() || (args.strict && report.lead_in_too_short);
-    let ok = !reports.iter().any(|(_, report)| fails(report));
-    if setup.global.json {
+    let ok = !reports.iter().any(|(_, _, report)| fails(report));
+    if global.json {
         output::json(|json| {
             json.flag("ok", ok);
             json.array_at("files", |json| {
-                for (source, report) in &reports {
-                    json.object(|json| report.fields(source, json));
+                for (source, machine, report) in &reports {
+                    json.object(|json| report.fields(source, machine.as_deref(), json));
                 }
             });
         })?;
@@ -59,9 +63,14 @@ fn tell(setup: &Setup, source: &SourceFile, report: &Report) -> Outcome {
         ),
     };
     let (name, lang) = (source.shown(), setup.lang);
+    let machine = setup.machine().map_or(Both::default(), |file| {
+        both!("; machine {file}", "；机床 {file}")
+    });
     let line = both!(
-        "{name}: {en}; {moves}\n",
-        "{name}：{zh}；移动 {count} 段\n",
+        "{name}: {en}; {moves}{machine_en}\n",
+        "{name}：{zh}；移动 {count} 段{machine_zh}\n",
+        machine_en = machine.en,
+        machine_zh = machine.zh,
         en = verdict.en,
         zh = verdict.zh,
         moves = plural(report.moves, "move"),

@@ -27,10 +27,11 @@ pub fn dispatch(cli: &Cli) -> Outcome {
     match &cli.command {
         Command::Completions { shell } => completions::print(*shell),
         Command::Params { command } => params::run(&cli.global, command),
-        Command::Check(args) => check::run(&Setup::new(&cli.global, Answer::Check)?, args),
+        Command::Check(args) => check::run(&cli.global, args),
         Command::Expand(args) => {
             let jsonl = args.format == Some(Format::Jsonl);
-            expand::run(&Setup::new(&cli.global, Answer::Moves { jsonl })?, args)
+            let program = Some(&*args.program);
+            expand::run(&Setup::new(&cli.global, program, Answer::Moves { jsonl })?, args)
         }
         Command::Simulate(args) => {
             let program = SourceFile::new(&args.program);
@@ -51,7 +52,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Status if is_real(cli) => board::status(&cli.global),
         Command::Status => status::run(&cli.global),
         Command::Record(args) if is_real(cli) => {
-            record::run(&Setup::over(&cli.global, None, Answer::Parameters)?, args)
+            record::run(&Setup::over(&cli.global, None, None, Answer::Parameters)?, args)
         }
         Command::Retract { speed, discard } => retract::retract(
             &cli.global,

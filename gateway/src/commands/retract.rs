@@ -45,7 +45,7 @@ pub fn retract(global: &Global, wish: Wish) -> Outcome {
     let source = text(record.as_ref(), wish);
     if global.dry_run {
         let answer = Answer::Moves { jsonl: false };
-        return show(global, &Setup::new(global, answer)?, &source);
+        return show(global, &Setup::new(global, None, answer)?, &source);
     }
     run::carry_out(global, &source, None, &Drive::default(), None)
 }
@@ -68,7 +68,7 @@ fn on_board(global: &Global, wish: Wish) -> Outcome {
     let source = text(record.as_ref(), wish);
     if global.dry_run {
         let status = link.status()?;
-        let mut setup = Setup::over(global, Some(params), Answer::Moves { jsonl: false })?;
+        let mut setup = Setup::over(global, Some(params), None, Answer::Moves { jsonl: false })?;
         setup.position = Some(status.position);
         setup.tap = record;
         return show(global, &setup, &source);

@@ -109,6 +109,11 @@ pub fn carry_out(
         text.push_str(pick(setup.lang, "setpoints ", "设定值校验 "));
         text.push_str(&summary.hash());
         text.push('\n');
+        if let Some(file) = setup.machine() {
+            text.push_str(pick(setup.lang, "machine ", "机床 "));
+            text.push_str(&file);
+            text.push('\n');
+        }
         text.push_str(&execution.threads());
         output::write(text.as_bytes())?;
     }

@@ -11,6 +11,7 @@ use crate::machine::Observer;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Csv, Setpoint, Summary};
+use crate::words::both;
 
 /// Simulates a program.
 pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
@@ -45,6 +46,10 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
     if !setup.global.json {
         diagnostics::say(&summary.text(&execution.measured(), setup.lang));
         diagnostics::say(&execution.threads());
+        if let Some(file) = setup.machine() {
+            let told = both!("machine {file}\n", "机床 {file}\n");
+            diagnostics::say(told.get(setup.lang));
+        }
     }
     execution.conclude(&summary, args.tolerance)
 }

@@ -37,7 +37,8 @@ fn a_program_of_megabytes_takes_memory_on_neither_side() {
     let mut text = LongProgram::new(BYTES);
     io::copy(&mut text, &mut File::create(&path).unwrap()).unwrap();
     let args = ["run", path.to_str().unwrap(), "--json"];
-    let simulated = json(&leadscrew(&args, "sim"));
+    let machine = ["--params", "examples/leadscrew.toml"];
+    let simulated = json(&leadscrew(&[&args[..], &machine].concat(), "sim"));
 
     let server = Server::start(&Options {
         // As fast as it can, without waiting for heartbeats.

@@ -65,7 +65,7 @@ fn a_file_goes_to_board_and_drives_and_comes_back() {
     let taken = std::fs::read_to_string(&other).unwrap();
     let taken: String = taken
         .split_inclusive('\n')
-        .filter(|line| !line.starts_with("gateway_silence_ms"))
+        .filter(|line| !line.starts_with("gateway_silence_ms") && !line.starts_with("increment_is_c"))
         .collect();
     assert_eq!(taken, expected);
     // Drives alone: the machine is ready again afterwards.
@@ -134,7 +134,7 @@ fn a_machine_at_work_keeps_its_set() {
     let built_in = leadscrew(&["params", "diff"], &bus);
     assert_eq!(
         text(&built_in.stdout),
-        "9024  gateway_silence_ms  1000 ms  → 20000 ms\n"
+        "1004.1  increment_is_c      0        → 1\n9024    gateway_silence_ms  1000 ms  → 20000 ms\n"
     );
 }
 

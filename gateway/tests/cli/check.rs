@@ -120,24 +120,21 @@ fn one_bad_file_among_good_ones_fails() {
 
 #[test]
 fn strict_makes_a_long_lead_in_a_failure() {
-    let folder = std::env::temp_dir().join(format!("leadscrew-strict-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let program = folder.join("short.nc");
+    let folder = Folder::new("strict");
+    let program = folder.file("short.nc");
     std::fs::write(
         &program,
         "M3 S1000\nG0 X80 Z4\nG76 P010060 Q1500 R0.1\nG76 X60.64 Z-14 P36800 Q18000 F6\nM30\n",
     )
     .unwrap();
-    let program = program.to_str().unwrap();
-    let relaxed = leadscrew(&["check", program]);
+    let relaxed = leadscrew(&["check", &program]);
     assert_eq!(code(&relaxed), 0, "{}", stderr(&relaxed));
     assert!(
         stderr(&relaxed).contains("warning[4940]"),
         "{}",
         stderr(&relaxed)
     );
-    assert_eq!(code(&leadscrew(&["check", "--strict", program])), 1);
-    std::fs::remove_dir_all(folder).unwrap();
+    assert_eq!(code(&leadscrew(&["check", "--strict", &program])), 1);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use leadscrew_store::Store;
 
 use super::{Folder, code, leadscrew, stderr, stdout};
 
-const PROGRAM: &str = "examples/shaft.nc";
+const PROGRAM: &str = "examples/shop/shaft-roughing.nc";
 
 /// A board whose rapid rate on X is 9 m/min.
 fn slow() -> Params {

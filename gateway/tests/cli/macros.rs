@@ -43,8 +43,7 @@ fn the_programs_of_the_shop_are_checked_simulated_and_run() {
             &["simulate", &program, "-o", &trace],
             &["run", &program],
         ] {
-            let args = [args, &["--params", "examples/shop/tools.toml"]].concat();
-            let output = leadscrew(&args);
+            let output = leadscrew(args);
             assert_eq!(code(&output), 0, "{args:?}: {}", stderr(&output));
             assert!(!stdout(&output).contains("warning"), "{}", stdout(&output));
         }
@@ -53,8 +52,13 @@ fn the_programs_of_the_shop_are_checked_simulated_and_run() {
 
 #[test]
 fn the_golden_copies_are_the_programs_of_the_shop() {
-    for name in ["part-family", "groove-bank", "macro-a"] {
-        let read = |path: String| std::fs::read_to_string(root().join(path)).unwrap();
+    let read = |path: String| std::fs::read_to_string(root().join(path)).unwrap();
+    for program in shop() {
+        let name = program.trim_start_matches("examples/shop/").trim_end_matches(".nc");
+        assert_eq!(
+            read("examples/shop/leadscrew.toml".into()),
+            read(format!("tests/golden/expand/shop-{name}/leadscrew.toml"))
+        );
         assert_eq!(
             read(format!("examples/shop/{name}.nc")),
             read(format!("tests/golden/expand/shop-{name}/program.nc"))

@@ -40,6 +40,9 @@ impl Folder {
     fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("leadscrew-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&path).unwrap();
+        // The programs of the tests are written as the examples are.
+        let machine = root().join("examples/leadscrew.toml");
+        std::fs::copy(machine, path.join("leadscrew.toml")).unwrap();
         Self(path)
     }
 
@@ -92,6 +95,7 @@ fn examples() -> Vec<String> {
         .map(|entry| entry.unwrap())
         .filter(|entry| entry.file_type().unwrap().is_file())
         .map(|entry| format!("examples/{}", entry.file_name().to_str().unwrap()))
+        .filter(|name| name.ends_with(".nc"))
         .collect();
     assert!(!programs.is_empty());
     programs

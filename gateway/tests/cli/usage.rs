@@ -67,7 +67,7 @@ fn a_command_line_that_cannot_be_read_is_answered_in_the_language_asked_for() {
         ),
         (
             &["check", shaft, "--dialect", "x"],
-            "`--dialect <DIALECT>` 不能是 `x`；可用：gsk980td gsk988",
+            "`--dialect <DIALECT>` 不能是 `x`；可用：gsk980td gsk988 fanuc-a fanuc-b fanuc-c haas",
         ),
         (
             &["retract", "--speed", "1", "--discard"],

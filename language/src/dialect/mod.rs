@@ -67,6 +67,12 @@ impl Control {
         Self::ALL.into_iter().find(is)
     }
 
+    /// The names of all, for a message.
+    #[must_use]
+    pub fn names() -> String {
+        Self::ALL.map(Self::name).join(", ")
+    }
+
     /// How the core reads words that the families write alike. FANUC and Haas have lengths on the radius there, and the
     /// angle of a run-out by its parameter.
     #[must_use]

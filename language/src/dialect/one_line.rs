@@ -15,9 +15,9 @@ fn has(words: &[Word], letters: &[u8]) -> bool {
     words.iter().any(|word| letters.contains(&word.letter))
 }
 
-/// True for a thread in one block.
+/// True for a thread in one block. K alone is the run-out of the two-line form.
 pub(super) fn is_thread(words: &[Word]) -> bool {
-    has_code(words, 76) && has(words, b"XUZW") && has(words, b"KD")
+    has_code(words, 76) && has(words, b"XUZW") && has(words, b"D")
 }
 
 /// True for a groove, or pecks along Z, in one block.

@@ -4,7 +4,8 @@ use std::io;
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Dialect, Event, Events, Options};
+use leadscrew_core::program::{Event, Events, Options};
+use leadscrew_language::dialect::Control;
 use leadscrew_language::flow::{Rules, Trouble};
 use leadscrew_language::lines::Source;
 use leadscrew_language::reader::Reader;
@@ -38,17 +39,18 @@ pub fn language(data: &[u8]) {
         return;
     };
     let params = Params::sheets();
+    let control = match choice & 1 {
+        0 => Control::Gsk980td,
+        _ => Control::ALL[1 + usize::from(choice >> 4) % 5],
+    };
     let options = Options {
-        dialect: if choice & 1 == 0 {
-            Dialect::Gsk980td
-        } else {
-            Dialect::Gsk988
-        },
+        dialect: control.family(),
         skip: choice & 2 != 0,
         optional_stop: choice & 4 != 0,
         ..Options::default()
     };
     let rules = Rules {
+        control,
         repeat: choice & 8 != 0,
         budget: BUDGET,
         turns: STEPS / 2,
@@ -67,7 +69,7 @@ pub fn language(data: &[u8]) {
     if let Some(alarm) = &end {
         lies_within(alarm, text);
     }
-    if is_plain(text) && events.len() < STEPS as usize / 2 {
+    if control.is_gsk() && is_plain(text) && events.len() < STEPS as usize / 2 {
         let mut alone = Vec::new();
         let mut alarm = None;
         for event in Events::new(text, &params, options) {

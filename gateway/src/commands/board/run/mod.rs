@@ -57,7 +57,7 @@ pub fn run(
     let answer = Answer::Run { program: &program };
     alone_in(global, &global.params, &global.set, answer)?;
     let machine = Machine::meet(global)?;
-    let mut setup = Setup::over(global, Some(machine.params.clone()), answer)?;
+    let mut setup = Setup::over(global, Some(machine.params.clone()), Some(source.path()), answer)?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
     let status = link.status()?;
@@ -68,6 +68,7 @@ pub fn run(
     let origin = Origin {
         program: program.clone(),
         parameters: Some(status.parameters),
+        machine: setup.machine(),
         board: Some((link.board_name()?, SystemTime::now())),
     };
     let report = tell_report(&setup, source)?;
