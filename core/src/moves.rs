@@ -133,6 +133,8 @@ pub enum Cycle {
     G78,
     /// One pass of a thread.
     G92,
+    /// One stroke of a thread.
+    G32,
     /// Face tapping.
     G84,
     /// Side tapping.

@@ -234,7 +234,12 @@ impl Checker<'_> {
         let moves = match cycle::expand(call, &self.setup.context(self.at, &self.hole)) {
             Ok(moves) => moves,
             Err(alarm) => {
-                // The interpreter goes on at the end of the block, and cycles end where they begin.
+                // The interpreter goes on at the end of the block. Cycles end where they begin, a stroke does not.
+                if let CallKind::Thread(thread) = &call.kind
+                    && thread.cycle == ThreadCycle::G32
+                {
+                    (self.at.x, self.at.z) = (thread.end_x.value, thread.end_z.value);
+                }
                 self.causes(call, inch);
                 return self.tell(&alarm, inch);
             }
@@ -400,6 +405,7 @@ impl Checker<'_> {
                 ThreadCycle::G76 => "G76",
                 ThreadCycle::G78 => "G78",
                 ThreadCycle::G92 => "G92",
+                ThreadCycle::G32 => "G32",
             },
             passes: report.passes,
             tap_speed: None,

@@ -59,6 +59,16 @@ pub trait Machine: System {
         Setting::default()
     }
 
+    /// Plain lines, too, come as words: a cycle is in force whose words the core does not know.
+    fn wants_words(&self) -> bool {
+        false
+    }
+
+    /// A hole ends at its level R.
+    fn returns_to_r(&mut self, returns: bool) {
+        let _ = returns;
+    }
+
     /// Tells the operator something.
     fn note(&mut self, warning: Alarm);
 
@@ -243,7 +253,8 @@ impl<S: Source> Flow<S> {
         let by_lines = self.at.column == 0
             && self.top().modals.is_empty()
             && !self.in_contour
-            && self.rules.control.is_gsk();
+            && self.rules.control.is_gsk()
+            && !machine.wants_words();
         let Some(line) = self.lines.line(self.at)? else {
             return self.text_over(machine);
         };

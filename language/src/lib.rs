@@ -15,6 +15,7 @@
 //! - [`flow`] carries out assignments, jumps, loops and calls, and so decides which block comes next; [`outline`] is what
 //!   its searches see.
 //! - [`reader`] is the whole way: text in, events of the core out.
+//! - [`drilling`] reads the words of the cycles of a drill and makes their moves.
 //! - [`roughing`] reads the words of the cycles G70–G73, and [`contour`] makes their moves from the contour that the
 //!   program describes.
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
@@ -33,6 +34,7 @@ pub mod arguments;
 pub mod contour;
 pub mod corner;
 pub mod dialect;
+pub mod drilling;
 pub mod expression;
 #[cfg(test)]
 mod figures;

@@ -4,6 +4,7 @@
 //! block with expressions goes there as words, each with its place in the text. This module knows which increment a word
 //! has; it must not know files.
 
+mod drill;
 mod glimpse;
 mod system;
 #[cfg(test)]
@@ -18,6 +19,7 @@ use leadscrew_core::program::{Dialect, Event, Interpreter, Options, Way};
 use leadscrew_core::units::Decimal;
 
 use crate::dialect::{Control, Setting};
+use crate::drilling::Drill;
 use crate::flow::{Done, Flow, Machine, Rules, Trouble};
 use crate::lines::Source;
 use crate::nose::Side;
@@ -48,6 +50,8 @@ struct Core<'p> {
     /// The contour that is being read. For all cycles but G70 the interpreter is then a copy, whose moves are collected;
     /// the program's own one waits here.
     contour: Option<(Collected, Option<Interpreter<'p>>)>,
+    /// The drilling cycle in force, and where the tool was before its first hole.
+    drill: Option<(Drill, Position)>,
     /// Corners and the round nose.
     path: Path,
     /// Events of the core that go through the path.
@@ -78,6 +82,7 @@ impl<'p, S: Source> Reader<'p, S> {
                 tool: None,
                 first: FirstLines::default(),
                 contour: None,
+                drill: None,
                 path: Path::new(),
                 events: VecDeque::new(),
             },
@@ -98,6 +103,7 @@ impl<'p, S: Source> Reader<'p, S> {
         };
         let mut acting = Acting {
             core: &mut self.core,
+            returns_to_r: false,
             out,
         };
         let mut result = self.flow.step(&mut acting);
@@ -227,6 +233,8 @@ impl Core<'_> {
 /// A core that carries out one step.
 struct Acting<'a, 'p> {
     core: &'a mut Core<'p>,
+    /// A hole ends at its level R.
+    returns_to_r: bool,
     out: &'a mut dyn FnMut(Event),
 }
 
@@ -298,7 +306,7 @@ impl Acting<'_, '_> {
         mut collected: Option<&mut Collected>,
     ) -> Result<bool, Alarm> {
         let mut moved = false;
-        let in_cycle = matches!(self.core.interpreter.in_force().motion, 90 | 92 | 94);
+        let in_cycle = matches!(self.core.interpreter.in_force().motion, 32 | 90 | 92 | 94);
         for event in events.drain(..) {
             let mut tool = None;
             if let (None, Event::Call(call)) = (&collected, &event) {
@@ -404,6 +412,25 @@ impl Acting<'_, '_> {
         Ok(Some(taken.words))
     }
 
+    /// Carries out the words of a block that is none of a drilling cycle.
+    fn plain_words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
+        if let Some((collected, Some(_))) = &mut self.core.contour {
+            collected.block(words.iter().map(|word| word.letter));
+        }
+        let taken = self.take_words(words)?;
+        let words = taken.as_deref().unwrap_or(words);
+        let home = words
+            .iter()
+            .any(|word| word.letter == b'G' && word.value().whole().is_some_and(goes_home));
+        self.without_nose(home, |acting| {
+            acting.act(|core, out| {
+                let numbers: Vec<_> = core.numbers(words).collect();
+                core.interpreter
+                    .words(line, numbers, &mut |event| out(event))
+            })
+        })
+    }
+
     /// Makes a move that was calculated. Its path is that of the tip.
     fn trace(&mut self, span: Span, to: Point, way: Way) -> Result<Done, Alarm> {
         self.without_nose(true, |acting| {
@@ -432,21 +459,18 @@ impl Machine for Acting<'_, '_> {
     }
 
     fn words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
-        if let Some((collected, Some(_))) = &mut self.core.contour {
-            collected.block(words.iter().map(|word| word.letter));
+        match self.drill(line, words)? {
+            Some(done) => Ok(done),
+            None => self.plain_words(line, words),
         }
-        let taken = self.take_words(words)?;
-        let words = taken.as_deref().unwrap_or(words);
-        let home = words
-            .iter()
-            .any(|word| word.letter == b'G' && word.value().whole().is_some_and(goes_home));
-        self.without_nose(home, |acting| {
-            acting.act(|core, out| {
-                let numbers: Vec<_> = core.numbers(words).collect();
-                core.interpreter
-                    .words(line, numbers, &mut |event| out(event))
-            })
-        })
+    }
+
+    fn wants_words(&self) -> bool {
+        self.core.drill.is_some()
+    }
+
+    fn returns_to_r(&mut self, returns: bool) {
+        self.returns_to_r = returns;
     }
 
     fn decimals(&self, letter: u8) -> u8 {

@@ -443,6 +443,17 @@ codes! {
         "end the program behind G30 P99, and start another", "第 {0} 行刚性攻丝返回之后，程序不知道刀具位置，不能移动",
         "请在 G30 P99 之后结束程序，再启动另一个程序";
 
+    // 4084: threads by strokes.
+    /// A stroke of G32 after another.
+    StrokeAfterStroke = 4084, "this stroke of G32 follows another without a move between them: both would have to be one thread, which is not built",
+        "lift the tool by G00 before it, or cut the thread by G92, G76 or G78 (a taper by R)",
+        "G32 之后紧接另一段 G32：两段应连成一条螺纹，目前不支持", "请在其前用 G00 退刀，或改用 G92、G76、G78 加工（锥度用 R）";
+
+    /// A hole without a depth, on the wrong side of R, or of more than 9999 pecks.
+    HoleDepth = 4085, "this hole has no depth below R, R is not between the initial level and the bottom, or Q makes more than 9999 pecks of it",
+        "write a bottom beyond R, R as its distance from the initial level with its sign, and Q in the unit of this control",
+        "该孔在 R 平面以下没有深度，或 R 不在初始平面与孔底之间，或 Q 使进给次数超过 9999", "请将孔底写在 R 平面之外，R 写为距初始平面的带符号距离，Q 使用本系统的单位";
+
     // 4086–4089: the program as a whole; `common` and `language`.
     /// A comment with DIALECT that names none.
     DialectUnknown = 4086, "there is no dialect of this name", "write one of gsk980td, gsk988, fanuc-a, fanuc-b, fanuc-c, haas: `(DIALECT FANUC-B)`",

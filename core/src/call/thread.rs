@@ -16,6 +16,8 @@ pub enum ThreadCycle {
     G78,
     /// G92: one pass at D. The height is zero, and the only pass is a finishing pass.
     G92,
+    /// G32: one stroke from A to D, where the tool stays. All words but D and the lead are zero.
+    G32,
 }
 
 /// How the tool enters from pass to pass (G78 P(r)).
@@ -57,7 +59,7 @@ pub struct RunOut {
     pub long_rest: Remainder,
 }
 
-/// A G76, G78 or G92 cycle with every word resolved.
+/// A G76, G78 or G92 cycle, or a stroke of G32, with every word resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct ThreadCall {
     /// Which cycle.
@@ -94,7 +96,7 @@ pub struct ThreadCall {
     pub run_out: Option<RunOut>,
     /// F or I.
     pub lead: At<Lead>,
-    /// Angle of the first start after the index (Q of G92).
+    /// Angle of the first start after the index (Q of G92 and G32).
     pub first_angle: StartAngle,
     /// Input increment as a length on the radius axis of depths (IS-C metric: 100 nm): depths are rounded to it.
     pub increment: Length,

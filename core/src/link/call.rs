@@ -76,6 +76,10 @@ macro_rules! variants {
     ($($type:ident { $first:ident $(, $other:ident)* })*) => {$(
         impl Take for $type {
             fn take(reader: &mut Reader<'_>) -> Self {
+                // A variant that is missing here does not compile.
+                let _ = |all: Self| match all {
+                    Self::$first $(| Self::$other)* => {}
+                };
                 reader.one_of(Self::$first, &[$(Self::$other),*])
             }
         }
@@ -83,7 +87,7 @@ macro_rules! variants {
 }
 
 variants! {
-    ThreadCycle { G76, G78, G92 }
+    ThreadCycle { G76, G78, G92, G32 }
     CutIn { Centre, Left, Right, RightCentre, LeftRight, Trailing }
     Infeed { Equal, Decreasing }
     TapCycle { G84, G88 }
@@ -102,6 +106,10 @@ macro_rules! choices {
         impl Take for $type {
             #[inline(never)]
             fn take(reader: &mut Reader<'_>) -> Self {
+                // A variant that is missing here does not compile.
+                let _ = |all: Self| match all {
+                    $(Self::$variant $(($($value),*))? => {})*
+                };
                 match u32::take(reader) {
                     $($number => Self::$variant $(($(choices!(reader $value)),*))?,)*
                     _ => {

@@ -7,7 +7,7 @@ use crate::alarm::{Alarm, Code, Span};
 use crate::call::Position;
 use crate::cycle::rigid_code;
 use crate::params::Params;
-use crate::text::{Block, Comment, Cursor, Ended, Event, Options, Plan};
+use crate::text::{Block, Comment, Cursor, Ended, Event, Known, MGroup, Options, Plan, m_code};
 use crate::units::Decimal;
 
 /// Reads a program line by line and resolves all of its modal meaning. Memory is bounded by one line.
@@ -230,6 +230,13 @@ impl<'p> Interpreter<'p> {
     pub const fn sequence_number(&self) -> Option<u32> {
         self.state.sequence
     }
+}
+
+/// True for an M code without a meaning of its own, which may clamp an axis.
+#[must_use]
+pub fn is_free_m(code: i64) -> bool {
+    // No code is that of rigid tapping here: a drilling block does not begin it.
+    (0..=999).contains(&code) && matches!(m_code(code, u8::MAX), Known::Yes(MGroup::Clamp)) && code != 29
 }
 
 /// The first line without the byte order mark some editors put there.

@@ -20,6 +20,6 @@ mod tests;
 pub use crate::text::{Dialect, Event, MAX_LINE, Options};
 pub use arc::ARC_END_TOLERANCE;
 pub use in_force::InForce;
-pub use interpreter::Interpreter;
+pub use interpreter::{Interpreter, is_free_m};
 pub use motion::Way;
 pub use reader::{Events, Reader};

@@ -44,6 +44,7 @@ impl State<'_> {
                 if !block.has_any(AXES) {
                     return Ok(());
                 }
+                self.stroked = false;
                 let span = word.map_or(block.lead(), |word| word.span);
                 let to = self.modal.target(block, self.modal.origin)?;
                 let kind = if self.motion == Motion::Rapid {
@@ -64,6 +65,19 @@ impl State<'_> {
                 let span = word.map_or(block.lead(), |word| word.span);
                 return self.turning.read(cycle, &self.modal, block, span, plan);
             }
+            Motion::Stroke => {
+                let span = word.map_or(block.lead(), |word| word.span);
+                self.refuse_surface(span)?;
+                let end = self.thread.read_stroke(&self.modal, block, span, plan)?;
+                if let Some(end) = end {
+                    if self.stroked {
+                        return Err(Alarm::new(Code::StrokeAfterStroke, span));
+                    }
+                    self.stroked = true;
+                    self.modal.position = end;
+                }
+                return Ok(());
+            }
             Motion::Thread => {
                 let span = word.map_or(block.lead(), |word| word.span);
                 self.refuse_surface(span)?;
@@ -75,6 +89,7 @@ impl State<'_> {
         if !block.has_any(PLANE_AXES.and(shape)) {
             return Ok(());
         }
+        self.stroked = false;
         let span = word.map_or(block.lead(), |word| word.span);
         self.arc(block, span, clockwise, plan)
     }
@@ -205,7 +220,7 @@ impl State<'_> {
     }
 
     /// G28, and G30 P2 to P4: rapid to the point that the words name, and from there to the reference point (1240 to 1243),
-    /// each with the named axes alone. A turning cycle or G92 in force ends.
+    /// each with the named axes alone. A turning cycle, G92 or G32 in force ends.
     pub(super) fn reference_point(
         &mut self,
         block: &Block,
@@ -246,7 +261,10 @@ impl State<'_> {
         if block.has_any(Letters::of(b"CH")) {
             end.c = Angle::from_udeg(coordinate(Axis::C));
         }
-        if matches!(self.motion, Motion::Turning(_) | Motion::Thread) {
+        if matches!(
+            self.motion,
+            Motion::Turning(_) | Motion::Thread | Motion::Stroke
+        ) {
             self.motion = Motion::Rapid;
         }
         self.modal.position = end;

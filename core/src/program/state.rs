@@ -30,6 +30,8 @@ pub(super) enum Motion {
     Turning(Turning),
     /// G92.
     Thread,
+    /// G32.
+    Stroke,
 }
 
 impl Motion {
@@ -41,6 +43,7 @@ impl Motion {
             Self::CounterClockwise => 3,
             Self::Turning(cycle) => cycle.code(),
             Self::Thread => 92,
+            Self::Stroke => 32,
         }
     }
 }
@@ -56,6 +59,8 @@ pub(super) struct State<'p> {
     pub(super) groove: GrooveWords,
     pub(super) turning: TurningWords,
     pub(super) tapping: Tapping,
+    /// The latest motion is a stroke of G32.
+    pub(super) stroked: bool,
     /// O of the program, if it has one.
     pub(super) program: Option<u32>,
     /// N of the latest block that has one.
@@ -79,6 +84,7 @@ impl<'p> State<'p> {
             groove: GrooveWords::new(),
             turning: TurningWords::default(),
             tapping: Tapping::new(),
+            stroked: false,
             program: None,
             sequence: None,
             ended: false,
@@ -130,6 +136,7 @@ impl<'p> State<'p> {
                 2 => Motion::Clockwise,
                 90 => Motion::Turning(Turning::Along),
                 92 => Motion::Thread,
+                32 => Motion::Stroke,
                 94 => Motion::Turning(Turning::Across),
                 _ => Motion::CounterClockwise,
             });
@@ -198,7 +205,7 @@ impl<'p> State<'p> {
         match block.g(Group::OneShot) {
             None => {
                 // F of a thread is its lead.
-                if self.motion != Motion::Thread
+                if !matches!(self.motion, Motion::Thread | Motion::Stroke)
                     && let Some(word) = block.find(b'F')
                 {
                     self.modal.set_feed(&word)?;
@@ -284,6 +291,7 @@ impl<'p> State<'p> {
         plan: &mut Plan,
     ) -> Result<(), Alarm> {
         let code = word.value.mantissa();
+        self.stroked = false;
         if code == 30 && is_tap_return(block) {
             self.tapping
                 .tap_return(&mut self.modal, block, word, plan)?;

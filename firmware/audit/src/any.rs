@@ -184,7 +184,7 @@ choices! {
     NmtState { NmtState::BootUp, NmtState::Stopped, NmtState::Operational } or NmtState::PreOperational;
     FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
     Aux { Aux::M(any()) } or Aux::T(any());
-    ThreadCycle { ThreadCycle::G76, ThreadCycle::G78 } or ThreadCycle::G92;
+    ThreadCycle { ThreadCycle::G76, ThreadCycle::G78, ThreadCycle::G92 } or ThreadCycle::G32;
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
     TapMode { TapMode::Rigid } or TapMode::Floating;

@@ -158,6 +158,7 @@ fn cycle_name(cycle: Cycle) -> &'static str {
         Cycle::G76 => "G76",
         Cycle::G78 => "G78",
         Cycle::G92 => "G92",
+        Cycle::G32 => "G32",
         Cycle::G84 => "G84",
         Cycle::G88 => "G88",
         Cycle::G30P99 => "G30P99",

@@ -58,7 +58,7 @@ impl<S: Source> Flow<S> {
         let kind = if skipped {
             Statement::Empty
         } else {
-            self.statement(&mut cursor)
+            self.statement(&mut cursor, machine)
         };
         if !skipped && matches!(kind, Statement::Plain | Statement::Empty) {
             if kind == Statement::Plain || head.sequence.is_some() {
@@ -81,7 +81,7 @@ impl<S: Source> Flow<S> {
             }
             // What else stands in the block is carried out like a block of its own.
             let from = here.in_line(cursor.at());
-            return match self.statement(&mut cursor) {
+            return match self.statement(&mut cursor, machine) {
                 Statement::Empty => Ok(()),
                 Statement::Plain => self.plain(from, text, piece, machine),
                 kind => self.macro_block(kind, here, cursor, None, machine),
@@ -92,9 +92,11 @@ impl<S: Source> Flow<S> {
     }
 
     /// What a block is. Only those of a GSK may be the core's as they are.
-    fn statement(&self, cursor: &mut Cursor<'_>) -> Statement {
+    fn statement(&self, cursor: &mut Cursor<'_>, machine: &impl Machine) -> Statement {
         match statement(cursor) {
-            Statement::Plain if !self.rules.control.is_gsk() => Statement::Words,
+            Statement::Plain if !self.rules.control.is_gsk() || machine.wants_words() => {
+                Statement::Words
+            }
             kind => kind,
         }
     }
@@ -194,6 +196,7 @@ impl<S: Source> Flow<S> {
         word::read(cursor, &mut scope, of, words)?;
         let now = machine.setting();
         self.translator.translate(words, now)?;
+        machine.returns_to_r(self.translator.returns_to_r());
         if let Some(blocks) = one_line::blocks(words, self.rules.control, now)? {
             for block in &blocks {
                 let done = machine.words(cursor.line(), block)?;

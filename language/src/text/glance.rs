@@ -83,7 +83,7 @@ fn is_special(text: &[u8]) -> bool {
         [b'G' | b'g', rest @ ..] => {
             let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
             rest.get(digits) == Some(&b'.')
-                || matches!(number(rest), 40..=42 | 65..=67 | 70..=76)
+                || matches!(number(rest), 40..=42 | 65..=67 | 70..=76 | 81..=83 | 85..=87 | 89)
         }
         [b'L' | b'l' | b'D' | b'd', ..] => true,
         [b'E' | b'e', b'N' | b'n', ..] => true,

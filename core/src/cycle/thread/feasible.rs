@@ -2,7 +2,7 @@
 
 use super::moves::{ThreadMoves, ThreadSummary};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::call::ThreadCall;
+use crate::call::{ThreadCall, ThreadCycle};
 use crate::feasible::{Gather, Pass, can_follow};
 use crate::motion::ThreadPlan;
 use crate::moves::{Move, MoveKind};
@@ -184,7 +184,8 @@ pub fn thread_findings(
             Arg::Length(before - figures.lead_in),
         ));
     }
-    if figures.falling > Length::ZERO {
+    // A stroke that ends where it stops has no run-out that could be longer.
+    if figures.falling > Length::ZERO && call.cycle != ThreadCycle::G32 {
         warnings.push(warn(
             Code::FallingLead,
             span,

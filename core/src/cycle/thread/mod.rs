@@ -1,7 +1,7 @@
-//! G76, G78 and G92: threads ([G76 sheet], [G78 sheet]).
+//! G76, G78, G92 and G32: threads ([G76 sheet], [G78 sheet]).
 //!
-//! `words` reads the words of G76 and G78, `single` those of G92, `run_out` what J and K leave out. `refuse` has what
-//! geometry forbids. `depth` divides the height into passes; `shape`, `slope` and `taper` place a pass; `helix` gives its
+//! `words` reads the words of G76 and G78, `single` those of G92, `stroke` those of G32, `run_out` what J and K leave out.
+//! `refuse` has what geometry forbids. `depth` divides the height into passes; `shape`, `slope` and `taper` place a pass; `helix` gives its
 //! start angle; `moves` makes the moves. `feasible` asks what the machine can do at the commanded speed.
 
 mod depth;
@@ -13,6 +13,7 @@ mod run_out;
 mod shape;
 mod single;
 mod slope;
+mod stroke;
 mod taper;
 mod words;
 

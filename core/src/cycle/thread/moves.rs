@@ -15,8 +15,8 @@ use crate::units::{Length, StartAngle};
 /// The moves of a G76 or G78 cycle.
 ///
 /// For each depth, for each start: rapid to the pass's start, synchronous run-in (E), stroke and run-out, rapid X to
-/// X_A, rapid Z to Z_A. Moves of zero length are left out. The last move ends at A. Nothing can fail after the
-/// value is made.
+/// X_A, rapid Z to Z_A. Moves of zero length are left out. The last move ends at A, that of G32 at D. Nothing can fail
+/// after the value is made.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadMoves {
     helix: Helix,
@@ -121,7 +121,7 @@ impl ThreadMoves {
     fn examine(&self, span: Span) -> Result<ThreadSummary, Alarm> {
         let mut room = Ok(());
         let summary = self.walk(|pass, corners| {
-            if room.is_ok() {
+            if room.is_ok() && !self.shape.stays {
                 room = self.shape.check_pass(pass.number, corners, span);
             }
         });
@@ -142,6 +142,7 @@ impl ThreadMoves {
                 ThreadCycle::G76 => Cycle::G76,
                 ThreadCycle::G78 => Cycle::G78,
                 ThreadCycle::G92 => Cycle::G92,
+                ThreadCycle::G32 => Cycle::G32,
             },
             pass: 0,
             start: 1,
@@ -183,6 +184,9 @@ impl ThreadMoves {
             },
             after_stroke: if shape.has_run_out() {
                 Step::RunOut
+            } else if shape.stays {
+                // There is no further pass.
+                Step::Approach
             } else {
                 Step::Retract
             },
@@ -234,7 +238,7 @@ impl ThreadMoves {
                 }
                 Step::Stroke => {
                     let leave = self.pass.leave;
-                    let last = self.after_stroke == Step::Retract;
+                    let last = self.after_stroke != Step::RunOut;
                     self.step = self.after_stroke;
                     return self.thread(leave, self.stroke, self.to_line, last);
                 }

@@ -14,6 +14,14 @@ pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> 
     in_range(span, |see| call.lengths(see))?;
     let start = &call.start;
     let stroke = call.end_z.value - start.z;
+    if call.cycle == ThreadCycle::G32 {
+        return if stroke == Length::ZERO && call.end_x.value == start.x {
+            let word = &call.end_z.span;
+            Err(blame(Code::ThreadWithoutLength, span, word, b'Z'))
+        } else {
+            Ok(())
+        };
+    }
     let travel = stroke.nm().unsigned_abs();
     if travel == 0 {
         let word = &call.end_z.span;

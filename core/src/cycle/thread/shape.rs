@@ -7,7 +7,7 @@
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
 use super::taper::{Taper, flip, quotient};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::call::{CutIn, RunOut, ThreadCall};
+use crate::call::{CutIn, RunOut, ThreadCall, ThreadCycle};
 use crate::moves::Stage;
 use crate::units::{Length, signed_product};
 
@@ -69,6 +69,8 @@ pub(crate) struct Shape {
     limit: i64,
     /// True where X is the long axis.
     pub(crate) long_x: bool,
+    /// One stroke from A to D, where the tool stays: G32.
+    pub(crate) stays: bool,
     tangent: HalfAngle,
     cut_in: CutIn,
     taper: Option<Taper>,
@@ -112,6 +114,7 @@ impl Shape {
             height: call.height.value.nm(),
             limit: (call.height.value - call.allowance.value).nm(),
             long_x,
+            stays: call.cycle == ThreadCycle::G32,
             tangent,
             cut_in: call.cut_in.value,
             taper: Taper::new(lean, travel, tangent),
@@ -145,6 +148,14 @@ impl Shape {
         }
     }
 
+    /// D.
+    const fn bottom(&self) -> Point {
+        Point {
+            out: 0,
+            along: self.travel,
+        }
+    }
+
     /// True where passes begin with a run-in.
     #[inline]
     pub(crate) const fn has_run_in(&self) -> bool {
@@ -160,6 +171,15 @@ impl Shape {
     /// The corners of a pass.
     #[inline]
     pub(crate) fn corners(&self, pass: &Pass) -> Corners {
+        if self.stays {
+            let (begin, end) = (self.home(), self.bottom());
+            return Corners {
+                begin,
+                line: begin,
+                leave: end,
+                end,
+            };
+        }
         let depth = pass.depth.nm();
         let u = self.shifted(pass);
         // The pass's own D.
@@ -349,6 +369,10 @@ impl Shape {
 
 /// True where X is the long axis.
 pub(crate) fn is_long_x(call: &ThreadCall) -> bool {
+    if call.cycle == ThreadCycle::G32 {
+        let (x, z) = (call.end_x.value - call.start.x, call.end_z.value - call.start.z);
+        return x.abs() > z.abs();
+    }
     (call.end_z.value - call.start.z).abs() <= call.taper.value.abs()
 }
 

@@ -1,0 +1,209 @@
+//! Drilling against move lists worked out by hand.
+
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::program::{Event, Options};
+use leadscrew_core::units::Length;
+
+use super::{Hole, Step};
+use crate::dialect::Control;
+use crate::flow::{Rules, Trouble};
+use crate::path::tests::moves_of;
+use crate::reader::Reader;
+use crate::variables::Kept;
+
+fn read_with(sets: &[(&str, i64)], control: Control, text: &str) -> (Vec<Event>, Option<Alarm>) {
+    let mut params = Params::slant_bed();
+    for (key, raw) in sets {
+        params.set(Entry::find_text(key).unwrap(), *raw).unwrap();
+    }
+    let rules = Rules {
+        control,
+        ..Rules::default()
+    };
+    let text = text.replace(';', "\n");
+    let (options, kept) = (Options::default(), Kept::default());
+    let mut reader = Reader::new(text.as_bytes(), &params, options, kept, rules);
+    let mut events = Vec::new();
+    while !reader.is_over() {
+        match reader.step(&mut |event| events.push(event)) {
+            Ok(()) => {}
+            Err(Trouble::Alarm(alarm)) => return (events, Some(alarm)),
+            Err(Trouble::Unreadable(error)) => panic!("{error}"),
+        }
+    }
+    (events, None)
+}
+
+#[track_caller]
+fn moves(sets: &[(&str, i64)], control: Control, text: &str) -> String {
+    let (events, alarm) = read_with(sets, control, text);
+    assert_eq!(alarm, None, "{text}");
+    moves_of(&events)
+}
+
+fn refused(control: Control, text: &str) -> u16 {
+    read_with(&[], control, text).1.expect(text).number()
+}
+
+#[test]
+fn pecks_of_a_face_hole() {
+    let text = "G98 G0 X0 Z5;G83 Z-12 R-3 Q5000 P500 F100;G80";
+    let shallow = "R0,5 R0,2 F0,-3 R0,-2 F0,-8 R0,-7 F0,-12 D R0,5";
+    assert_eq!(moves(&[], Control::FanucA, text), shallow);
+    assert_eq!(moves(&[], Control::Gsk980td, text), shallow);
+    let in_mm = text.replace("Q5000", "Q5.");
+    assert_eq!(moves(&[], Control::Gsk988, &in_mm), shallow);
+    assert_eq!(moves(&[("182.7", 1)], Control::Gsk980td, &in_mm), shallow);
+    // R of a Haas is a coordinate.
+    let haas = in_mm.replace("R-3", "R2.").replace("P500", "P500");
+    assert_eq!(moves(&[], Control::Haas, &haas), shallow);
+    let deep = [("5101.2", 1)];
+    assert_eq!(
+        moves(&deep, Control::FanucA, text),
+        "R0,5 R0,2 F0,-3 R0,2 R0,-2 F0,-8 R0,2 R0,-7 F0,-12 D R0,5"
+    );
+    // The clearance is not more than the depth so far.
+    let wide = [("5114", 8_000_000)];
+    let wide = moves(&wide, Control::FanucA, text);
+    assert_eq!(wide, "R0,5 R0,2 F0,-3 R0,2 F0,-8 R0,0 F0,-12 D R0,5");
+}
+
+#[test]
+fn holes_one_after_the_other() {
+    // What is not written again stays; the place alone asks for the next hole.
+    let text = "G98 G0 X40 Z5;G83 X40 C0 Z-5 R-3 F100;C90.;X20 K2;G80;X50";
+    assert_eq!(
+        moves(&[], Control::FanucA, text),
+        "R40,5 R40,5 R40,2 F40,-5 R40,5 R40,5 R40,2 F40,-5 R40,5 R20,5 R20,2 F20,-5 R20,5 R20,5 R20,2 F20,-5 R20,5 R50,5"
+    );
+    // The bottom as an increment counts from R; the code of motion goes on after G80.
+    let text = "G98 G0 X0 Z5;G1 Z4 F50;G83 W-7 R-2 F100;G80;Z3";
+    assert_eq!(
+        moves(&[], Control::FanucA, text),
+        "R0,5 F0,4 R0,2 F0,-5 R0,4 F0,3"
+    );
+    // A motion ends the cycle.
+    let text = "G98 G0 X0 Z5;G83 Z-5 R-3 F100;G0 X10;X20";
+    assert_eq!(
+        moves(&[], Control::FanucA, text),
+        "R0,5 R0,2 F0,-5 R0,5 R10,5 R20,5"
+    );
+}
+
+#[test]
+fn holes_from_the_side_and_clamps() {
+    let text = "G98 G0 X50 Z-10;G87 C45. X30 R-5 Q6000 F80 M77;G80";
+    assert_eq!(
+        moves(&[], Control::FanucA, text),
+        "R50,-10 R50,-10 M77 R40,-10 F30,-10 R50,-10 M78"
+    );
+    let text = "G98 G0 X50 Z-10;G87 U-10. R-5 F80;G80";
+    assert_eq!(
+        moves(&[], Control::FanucA, text),
+        "R50,-10 R40,-10 F30,-10 R50,-10"
+    );
+    // What ends the program comes after the hole.
+    let text = "G98 G0 X50 Z-10;G87 X30 R-5 F80 M9 M2;X10";
+    assert_eq!(
+        moves(&[], Control::FanucA, text),
+        "R50,-10 R40,-10 F30,-10 R50,-10 M9 M2"
+    );
+    // M29 begins rigid tapping, so M28 has no code after it that unclamps.
+    assert_eq!(
+        refused(Control::FanucA, "G98 G0 X50;G87 X30 R-5 F80 M28"),
+        4067
+    );
+}
+
+#[test]
+fn cycles_of_the_other_systems() {
+    let drilled = "R0,5 R0,2 F0,-5 ";
+    for (words, after) in [
+        ("G98 G81 Z-5 R-3", "R0,5"),
+        ("G99 G81 Z-5 R-3", "R0,2"),
+        ("G98 G82 Z-5 R-3 P100", "D R0,5"),
+        ("G98 G85 Z-5 R-3", "F0,2 R0,5"),
+        ("G99 G85 Z-5 R-3", "F0,2"),
+        ("G98 G89 Z-5 R-3 P100", "D F0,2 R0,5"),
+    ] {
+        let text = format!("G94 G0 X0 Z5;{words} F100;G80");
+        let found = moves(&[], Control::FanucB, &text);
+        assert_eq!(found, format!("{drilled}{after}"), "{words}");
+        assert_eq!(refused(Control::FanucA, &text.replace("G94", "G98")), 4018);
+    }
+    // With G99 the next hole begins at R, and R stays where it is.
+    let text = "G94 G0 X0 Z5;G99 G81 Z-5 R-3 F100;X10;G80";
+    assert_eq!(
+        moves(&[], Control::FanucB, text),
+        "R0,5 R0,2 F0,-5 R0,2 R10,2 F10,-5 R10,2"
+    );
+}
+
+#[test]
+fn what_is_refused() {
+    let refused = |text| refused(Control::FanucA, text);
+    assert_eq!(refused("G98 G0 X0 Z5;G83 R-3 F100 X1"), 4062);
+    assert_eq!(refused("G98 G0 X0 Z5;G83 Z2 R-3 F100"), 4085);
+    assert_eq!(refused("G98 G0 X0 Z5;G83 Z-5 R3 F100"), 4085);
+    assert_eq!(refused("G98 G0 X0 Z5;G83 Z-50 R-3 Q1 F100"), 4085);
+    assert_eq!(refused("G98 G0 X0 Z5;G83 Z-5 R-3"), 4034);
+    assert_eq!(refused("G98 G0 X0 Z5;G83 Z-5 R-3 I5 F100"), 4028);
+    assert_eq!(refused("G98 G0 X0 Z5;G83 Z-5 R-3 Q-5000 F100"), 4046);
+    assert_eq!(refused("G98 G0 X0 Z5;G83 G1 Z-5 R-3 F100"), 4065);
+}
+
+/// Any hole: the feed goes to the bottom in steps of at most a peck, a rapid never goes deeper than the feed has been, and
+/// the end is where it belongs.
+#[test]
+fn holes_by_chance() {
+    leadscrew_seed::volume(83, |seed| {
+        let mut chance = crate::figures::Chance::new(seed);
+        for _ in 0..leadscrew_seed::amount(20_000, 200_000) {
+            let nm = |value: f64| Length::from_nm(value as i64);
+            let sign = if chance.below(2) == 0 { 1 } else { -1 };
+            let depth = nm(chance.size(1e3, 1e8));
+            let rise = nm(chance.size(1.0, 1e7) - 1.0);
+            let hole = Hole {
+                initial: Length::from_nm(5_000_000) + rise.times(sign),
+                level: Length::from_nm(5_000_000),
+                bottom: Length::from_nm(5_000_000) - depth.times(sign),
+                peck: (chance.below(3) > 0).then(|| nm(chance.size(depth.nm() as f64 / 500.0 + 1.0, 1e8))),
+                deep: chance.below(2) == 0,
+                clearance: nm(chance.size(1e3, 1e7)),
+                dwell: chance.below(2) as u32 * 10,
+                feeds_out: chance.below(2) == 0,
+                ends_at_r: chance.below(2) == 0,
+            };
+            let below = |place: Length| (hole.level - place).times(sign);
+            let (mut at, mut reached, mut feeds, mut dwelt) = (hole.initial, Length::ZERO, 0, false);
+            let done: Result<(), ()> = hole.steps(|step| {
+                match step {
+                    Step::Rapid(to) => {
+                        assert!(below(to) <= reached, "{hole:?}");
+                        at = to;
+                    }
+                    Step::Feed(to) if below(to) > reached => {
+                        let peck = hole.peck.unwrap_or(depth);
+                        assert!(below(to) - reached <= peck && below(at) <= reached, "{hole:?}");
+                        (at, reached, feeds) = (to, below(to), feeds + 1);
+                    }
+                    Step::Feed(to) => {
+                        assert!(hole.feeds_out && to == hole.level && reached == depth, "{hole:?}");
+                        at = to;
+                    }
+                    Step::Dwell(_) => {
+                        assert_eq!(at, hole.bottom, "{hole:?}");
+                        dwelt = true;
+                    }
+                }
+                Ok(())
+            });
+            assert_eq!(done, Ok(()));
+            assert_eq!((reached, feeds), (depth, hole.pecks()), "{hole:?}");
+            assert_eq!(dwelt, hole.dwell > 0);
+            let end = if hole.ends_at_r { hole.level } else { hole.initial };
+            assert_eq!(at, end, "{hole:?}");
+        }
+    });
+}

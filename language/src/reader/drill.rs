@@ -1,0 +1,203 @@
+//! Drilling: words to a hole, and the hole to calls of the core.
+
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
+use leadscrew_core::call::{Aux, Call, CallKind, Position};
+use leadscrew_core::program::{Event, Way, is_free_m};
+use leadscrew_core::units::{Decimal, Length};
+
+use super::Acting;
+use crate::drilling::{Drill, Hole, Kind, Level, Parts, Step};
+use crate::flow::Done;
+use crate::plane::Point;
+use crate::word::{Given, Word};
+
+/// More pecks than any hole needs.
+const MOST_PECKS: u64 = 9_999;
+
+/// True for a code that ends a drilling cycle.
+fn ends(word: &Word) -> bool {
+    let code = word.value().whole();
+    word.letter == b'G' && matches!(code, Some(0..=3 | 32 | 74..=76 | 78 | 80 | 84 | 88 | 90 | 92 | 94))
+}
+
+impl Acting<'_, '_> {
+    /// Carries out a block of a drilling cycle; `None` where it is none.
+    pub(super) fn drill(&mut self, line: u32, words: &[Word]) -> Result<Option<Done>, Alarm> {
+        let control = self.core.control;
+        let begins = words
+            .iter()
+            .find_map(|word| Some((word, Kind::of(word, control)?)));
+        match begins {
+            Some((word, kind)) => {
+                if words.iter().any(ends) {
+                    let code = word.value().whole().unwrap_or(0);
+                    let code = u16::try_from(code).unwrap_or(0);
+                    return Err(word.alarm(Code::TapCycleKept).with([Arg::GCode(code * 10)]));
+                }
+                let level = match &self.core.drill {
+                    Some((drill, initial)) if drill.kind.axis() == kind.axis() => *initial,
+                    _ => self.core.interpreter.position(),
+                };
+                self.core.drill = Some((Drill::new(kind, word.span), level));
+            }
+            None if words.iter().any(ends) => self.core.drill = None,
+            None => {}
+        }
+        let Some((mut drill, initial)) = self.core.drill else {
+            return Ok(None);
+        };
+        if self.core.contour.is_some() {
+            return Err(Alarm::new(Code::ContourWord, drill.code).word(b'G'));
+        }
+        let (unit, counts) = (self.core.unit(), self.core.counts());
+        let parts = drill.read(words, control, unit, counts, is_free_m)?;
+        self.core.drill = Some((drill, initial));
+        let mut done = Done::default();
+        if !parts.before.is_empty() {
+            done = self.plain_words(line, &parts.before)?;
+        }
+        if parts.drills {
+            self.holes(line, &drill, initial, &parts)?;
+            done.moved = true;
+        }
+        if !parts.after.is_empty() {
+            let moved = done.moved;
+            done = self.plain_words(line, &parts.after)?;
+            done.moved |= moved;
+        }
+        Ok(Some(done))
+    }
+
+    /// Drills the holes of a block.
+    fn holes(
+        &mut self,
+        line: u32,
+        drill: &Drill,
+        initial: Position,
+        parts: &Parts,
+    ) -> Result<(), Alarm> {
+        for _ in 0..parts.holes {
+            if !parts.place.is_empty() {
+                let mut words = vec![code(0, drill.code)];
+                words.extend(&parts.place);
+                // The motion in force stays that of the program.
+                let motion = i64::from(self.core.interpreter.in_force().motion);
+                self.plain_words(line, &words)?;
+                self.plain_words(line, &[code(motion, drill.code)])?;
+            }
+            let hole = self.hole(line, drill, initial)?;
+            if let Some(clamp) = &parts.clamp {
+                self.clamp(clamp, 0)?;
+            }
+            let span = drill.code;
+            let side = drill.kind == Kind::Side;
+            hole.steps(|step| {
+                let at = self.core.interpreter.position();
+                let to = |to: Length| {
+                    if side {
+                        Point { x: to, z: at.z }
+                    } else {
+                        Point { x: at.x, z: to }
+                    }
+                };
+                match step {
+                    Step::Rapid(place) => self.trace(span, to(place), Way::Rapid).map(drop),
+                    Step::Feed(place) => self.trace(span, to(place), Way::Line).map(drop),
+                    Step::Dwell(ms) => {
+                        let words = [code(4, span), word(b'P', i64::from(ms), span)];
+                        self.plain_words(line, &words).map(drop)
+                    }
+                }
+            })?;
+            if let Some(clamp) = &parts.clamp {
+                self.clamp(clamp, 1)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The hole at the present place.
+    fn hole(&mut self, line: u32, drill: &Drill, initial: Position) -> Result<Hole, Alarm> {
+        let at = self.core.interpreter.position();
+        let side = drill.kind == Kind::Side;
+        let of = |position: Position| if side { position.x } else { position.z };
+        let [letter, _] = drill.kind.axis();
+        let outside = of(at);
+        let level = match drill.level {
+            None => of(initial),
+            Some(Level::Away(away)) => of(initial) + away,
+            Some(Level::Coordinate(word)) => of(self.probe(line, letter, &word)?),
+        };
+        let bottom = match drill.bottom {
+            None => {
+                let args = [Arg::GCode(830), Arg::Letter(letter)];
+                return Err(Alarm::new(Code::TapBottomMissing, drill.code).with(args));
+            }
+            Some(Level::Away(away)) => level + away,
+            Some(Level::Coordinate(word)) => of(self.probe(line, letter, &word)?),
+        };
+        let hole = Hole {
+            initial: outside,
+            level,
+            bottom,
+            peck: drill.peck.map(|peck| peck.value),
+            deep: self.core.params.drill_deep_peck(),
+            clearance: self.core.params.drill_clearance(),
+            dwell: drill.dwell,
+            feeds_out: drill.kind.feeds_out(),
+            ends_at_r: self.returns_to_r,
+        };
+        let beyond = |a: Length, b: Length| (bottom - level).signum() * (a - b).signum() < 0;
+        if bottom == level || beyond(level, of(initial)) || hole.pecks() > MOST_PECKS {
+            return Err(Alarm::new(Code::HoleDepth, drill.code));
+        }
+        Ok(hole)
+    }
+
+    /// Where a coordinate would take the tool.
+    fn probe(&self, line: u32, letter: u8, coordinate: &Word) -> Result<Position, Alarm> {
+        let mut probe = self.core.interpreter.clone();
+        let place = Word {
+            letter,
+            ..*coordinate
+        };
+        let words = [code(0, coordinate.span), place];
+        let numbers: Vec<_> = self.core.numbers(&words).collect();
+        probe.words(line, numbers, &mut |_| {})?;
+        Ok(probe.position())
+    }
+
+    /// The code that clamps the C axis, or the one after it, which unclamps.
+    fn clamp(&mut self, word: &Word, further: u16) -> Result<(), Alarm> {
+        let number = word.count(0, 998)?;
+        let number = u16::try_from(number).unwrap_or(u16::MAX);
+        if !is_free_m(i64::from(number) + 1) {
+            let codes = [number, number + 1].map(|code| Arg::Int(i64::from(code)));
+            return Err(word.alarm(Code::TapClampCode).with(codes));
+        }
+        let call = Call {
+            span: word.span,
+            origin: self.core.interpreter.in_force().origin,
+            kind: CallKind::Aux(Aux::M(number + further)),
+        };
+        self.act(|_, out| {
+            out(Event::Call(call));
+            Ok(())
+        })
+        .map(drop)
+    }
+}
+
+/// A G word that the program does not have.
+fn code(number: i64, span: Span) -> Word {
+    word(b'G', number, span)
+}
+
+fn word(letter: u8, number: i64, span: Span) -> Word {
+    Word {
+        letter,
+        given: Given::Written(Decimal::new(number, 0)),
+        variable: None,
+        span,
+    }
+}
