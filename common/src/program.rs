@@ -69,7 +69,8 @@ impl FirstLines {
                     column: column(from),
                     end: column(to),
                 };
-                self.alarm.get_or_insert(Alarm::new(Code::DialectUnknown, span));
+                self.alarm
+                    .get_or_insert(Alarm::new(Code::DialectUnknown, span));
             }
             Named::Nothing => {}
         }

@@ -17,7 +17,8 @@ use crate::hole::Hole;
 use crate::json::Json;
 use crate::length;
 use crate::number;
-use crate::program::Program;
+use crate::plausible::Plausible;
+use crate::program::{Program, may_be_allowed};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::words::{Both, both};
@@ -126,7 +127,13 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         at: options.position,
         hole: Hole::new(setup.tap),
         spindle: Spindle::at_start(setup),
-        allowed: setup.allow.iter().chain(program.allowed()).copied().collect(),
+        plausible: Plausible::default(),
+        allowed: setup
+            .allow
+            .iter()
+            .chain(program.allowed())
+            .copied()
+            .collect(),
     };
     loop {
         let next = program
@@ -134,7 +141,11 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
             .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
         let inch = program.is_inch();
         match next {
-            None => return Ok(checker.report),
+            None => {
+                let mut plausible = std::mem::take(&mut checker.plausible);
+                plausible.end(&mut |alarm| checker.doubt(&alarm, inch));
+                return Ok(checker.report);
+            }
             Some(Ok(Event::Warning(warning))) => checker.tell(&warning, inch),
             Some(Ok(Event::Call(call))) => checker.call(&call, inch),
             Some(Err(alarm)) => checker.tell(&alarm, inch),
@@ -153,6 +164,7 @@ struct Checker<'a> {
     spindle: Spindle,
     /// Numbers that machine file or program silence.
     allowed: Vec<u16>,
+    plausible: Plausible,
 }
 
 /// Whether the work piece, or the tool, turns during a feed.
@@ -231,6 +243,23 @@ impl Checker<'_> {
     }
 
     fn call(&mut self, call: &Call, inch: bool) {
+        let at = self.at;
+        self.check_call(call, inch);
+        let mut plausible = std::mem::take(&mut self.plausible);
+        plausible.call(call, at, &mut |alarm| self.doubt(&alarm, inch));
+        self.plausible = plausible;
+    }
+
+    /// Tells what looks wrong, but not on a line that is refused anyway.
+    fn doubt(&mut self, alarm: &Alarm, inch: bool) {
+        let refused =
+            |known: &Diagnostic| known.line == alarm.span.line && !may_be_allowed(known.number);
+        if !self.report.alarms.iter().any(refused) {
+            self.tell(alarm, inch);
+        }
+    }
+
+    fn check_call(&mut self, call: &Call, inch: bool) {
         let moves = match cycle::expand(call, &self.setup.context(self.at, &self.hole)) {
             Ok(moves) => moves,
             Err(alarm) => {

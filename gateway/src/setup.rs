@@ -11,9 +11,9 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Options;
-use leadscrew_language::dialect::Control;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
+use leadscrew_language::dialect::Control;
 
 use crate::beside;
 use crate::cli::{DialectName, Drive, Global};
@@ -63,11 +63,7 @@ pub struct Setup<'a> {
 impl<'a> Setup<'a> {
     /// Loads the files and values of the options and reports their mistakes. They are laid over the set of the board, real
     /// or simulated.
-    pub fn new(
-        global: &'a Global,
-        program: Option<&Path>,
-        answer: Answer<'_>,
-    ) -> Outcome<Self> {
+    pub fn new(global: &'a Global, program: Option<&Path>, answer: Answer<'_>) -> Outcome<Self> {
         Self::of(global, board::base(global, answer)?, None, program, answer)
     }
 
@@ -118,7 +114,8 @@ impl<'a> Setup<'a> {
             // The board's own set counts.
             (Some(file), Some(board)) => {
                 let over = Some(board.clone());
-                let loaded = params::load_over(over, std::slice::from_ref(file), &[], global.lang())?;
+                let loaded =
+                    params::load_over(over, std::slice::from_ref(file), &[], global.lang())?;
                 let loaded = told_good_in(global, loaded, answer)?;
                 if identity(&loaded.params) != identity(board) {
                     differs(file, global.lang());
@@ -203,6 +200,7 @@ impl<'a> Setup<'a> {
             optional_stop: self.global.optional_stop,
             dry_run: self.global.dry_run,
             position: self.start(),
+            passes_machine_codes: self.global.bus == Address::Sim,
             ..Options::default()
         }
     }

@@ -80,7 +80,7 @@ impl<'p, S: Source> Reader<'p, S> {
                 params,
                 control,
                 tool: None,
-                first: FirstLines::default(),
+                first: FirstLines::new(control),
                 contour: None,
                 drill: None,
                 path: Path::new(),
@@ -501,8 +501,7 @@ impl Machine for Acting<'_, '_> {
         let at = core.interpreter.position();
         let start = Point { x: at.x, z: at.z };
         let (unit, first, params) = (core.unit(), core.first, core.params);
-        let control = core.control;
-        let collected = Collected::new(cycle, words, &first, unit, params, control, span, start)?;
+        let collected = Collected::new(cycle, words, &first, unit, params, span, start)?;
         let own = (!collected.is_finish()).then(|| core.interpreter.clone());
         core.contour = Some((collected, own));
         Ok(())

@@ -7,8 +7,8 @@ use leadscrew_core::alarm::{Alarm, Arg, At, Code, Span};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Diameter, Length};
 
-use crate::dialect::Control;
 use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats, Roughing};
+use crate::dialect::Control;
 use crate::plane::{Element, Point};
 use crate::word::Word;
 
@@ -81,9 +81,10 @@ impl Unit {
     }
 }
 
-/// What the first lines of the cycles have said.
+/// What the first lines of the cycles have said, and how their control cuts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FirstLines {
+    control: Control,
     /// Those of G71 and of G72.
     rough: [RoughLine; 2],
     pattern: PatternLine,
@@ -145,6 +146,15 @@ const fn index(along: Along) -> usize {
 }
 
 impl FirstLines {
+    /// Nothing has been said to this control.
+    #[must_use]
+    pub fn new(control: Control) -> Self {
+        Self {
+            control,
+            ..Self::default()
+        }
+    }
+
     /// Takes in a first line: a block of the cycle without P and Q.
     ///
     /// # Errors
@@ -182,10 +192,9 @@ impl FirstLines {
         block: &[Word],
         unit: Unit,
         params: &Params,
-        control: Control,
         span: Span,
     ) -> Result<Figures, Alarm> {
-        let retract_feeds = control.retract_feeds();
+        let retract_feeds = self.control.retract_feeds();
         let words = Words(block);
         let given = |length| At::new(length, Span::default());
         let allowance = Allowance {
@@ -202,7 +211,7 @@ impl FirstLines {
                 let RoughLine { depth, retract } = self.rough[index(along)];
                 let depth = if one_line {
                     // R1 of a Haas says that the contour has pockets, which its first block tells.
-                    if control != Control::Haas {
+                    if self.control != Control::Haas {
                         words.without(b"R")?;
                     }
                     words.length(b'D', unit)?
@@ -276,12 +285,11 @@ impl Collected {
         first: &FirstLines,
         unit: Unit,
         params: &Params,
-        control: Control,
         span: Span,
         start: Point,
     ) -> Result<Self, Alarm> {
         Ok(Self {
-            figures: first.figures(cycle, words, unit, params, control, span)?,
+            figures: first.figures(cycle, words, unit, params, span)?,
             start,
             axes: None,
             elements: Vec::new(),

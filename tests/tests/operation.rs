@@ -15,12 +15,7 @@ use leadscrew_tests::params::with;
 const THREAD: &str = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 X76 Z-30 P2000 Q1500 F3\nG0 X100 Z50\nM30\n";
 
 fn plain(text: &str) -> Ran {
-    run(
-        text,
-        &Params::sheets(),
-        &PlantOptions::default(),
-        |_, _| {},
-    )
+    run(text, &Params::sheets(), &PlantOptions::default(), |_, _| {})
 }
 
 fn ends_at(ran: &Ran, x: i64, z: i64) {

@@ -25,8 +25,8 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use super::{Loader, drives, mistake, schema};
 use crate::diagnostics::{self, Diagnostic, Place};
-use crate::program::may_be_allowed;
 use crate::failure::{Doing, Failure, Outcome, unreadable};
+use crate::program::may_be_allowed;
 use crate::source::SourceFile;
 use crate::words::both;
 

@@ -971,6 +971,24 @@ codes! {
     DriveCobId = 4458, "drive {0}: {1} would be {2}, and the board uses {3}", "write {3}, or leave it out: a drive has it by itself; its number is 9015, or 9016 for spindle 1",
         "驱动器 {0}：{1} 为 {2}，而控制板使用 {3}", "请写 {3}，或不写（驱动器默认即为此值）；节点号由 9015 给出，1 号主轴为 9016";
 
+    // -- 4800–4811: what a program hardly means; a number may be allowed -----------------------------------------------
+    /// A thread of a height that its pitch hardly has; {0} height, {1} pitch, {2} their ratio.
+    ThreadHeightOdd = 4800, "a height of {0} on a pitch of {1} is {2} of it, and threads have 0.15 to 1.2",
+        "correct P or F: without a point P may count increments (0.001 mm, or 0.0001 mm with parameter 1004.1 = 1; millimetres with 182.7 = 1); write L for further starts; `(ALLOW 4800)` in the program if it is meant",
+        "牙高 {0}、螺距 {1}，比值 {2}，而螺纹一般为 0.15 至 1.2", "请修改 P 或 F：不带小数点的 P 可能以最小增量计（0.001 mm；1004.1 = 1 时 0.0001 mm；182.7 = 1 时为 mm）；多头螺纹请写 L；确实如此请在程序中写 `(ALLOW 4800)`";
+    /// A first pass deeper than the thread; {0} its depth, {1} the height.
+    FirstPassAboveHeight = 4801, "the first pass is {0} deep, and the thread {1}", "write a Q smaller than P, both in the same unit; `(ALLOW 4801)` if it is meant",
+        "第一刀切深 {0}，而牙高只有 {1}", "请写小于 P 的 Q，且单位相同；确实如此请写 `(ALLOW 4801)`";
+    /// Hundreds of pecks; {0} pecks, {1} columns, {2} depth, {3} peck.
+    PecksMany = 4802, "{0} pecks in each of {1} columns: {2} deep by {3}", "write P and Q in the unit of this control (increments or millimetres: 182.7); `(ALLOW 4802)` if it is meant",
+        "每列 {0} 次进给，共 {1} 列：深 {2}，每次 {3}", "请按本系统的单位写 P、Q（增量或 mm：182.7）；确实如此请写 `(ALLOW 4802)`";
+    /// A feed that makes sense in the other of G98 and G99 alone; {0} the feed, {1} S.
+    FeedOfOtherMode = 4803, "F {0} at {1} turns a minute makes sense in the other of G98 and G99 alone", "write G98 (per minute) or G99 (per turn) before it, or another F; `(ALLOW 4803)` if it is meant",
+        "主轴 {1} r/min 时 F {0} 只在 G98/G99 的另一方式下才合理", "请在前面写 G98（每分）或 G99（每转），或修改 F；确实如此请写 `(ALLOW 4803)`";
+    /// C moves with another axis while the spindle turns.
+    TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
+        "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
+
     // -- 4850–4859 program flow: `language` ------------------------------------------------------------------------------
     /// A loop that goes on for ever; {0} how many statements it may have without a motion.
     RunawayLoop = 4850, "this loop has carried out {0} statements without a motion", "correct the condition that ends it",
@@ -1024,6 +1042,9 @@ codes! {
     /// The extraction override asks for more than the tap may; {0} asked, {1} the limit.
     TapExtractionLimited = 4902, "the retract at {0} is cut down to {1} rpm (parameters 5241 and 3772)", "write a smaller J, or lower 5211",
         "退刀转速 {0} 被限制为 {1} rpm（参数 5241、3772）", "请减小 J，或减小 5211";
+    /// An M code of the machine in a simulation; {0} its number.
+    MachineCodePassed = 4903, "M{0} switches something of a machine that is not simulated", "nothing needs to be done here; a board refuses it (4019)",
+        "M{0} 控制的装置不在仿真范围内", "此处无需处理；控制板会拒绝该代码（4019）";
     /// J in ordinary tapping.
     TapExtractionNotRigid = 4909, "J has no effect in ordinary tapping: the tap comes out at S", "leave J out, or tap in rigid mode",
         "普通攻丝中 J 不起作用：退刀转速为 S", "请省略 J，或使用刚性攻丝";
@@ -1078,10 +1099,19 @@ codes! {
         "write an R further out, or a smaller S", "R 平面应距工件至少 {0}，否则浮动夹头需补偿至多 {1}", "请加大 R 平面距离或减小 S";
 
     // -- 4980–4999 warnings: what a program hardly means ---------------------------------------------------------------
+    /// A first pass that cuts next to nothing; {0} its depth, {1} the height.
+    FirstPassTiny = 4981, "the first pass is {0} deep, of a thread of {1}", "is Q in the unit of this control? `(ALLOW 4981)` if it is meant",
+        "第一刀切深仅 {0}，牙高 {1}", "Q 的单位是否正确？确实如此请写 `(ALLOW 4981)`";
+    /// A peck far beyond the depth; {0} peck, {1} depth.
+    PeckBeyondDepth = 4982, "a peck of {0} is beyond the depth of {1}: there is one plunge and no peck", "is it in the unit of this control (increments or millimetres: 182.7)? `(ALLOW 4982)` if it is meant",
+        "每次进给 {0} 超过深度 {1}：将一次切到底", "单位是否正确（增量或 mm：182.7）？确实如此请写 `(ALLOW 4982)`";
     /// A feed per minute, or a groove, with a spindle that nothing has started.
     CutStanding = 4984, "this feeds with the spindle standing: no M03 or M04 with S is in force here",
         "start the spindle before this block: M03 or M04 with S; where the tool cuts nothing, nothing needs to be done",
         "主轴静止时进行切削进给：此处没有生效的 M03 或 M04 加 S", "请在此程序段之前用 M03 或 M04 加 S 启动主轴；若刀具未切削则无需处理";
+    /// A lead that threads hardly have; {0} it.
+    LeadOdd = 4985, "a pitch of {0} is none that threads have (0.05 to 50 mm)", "is F the lead, and not a feed? `(ALLOW 4985)` if it is meant",
+        "螺距 {0} 不在一般螺纹范围内（0.05 至 50 mm）", "F 是导程而非进给速度吗？确实如此请写 `(ALLOW 4985)`";
 
     // -- 4992–4999 warnings: `language` -----------------------------------------------------------------------------------
     /// M99 in the main program.

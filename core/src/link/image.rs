@@ -301,10 +301,7 @@ mod tests {
 
     #[test]
     fn the_identity_tells_sets_apart() {
-        assert_eq!(
-            identity(&Params::sheets()),
-            identity(&Params::sheets())
-        );
+        assert_eq!(identity(&Params::sheets()), identity(&Params::sheets()));
         assert_ne!(identity(&Params::sheets()), identity(&changed()));
         let bytes = image(&changed());
         assert_eq!(bytes[bytes.len() - 4..], identity(&changed()).to_le_bytes());

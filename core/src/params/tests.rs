@@ -87,9 +87,7 @@ fn every_number_of_the_sheets_is_there_with_its_default_and_nothing_else() {
     }
     // No sheet prints the numbers of the contour cycles and of drilling, nor that of the corners.
     let elsewhere = |number| matches!(number, 181 | 5101 | 5114 | 5132..=5137);
-    let sheets = |e: &&Entry| {
-        (e.no < 1000 || (5000..6000).contains(&e.no)) && !elsewhere(e.no)
-    };
+    let sheets = |e: &&Entry| (e.no < 1000 || (5000..6000).contains(&e.no)) && !elsewhere(e.no);
     for entry in Entry::all().iter().filter(sheets) {
         assert!(known.contains(entry.to_string().as_str()), "{entry}");
     }

@@ -236,7 +236,9 @@ impl<'p> Interpreter<'p> {
 #[must_use]
 pub fn is_free_m(code: i64) -> bool {
     // No code is that of rigid tapping here: a drilling block does not begin it.
-    (0..=999).contains(&code) && matches!(m_code(code, u8::MAX), Known::Yes(MGroup::Clamp)) && code != 29
+    (0..=999).contains(&code)
+        && matches!(m_code(code, u8::MAX), Known::Yes(MGroup::Clamp))
+        && code != 29
 }
 
 /// The first line without the byte order mark some editors put there.

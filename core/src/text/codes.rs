@@ -97,6 +97,12 @@ pub(crate) const fn g_code(code: i64) -> Known<Group> {
     })
 }
 
+/// True for the M codes that lathes of the family have for their chuck, tailstock, turret, gears, conveyor, doors and air.
+#[inline]
+pub(crate) const fn is_machine_code(code: i64) -> bool {
+    matches!(code, 6 | 7 | 10..=23 | 31..=33 | 36..=69 | 78 | 79 | 85 | 86 | 88 | 89)
+}
+
 /// What `M<code>` is where `rigid` is the code of rigid tapping. A code with a meaning of its own keeps it.
 #[inline]
 pub(crate) const fn m_code(code: i64, rigid: u8) -> Known<MGroup> {

@@ -16,7 +16,7 @@ mod plan;
 mod scale;
 
 pub(crate) use block::{Block, Letters, Word, g_arg};
-pub(crate) use codes::{Group, Known, MGroup, m_code};
+pub(crate) use codes::{Group, Known, MGroup, is_machine_code, m_code};
 pub(crate) use lexer::{Comment, Cursor, Ended};
 pub(crate) use modal::{AXES, Modal, ModalFeed, PLANE_AXES, out_of_range};
 pub(crate) use plan::Plan;

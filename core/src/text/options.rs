@@ -27,6 +27,8 @@ pub struct Options {
     pub per_turn: bool,
     /// S of G50 limits the speed under G97, too.
     pub limits_every_speed: bool,
+    /// M codes that switch something of a machine which is not there are passed over with a warning: a simulation does it.
+    pub passes_machine_codes: bool,
     /// Where the machine stands before the first block.
     pub position: Position,
 }

@@ -137,7 +137,7 @@ records! {
     TapRecord { sequence in_hole hole position angle }
     ThreadMove { lead pass_angle angle_udeg long_x last rpm }
     EncoderSample { count edge_age_ns index }
-    Options { dialect skip optional_stop dry_run per_turn limits_every_speed position }
+    Options { dialect skip optional_stop dry_run per_turn limits_every_speed passes_machine_codes position }
     DriveCommand { control target }
     DriveStatus { status actual }
     SpindleCommand { mode velocity }

@@ -31,7 +31,10 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Expand(args) => {
             let jsonl = args.format == Some(Format::Jsonl);
             let program = Some(&*args.program);
-            expand::run(&Setup::new(&cli.global, program, Answer::Moves { jsonl })?, args)
+            expand::run(
+                &Setup::new(&cli.global, program, Answer::Moves { jsonl })?,
+                args,
+            )
         }
         Command::Simulate(args) => {
             let program = SourceFile::new(&args.program);
@@ -51,9 +54,10 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Run(args) => run::run(&cli.global, args),
         Command::Status if is_real(cli) => board::status(&cli.global),
         Command::Status => status::run(&cli.global),
-        Command::Record(args) if is_real(cli) => {
-            record::run(&Setup::over(&cli.global, None, None, Answer::Parameters)?, args)
-        }
+        Command::Record(args) if is_real(cli) => record::run(
+            &Setup::over(&cli.global, None, None, Answer::Parameters)?,
+            args,
+        ),
         Command::Retract { speed, discard } => retract::retract(
             &cli.global,
             retract::Wish {

@@ -374,8 +374,7 @@ mod tests {
         ] {
             second.set(Entry::find_text(key).unwrap(), raw).unwrap();
         }
-        let mut table =
-            Table::new(Vec::new(), &[Params::sheets(), second], NodeId::BOARD).unwrap();
+        let mut table = Table::new(Vec::new(), &[Params::sheets(), second], NodeId::BOARD).unwrap();
         let mut sync = SyncProducer::new();
         let target = |target, node| {
             let command = DriveCommand {

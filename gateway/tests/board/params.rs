@@ -65,7 +65,9 @@ fn a_file_goes_to_board_and_drives_and_comes_back() {
     let taken = std::fs::read_to_string(&other).unwrap();
     let taken: String = taken
         .split_inclusive('\n')
-        .filter(|line| !line.starts_with("gateway_silence_ms") && !line.starts_with("increment_is_c"))
+        .filter(|line| {
+            !line.starts_with("gateway_silence_ms") && !line.starts_with("increment_is_c")
+        })
         .collect();
     assert_eq!(taken, expected);
     // Drives alone: the machine is ready again afterwards.

@@ -158,7 +158,10 @@ fn a_second_one_does_not_wait() {
 fn what_comes_out_of_a_pipe_is_run_as_it_was_checked() {
     let text = std::fs::read(root().join("examples/shaft.nc")).unwrap();
     let from_file = leadscrew(&["run", "examples/shaft.nc"]);
-    let mut child = listening(&["run", "/dev/stdin", "--params", "examples/leadscrew.toml"], Stdio::piped());
+    let mut child = listening(
+        &["run", "/dev/stdin", "--params", "examples/leadscrew.toml"],
+        Stdio::piped(),
+    );
     child.stdin.take().unwrap().write_all(&text).unwrap();
     let output = child.wait_with_output().unwrap();
     let same = stdout(&from_file).replace("examples/shaft.nc", "/dev/stdin");

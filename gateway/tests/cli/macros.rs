@@ -54,7 +54,9 @@ fn the_programs_of_the_shop_are_checked_simulated_and_run() {
 fn the_golden_copies_are_the_programs_of_the_shop() {
     let read = |path: String| std::fs::read_to_string(root().join(path)).unwrap();
     for program in shop() {
-        let name = program.trim_start_matches("examples/shop/").trim_end_matches(".nc");
+        let name = program
+            .trim_start_matches("examples/shop/")
+            .trim_end_matches(".nc");
         assert_eq!(
             read("examples/shop/leadscrew.toml".into()),
             read(format!("tests/golden/expand/shop-{name}/leadscrew.toml"))

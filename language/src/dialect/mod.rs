@@ -9,9 +9,9 @@
 mod codes;
 mod name;
 pub mod one_line;
-mod translator;
 #[cfg(test)]
 mod tests;
+mod translator;
 
 use leadscrew_core::program::Dialect;
 

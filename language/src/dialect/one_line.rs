@@ -6,8 +6,8 @@
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::units::Decimal;
 
-use super::translator::{Setting, has_code};
 use super::Control;
+use super::translator::{Setting, has_code};
 use crate::value::Value;
 use crate::word::{Given, Word};
 
@@ -75,7 +75,9 @@ fn times(word: &Word, factor: i64, decimals: u8) -> Result<Given, Alarm> {
             let beyond = |_| word.alarm(Code::DigitBeyondIncrement).with(step);
             let count = number.scaled(decimals).map_err(beyond)?;
             let count = count.saturating_mul(factor);
-            Ok(Given::Written(Decimal::parse(count.to_string().as_bytes()).0))
+            Ok(Given::Written(
+                Decimal::parse(count.to_string().as_bytes()).0,
+            ))
         }
         Given::Written(number) if factor == 1 => Ok(Given::Written(number)),
         _ => Ok(match word.value() {
@@ -84,9 +86,7 @@ fn times(word: &Word, factor: i64, decimals: u8) -> Result<Given, Alarm> {
                 let steps = libm::pow(10.0, f64::from(decimals));
                 Given::Calculated(Value::Number(number * factor as f64 * steps))
             }
-            Value::Increments(count) => {
-                Given::Calculated(Value::Increments(count * factor as f64))
-            }
+            Value::Increments(count) => Given::Calculated(Value::Increments(count * factor as f64)),
         }),
     }
 }
@@ -124,7 +124,11 @@ fn thread(words: &[Word]) -> Result<[Vec<Word>; 2], Alarm> {
         span: code.span,
     };
     let cycle = made(b'G', "78");
-    let mut first: Vec<Word> = words.iter().filter(|word| word.letter == b'N').copied().collect();
+    let mut first: Vec<Word> = words
+        .iter()
+        .filter(|word| word.letter == b'N')
+        .copied()
+        .collect();
     first.extend([
         cycle,
         made(b'P', &format!("01{way:02}{angle:02}")),

@@ -104,7 +104,10 @@ fn system_b_is_system_a_with_other_codes() {
         "G92 X100 Z50;G92 S2000;G96 S150 M3;G0 X50 Z0",
         "G50 X100 Z50;G50 S2000;G96 S150 M3;G0 X50 Z0",
     );
-    same("G94 F100;G1 X10;G95 F0.2;Z-5", "G98 F100;G1 X10;G99 F0.2;Z-5");
+    same(
+        "G94 F100;G1 X10;G95 F0.2;Z-5",
+        "G98 F100;G1 X10;G99 F0.2;Z-5",
+    );
     // G91 counts X, Z and C from where the tool is, and G90 ends it.
     same(
         "G0 X60 Z2;G91;G1 X-2 Z-3 F.2;G90 X10",
@@ -148,7 +151,10 @@ fn a_code_of_another_system_is_refused_as_it_is_written() {
         (Control::Haas, "G77 X5", 77),
     ] {
         let alarm = alarm(control, text);
-        assert_eq!((alarm.number(), alarm.args[0]), (4018, Arg::GCode(code * 10)));
+        assert_eq!(
+            (alarm.number(), alarm.args[0]),
+            (4018, Arg::GCode(code * 10))
+        );
     }
     // Codes in messages are those of the program.
     let alarm = alarm(Control::FanucB, "G0 X50 Z2;G77 X40 Z-5 G0");
@@ -192,8 +198,14 @@ fn grooves_and_pecks_in_one_block() {
     assert_eq!(kinds(Control::Haas, one), kinds(Control::Gsk988, two));
     // The 980TD counts increments, P on the diameter.
     assert_eq!(
-        kinds(Control::Gsk980td, "G99;G0 X40 Z2;G75 X20 Z-6 I2. K3. D.2 F.1"),
-        kinds(Control::Gsk980td, "G99;G0 X40 Z2;G75 X20 Z-6 P4000 Q3000 R.2 F.1"),
+        kinds(
+            Control::Gsk980td,
+            "G99;G0 X40 Z2;G75 X20 Z-6 I2. K3. D.2 F.1"
+        ),
+        kinds(
+            Control::Gsk980td,
+            "G99;G0 X40 Z2;G75 X20 Z-6 P4000 Q3000 R.2 F.1"
+        ),
     );
     // D without a point: increments of a FANUC.
     same(
@@ -205,19 +217,31 @@ fn grooves_and_pecks_in_one_block() {
         kinds(Control::Haas, "G0 X0 Z2;G74 Z-12. K5. F.1"),
         kinds(Control::Gsk988, "G99;G0 X0 Z2;G74 Z-12. Q5. F.1"),
     );
-    assert_eq!(alarm(Control::Haas, "G0 X40;G75 X20 I2 P3 F.1").number(), 4028);
+    assert_eq!(
+        alarm(Control::Haas, "G0 X40;G75 X20 I2 P3 F.1").number(),
+        4028
+    );
 }
 
 #[test]
 fn a_thread_in_one_block_has_its_words() {
     let text = "M3 S500;G0 X22 Z5;G76 X17.546 Z-25 K1.227 D0.4 F2 A60";
     let thread = thread(Control::Haas, text);
-    assert_eq!((thread.height.value.nm(), thread.first_depth.value.nm()), (1_227_000, 400_000));
-    assert_eq!((thread.infeed, thread.cut_in.value), (Infeed::Decreasing, CutIn::Left));
+    assert_eq!(
+        (thread.height.value.nm(), thread.first_depth.value.nm()),
+        (1_227_000, 400_000)
+    );
+    assert_eq!(
+        (thread.infeed, thread.cut_in.value),
+        (Infeed::Decreasing, CutIn::Left)
+    );
     assert_eq!((thread.angle.value, thread.allowance.value.nm()), (60, 0));
     let with = |words: &str| self::thread(Control::Haas, &format!("{text} {words}"));
     assert_eq!(with("P2").cut_in.value, CutIn::LeftRight);
-    assert_eq!((with("P3").infeed, with("P3").cut_in.value), (Infeed::Equal, CutIn::Left));
+    assert_eq!(
+        (with("P3").infeed, with("P3").cut_in.value),
+        (Infeed::Equal, CutIn::Left)
+    );
     assert_eq!(with("I-0.5").taper.value.nm(), -500_000);
     assert_eq!(alarm(Control::Haas, &format!("{text} P9")).number(), 4025);
     assert_eq!(alarm(Control::Haas, &format!("{text} R1")).number(), 4028);
@@ -226,12 +250,22 @@ fn a_thread_in_one_block_has_its_words() {
 #[test]
 fn words_that_a_haas_writes_with_another_letter() {
     let same = |haas, a| {
-        assert_eq!(kinds(Control::Haas, haas), kinds(Control::Gsk988, a), "{haas}");
+        assert_eq!(
+            kinds(Control::Haas, haas),
+            kinds(Control::Gsk988, a),
+            "{haas}"
+        );
     };
     same("G4 P1.5", "G4 X1.5");
     same("G4 P1500", "G4 P1500");
-    same("G0 X60 Z2;G90 X50 Z-40 I-3 F.2;X45", "G99;G0 X60 Z2;G90 X50 Z-40 R-3 F.2;X45");
-    same("G0 X60 Z2;G94 X20 Z-5 K-3 F.1", "G99;G0 X60 Z2;G94 X20 Z-5 R-3 F.1");
+    same(
+        "G0 X60 Z2;G90 X50 Z-40 I-3 F.2;X45",
+        "G99;G0 X60 Z2;G90 X50 Z-40 R-3 F.2;X45",
+    );
+    same(
+        "G0 X60 Z2;G94 X20 Z-5 K-3 F.1",
+        "G99;G0 X60 Z2;G94 X20 Z-5 R-3 F.1",
+    );
     same("G0 X60;G91 G28 X0 Z0;G0 X5", "G0 X60;G28 U0 W0;G0 X5");
 }
 
@@ -261,7 +295,11 @@ fn corners_without_a_comma_have_a_direction() {
     assert_eq!(gsk(&short, "D3."), gsk(&short, ",R3."));
     let legs = machine(&[("181.0", 1)]);
     assert_eq!(gsk(&legs, "L2."), gsk(&legs, ",C2."));
-    assert!(gsk(&short, "L2.").contains("F20,-18.585786 F22.82842"), "{}", gsk(&short, "L2."));
+    assert!(
+        gsk(&short, "L2.").contains("F20,-18.585786 F22.82842"),
+        "{}",
+        gsk(&short, "L2.")
+    );
 }
 
 #[test]
@@ -281,18 +319,29 @@ fn a_limit_holds_under_g97_where_the_control_says_so() {
     assert_eq!(speeds(Control::Gsk980td), [1000]);
     assert_eq!(speeds(Control::FanucA), [800, 500]);
     let warned = read(Control::Haas, text).0;
-    let warned = warned.iter().any(|event| matches!(event, Event::Warning(alarm) if alarm.number() == 4901));
+    let warned = warned
+        .iter()
+        .any(|event| matches!(event, Event::Warning(alarm) if alarm.number() == 4901));
     assert!(warned);
 }
 
 #[test]
 fn a_comment_names_the_control() {
     let control = |text: &str| named(text.as_bytes());
-    assert_eq!(control("(DIALECT FANUC-B)"), Named::Control(Control::FanucB));
-    assert_eq!(control("O1 ( dialect  haas )"), Named::Control(Control::Haas));
+    assert_eq!(
+        control("(DIALECT FANUC-B)"),
+        Named::Control(Control::FanucB)
+    );
+    assert_eq!(
+        control("O1 ( dialect  haas )"),
+        Named::Control(Control::Haas)
+    );
     assert_eq!(control("(A DIALECT OF ITS OWN)"), Named::Nothing);
     assert_eq!(control("(DIALECTS)"), Named::Nothing);
-    assert_eq!(control("(DIALECT MAZAK)"), Named::Unknown { from: 9, to: 14 });
+    assert_eq!(
+        control("(DIALECT MAZAK)"),
+        Named::Unknown { from: 9, to: 14 }
+    );
     for control in Control::ALL {
         assert_eq!(Control::of_name(control.name()), Some(control));
     }

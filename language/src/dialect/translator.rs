@@ -70,6 +70,9 @@ impl Translator {
     /// A code that this control does not have, or a count with a point.
     pub fn translate(&mut self, words: &mut Vec<Word>, now: Setting) -> Result<(), Alarm> {
         refuse_decimal_codes(words)?;
+        if self.control == Control::Haas {
+            refuse_no_chamfer(words)?;
+        }
         let increments = !self.control.is_gsk() && self.codes(words)?;
         let motion = [90, 92, 94, 32, 0, 1, 2, 3];
         let motion = motion.into_iter().find(|motion| has_code(words, *motion));
@@ -156,6 +159,15 @@ fn refuse_decimal_codes(words: &[Word]) -> Result<(), Alarm> {
         }
     }
     Ok(())
+}
+
+/// M24 of a Haas: threads without a run-out, which the words of the cycles cannot say.
+fn refuse_no_chamfer(words: &[Word]) -> Result<(), Alarm> {
+    let is = |word: &&Word| word.letter == b'M' && word.value().whole() == Some(24);
+    match words.iter().find(is) {
+        Some(word) => Err(word.alarm(Code::MNotAvailable).with([Arg::Int(24)])),
+        None => Ok(()),
+    }
 }
 
 /// G91: X, Z and C become U, W and H, where they are no coordinates, times or arguments.

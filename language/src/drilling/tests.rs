@@ -56,7 +56,7 @@ fn pecks_of_a_face_hole() {
     assert_eq!(moves(&[], Control::Gsk988, &in_mm), shallow);
     assert_eq!(moves(&[("182.7", 1)], Control::Gsk980td, &in_mm), shallow);
     // R of a Haas is a coordinate.
-    let haas = in_mm.replace("R-3", "R2.").replace("P500", "P500");
+    let haas = in_mm.replace("R-3", "R2.");
     assert_eq!(moves(&[], Control::Haas, &haas), shallow);
     let deep = [("5101.2", 1)];
     assert_eq!(
@@ -168,7 +168,8 @@ fn holes_by_chance() {
                 initial: Length::from_nm(5_000_000) + rise.times(sign),
                 level: Length::from_nm(5_000_000),
                 bottom: Length::from_nm(5_000_000) - depth.times(sign),
-                peck: (chance.below(3) > 0).then(|| nm(chance.size(depth.nm() as f64 / 500.0 + 1.0, 1e8))),
+                peck: (chance.below(3) > 0)
+                    .then(|| nm(chance.size(depth.nm() as f64 / 500.0 + 1.0, 1e8))),
                 deep: chance.below(2) == 0,
                 clearance: nm(chance.size(1e3, 1e7)),
                 dwell: chance.below(2) as u32 * 10,
@@ -176,7 +177,8 @@ fn holes_by_chance() {
                 ends_at_r: chance.below(2) == 0,
             };
             let below = |place: Length| (hole.level - place).times(sign);
-            let (mut at, mut reached, mut feeds, mut dwelt) = (hole.initial, Length::ZERO, 0, false);
+            let (mut at, mut reached, mut feeds, mut dwelt) =
+                (hole.initial, Length::ZERO, 0, false);
             let done: Result<(), ()> = hole.steps(|step| {
                 match step {
                     Step::Rapid(to) => {
@@ -185,11 +187,17 @@ fn holes_by_chance() {
                     }
                     Step::Feed(to) if below(to) > reached => {
                         let peck = hole.peck.unwrap_or(depth);
-                        assert!(below(to) - reached <= peck && below(at) <= reached, "{hole:?}");
+                        assert!(
+                            below(to) - reached <= peck && below(at) <= reached,
+                            "{hole:?}"
+                        );
                         (at, reached, feeds) = (to, below(to), feeds + 1);
                     }
                     Step::Feed(to) => {
-                        assert!(hole.feeds_out && to == hole.level && reached == depth, "{hole:?}");
+                        assert!(
+                            hole.feeds_out && to == hole.level && reached == depth,
+                            "{hole:?}"
+                        );
                         at = to;
                     }
                     Step::Dwell(_) => {
@@ -202,7 +210,11 @@ fn holes_by_chance() {
             assert_eq!(done, Ok(()));
             assert_eq!((reached, feeds), (depth, hole.pecks()), "{hole:?}");
             assert_eq!(dwelt, hole.dwell > 0);
-            let end = if hole.ends_at_r { hole.level } else { hole.initial };
+            let end = if hole.ends_at_r {
+                hole.level
+            } else {
+                hole.initial
+            };
             assert_eq!(at, end, "{hole:?}");
         }
     });

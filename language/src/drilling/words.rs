@@ -161,7 +161,11 @@ impl Drill {
                 letter if letter == increment => {
                     let away = unit.length(word)?.value;
                     // U is a diameter.
-                    let away = if letter == b'U' { Diameter::from_nm(away.nm()).radius() } else { away };
+                    let away = if letter == b'U' {
+                        Diameter::from_nm(away.nm()).radius()
+                    } else {
+                        away
+                    };
                     self.bottom = Some(Level::Away(away));
                     parts.drills = true;
                 }

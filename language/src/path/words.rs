@@ -100,11 +100,7 @@ pub fn is_word(word: &Word) -> bool {
 fn is_corner(word: &Word) -> bool {
     matches!(
         word.letter,
-        Word::CHAMFER
-            | Word::ROUND
-            | Word::CHAMFER_L
-            | Word::CHAMFER_TOWARD
-            | Word::ROUND_TOWARD
+        Word::CHAMFER | Word::ROUND | Word::CHAMFER_L | Word::CHAMFER_TOWARD | Word::ROUND_TOWARD
     )
 }
 

@@ -17,7 +17,11 @@ const MOST_PECKS: u64 = 9_999;
 /// True for a code that ends a drilling cycle.
 fn ends(word: &Word) -> bool {
     let code = word.value().whole();
-    word.letter == b'G' && matches!(code, Some(0..=3 | 32 | 74..=76 | 78 | 80 | 84 | 88 | 90 | 92 | 94))
+    word.letter == b'G'
+        && matches!(
+            code,
+            Some(0..=3 | 32 | 74..=76 | 78 | 80 | 84 | 88 | 90 | 92 | 94)
+        )
 }
 
 impl Acting<'_, '_> {

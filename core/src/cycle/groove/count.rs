@@ -20,7 +20,8 @@ pub struct GrooveCount {
 
 impl GrooveCount {
     /// The columns and infeeds of a call that has its steps.
-    pub(crate) fn of(call: &GrooveCall) -> Self {
+    #[must_use]
+    pub fn of(call: &GrooveCall) -> Self {
         let steps = |way, step: &Option<At<Length>>| step.map_or(0, |step| steps(way, step.value));
         Self {
             infeeds: steps(call.bottom().value - call.level(), &call.peck),

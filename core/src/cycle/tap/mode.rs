@@ -10,7 +10,9 @@ use super::words::Kept;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{Selection, SpindleCall, SpindleChoice, TapCall, TapSpindle};
 use crate::params::Params;
-use crate::text::{AXES, Block, Group, Letters, MGroup, Modal, PLANE_AXES, Plan, Word, g_arg};
+use crate::text::{
+    AXES, Block, Group, Letters, MGroup, Modal, PLANE_AXES, Plan, Word, g_arg, is_machine_code,
+};
 use crate::units::Rpm;
 
 /// The M code of rigid tapping (5210; 0 is 29).
@@ -181,7 +183,10 @@ impl Tapping {
         let is_cycle = codes.tap.is_some() || (self.cycle.is_some() && codes.one_shot.is_none());
         if !is_cycle && let Some(word) = block.m(MGroup::Clamp) {
             let code = Arg::Int(word.value.mantissa());
-            return Err(word.alarm(Code::UnknownM).with([code]));
+            if !modal.options.passes_machine_codes || !is_machine_code(word.value.mantissa()) {
+                return Err(word.alarm(Code::UnknownM).with([code]));
+            }
+            plan.warn(word.alarm(Code::MachineCodePassed).with([code]));
         }
         if self.cycle.is_some()
             && let Some(word) = &codes.one_shot

@@ -370,7 +370,10 @@ impl Shape {
 /// True where X is the long axis.
 pub(crate) fn is_long_x(call: &ThreadCall) -> bool {
     if call.cycle == ThreadCycle::G32 {
-        let (x, z) = (call.end_x.value - call.start.x, call.end_z.value - call.start.z);
+        let (x, z) = (
+            call.end_x.value - call.start.x,
+            call.end_z.value - call.start.z,
+        );
         return x.abs() > z.abs();
     }
     (call.end_z.value - call.start.z).abs() <= call.taper.value.abs()

@@ -77,6 +77,7 @@ fn options(random: &mut Random) -> Options {
         skip: random.below(2) == 0,
         optional_stop: random.below(2) == 0,
         dry_run: random.below(4) == 0,
+        passes_machine_codes: random.below(4) == 0,
         per_turn: random.below(8) == 0,
         limits_every_speed: random.below(4) == 0,
         position: at(500_000, 100_000),

@@ -73,9 +73,7 @@ fn main() -> ! {
     let kept = around::kept();
     let mut flash = flash::RamFlash::power_up();
     let tap = flash.tap().expect("the flash can be read");
-    let set = flash
-        .params(&Params::sheets())
-        .expect("the flash is one");
+    let set = flash.params(&Params::sheets()).expect("the flash is one");
     let up = PowerUp {
         set: &set,
         // After a reset the drives report their positions.

@@ -57,7 +57,12 @@ pub fn run(
     let answer = Answer::Run { program: &program };
     alone_in(global, &global.params, &global.set, answer)?;
     let machine = Machine::meet(global)?;
-    let mut setup = Setup::over(global, Some(machine.params.clone()), Some(source.path()), answer)?;
+    let mut setup = Setup::over(
+        global,
+        Some(machine.params.clone()),
+        Some(source.path()),
+        answer,
+    )?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
     let status = link.status()?;

@@ -1,0 +1,226 @@
+//! What a program hardly means, with the arithmetic: a thread far too high or too flat for its pitch, hundreds of pecks, a
+//! feed of the other kind. Most of it is a number in another unit than the control reads.
+//!
+//! It sees the calls of a program in their order. Alarms and warnings come with numbers that a program or a machine file
+//! may silence. It must not know text.
+
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
+use leadscrew_core::call::{
+    Call, CallKind, FeedRate, GrooveCall, Position, ThreadCall, ThreadCycle,
+};
+use leadscrew_core::cycle::GrooveCount;
+use leadscrew_core::units::{Length, StartAngle};
+
+/// Height over pitch of a thread, in thousandths: flat square threads and deep buttress threads are inside.
+const HEIGHT: core::ops::RangeInclusive<i64> = 150..=1_200;
+/// Pecks of a column, and of a whole groove.
+const PECKS: u64 = 250;
+const ALL_PECKS: u64 = 5_000;
+/// Micrometres below which a first pass cuts nothing.
+const FIRST_PASS_NM: i64 = 5_000;
+/// Pitches in nanometres.
+const PITCH: core::ops::RangeInclusive<i64> = 50_000..=50_000_000;
+/// The most different threads that are kept for their further starts.
+const THREADS: usize = 256;
+
+/// What has been seen of a program.
+#[derive(Debug, Default)]
+pub struct Plausible {
+    rpm: i64,
+    threads: Vec<Cut>,
+}
+
+/// Threads of the same end and lead. Each further start has another angle or begins elsewhere.
+#[derive(Debug)]
+struct Cut {
+    end: (Length, Length),
+    lead_nm: i64,
+    height: Length,
+    span: Span,
+    starts: Vec<(Length, StartAngle)>,
+    /// L.
+    written: i64,
+}
+
+impl Plausible {
+    /// Looks at the next call, for a tool at `at`.
+    pub fn call(&mut self, call: &Call, at: Position, tell: &mut dyn FnMut(Alarm)) {
+        match &call.kind {
+            CallKind::Spindle(spindle) => {
+                self.rpm = if spindle.turns() {
+                    i64::from(spindle.rpm.get()).abs()
+                } else {
+                    0
+                };
+            }
+            CallKind::Rapid(to) => self.turned_to(at, *to, call.span, tell),
+            CallKind::Line(to, feed) => {
+                self.turned_to(at, *to, call.span, tell);
+                if to.c == at.c {
+                    self.feed(*feed, call.span, tell);
+                }
+            }
+            CallKind::Arc(arc) => self.feed(arc.feed, call.span, tell),
+            CallKind::Groove(groove) => {
+                pecks(groove, call.span, tell);
+                self.feed(groove.feed, call.span, tell);
+            }
+            CallKind::Thread(thread) => self.thread(thread, call.span, tell),
+            CallKind::Tap(tap) => lead(tap.lead.value.rounded(), tap.lead.span, tell),
+            _ => {}
+        }
+    }
+
+    /// The program is over.
+    pub fn end(&mut self, tell: &mut dyn FnMut(Alarm)) {
+        for cut in self.threads.drain(..) {
+            let starts = cut.written.max(cut.starts.len() as i64).max(1);
+            let pitch = cut.lead_nm / starts;
+            if pitch == 0 {
+                continue;
+            }
+            let share = cut.height.nm().saturating_mul(1_000) / pitch;
+            if !HEIGHT.contains(&share) {
+                let figures = [
+                    Arg::Length(cut.height),
+                    Arg::Length(Length::from_nm(pitch)),
+                    Arg::Decimal(share, 3),
+                ];
+                tell(
+                    Alarm::new(Code::ThreadHeightOdd, cut.span)
+                        .word(b'P')
+                        .with(figures),
+                );
+            }
+        }
+    }
+
+    fn thread(&mut self, thread: &ThreadCall, span: Span, tell: &mut dyn FnMut(Alarm)) {
+        let nm = thread.lead.value.rounded().nm();
+        let starts = i64::from(thread.starts.value.max(1));
+        let of_lead = if thread.lead.span == Span::default() {
+            span
+        } else {
+            thread.lead.span
+        };
+        lead(Length::from_nm(nm / starts), of_lead, tell);
+        if !matches!(thread.cycle, ThreadCycle::G76 | ThreadCycle::G78) {
+            return;
+        }
+        let (height, first) = (thread.height, thread.first_depth);
+        let figures = [Arg::Length(first.value), Arg::Length(height.value)];
+        if first.value > height.value {
+            tell(
+                Alarm::new(Code::FirstPassAboveHeight, first.span)
+                    .word(b'Q')
+                    .with(figures),
+            );
+        } else if first.value.nm() < FIRST_PASS_NM {
+            tell(
+                Alarm::new(Code::FirstPassTiny, first.span)
+                    .word(b'Q')
+                    .with(figures),
+            );
+        }
+        let end = (thread.end_x.value, thread.end_z.value);
+        let start = (thread.start.z, thread.first_angle);
+        let is_another =
+            |a: &(Length, StartAngle)| a.1 != start.1 || nm == 0 || (a.0 - start.0).nm() % nm != 0;
+        let known = |cut: &&mut Cut| cut.end == end && cut.lead_nm == nm;
+        let has_room = self.threads.len() < THREADS;
+        match self.threads.iter_mut().find(known) {
+            Some(cut) if cut.starts.iter().all(is_another) && cut.starts.len() < 99 => {
+                cut.starts.push(start);
+            }
+            Some(_) => {}
+            None if has_room => self.threads.push(Cut {
+                end,
+                lead_nm: nm,
+                height: height.value,
+                span: if height.span == Span::default() {
+                    span
+                } else {
+                    height.span
+                },
+                starts: vec![start],
+                written: starts,
+            }),
+            None => {}
+        }
+    }
+
+    /// A feed that makes sense in the other of G98 and G99 alone.
+    fn feed(&self, feed: FeedRate, span: Span, tell: &mut dyn FnMut(Alarm)) {
+        if self.rpm == 0 {
+            return;
+        }
+        let mm = 1_000_000;
+        match feed {
+            FeedRate::PerMinute(feed) => {
+                let nm = feed.nm_per_min();
+                // Two micrometres a turn.
+                if nm > 0 && nm < 3 * mm && nm < self.rpm * 2_000 {
+                    let figures = [Arg::Feed(feed), Arg::Int(self.rpm)];
+                    tell(
+                        Alarm::new(Code::FeedOfOtherMode, span)
+                            .word(b'F')
+                            .with(figures),
+                    );
+                }
+            }
+            FeedRate::PerTurn(feed, _) if feed.nm() > 3 * mm => {
+                let figures = [Arg::Length(Length::from_nm(feed.nm())), Arg::Int(self.rpm)];
+                tell(
+                    Alarm::new(Code::FeedOfOtherMode, span)
+                        .word(b'F')
+                        .with(figures),
+                );
+            }
+            FeedRate::PerTurn(..) => {}
+        }
+    }
+
+    /// C and another axis in one motion, while the spindle turns by itself.
+    fn turned_to(&self, at: Position, to: Position, span: Span, tell: &mut dyn FnMut(Alarm)) {
+        if self.rpm != 0 && to.c != at.c && (to.x != at.x || to.z != at.z) {
+            tell(Alarm::new(Code::TurningAxisTurns, span).word(b'C'));
+        }
+    }
+}
+
+fn lead(pitch: Length, span: Span, tell: &mut dyn FnMut(Alarm)) {
+    if pitch.nm() > 0 && !PITCH.contains(&pitch.nm()) {
+        tell(
+            Alarm::new(Code::LeadOdd, span)
+                .word(b'F')
+                .with([Arg::Length(pitch)]),
+        );
+    }
+}
+
+fn pecks(groove: &GrooveCall, span: Span, tell: &mut dyn FnMut(Alarm)) {
+    let Some(peck) = groove.peck else {
+        return;
+    };
+    let count = GrooveCount::of(groove);
+    let depth = (groove.bottom().value - groove.level()).abs();
+    let span = if peck.span == Span::default() {
+        span
+    } else {
+        peck.span
+    };
+    let all = count.infeeds.saturating_mul(count.columns);
+    if count.infeeds > PECKS || all > ALL_PECKS {
+        let number = |count: u64| Arg::Int(i64::try_from(count).unwrap_or(i64::MAX));
+        let figures = [
+            number(count.infeeds),
+            number(count.columns),
+            Arg::Length(depth),
+            Arg::Length(peck.value),
+        ];
+        tell(Alarm::new(Code::PecksMany, span).with(figures));
+    } else if peck.value >= depth.times(2) && peck.value.nm() / 10 < depth.nm() {
+        let figures = [Arg::Length(peck.value), Arg::Length(depth)];
+        tell(Alarm::new(Code::PeckBeyondDepth, span).with(figures));
+    }
+}
