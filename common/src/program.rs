@@ -29,12 +29,15 @@ pub struct Program<'p> {
     over: bool,
     /// Numbers of `(ALLOW …)`.
     allowed: Vec<u16>,
+    /// The control, where the program does not name it.
+    control: Option<Control>,
 }
 
 /// What the comments of the first lines say of the program as a whole.
 #[derive(Debug, Default)]
 struct FirstLines {
     control: Option<Control>,
+    named: bool,
     allowed: Vec<u16>,
     alarm: Option<Alarm>,
 }
@@ -61,7 +64,7 @@ impl FirstLines {
 
     fn line(&mut self, line: u32, text: &[u8]) {
         match named(text) {
-            Named::Control(control) => self.control = Some(control),
+            Named::Control(control) => (self.control, self.named) = (Some(control), true),
             Named::Unknown { from, to } => {
                 let column = |byte: usize| u16::try_from(byte + 1).unwrap_or(u16::MAX);
                 let span = Span {
@@ -143,7 +146,13 @@ impl<'p> Program<'p> {
             over: first.alarm.is_some(),
             alarm: first.alarm,
             allowed: first.allowed,
+            control: (!first.named).then_some(rules.control),
         })
+    }
+
+    /// The control that it is read for; `None` where it names this control itself.
+    pub const fn assumed(&self) -> Option<Control> {
+        self.control
     }
 
     /// The numbers that the program does not want to be told.

@@ -1,6 +1,8 @@
 //! Verifies a program without a machine: text, geometry, physics. `check` reports the result; `simulate` and `run` need it
 //! before any motion.
 
+use std::io::Read as _;
+
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::call::{
     Aux, Call, CallKind, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
@@ -10,8 +12,9 @@ use leadscrew_core::cycle::{self, GrooveMoves, Moves};
 use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
+use leadscrew_language::dialect::{Control, Looks};
 
-use crate::diagnostics::{self, Diagnostic};
+use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
 use crate::json::Json;
@@ -43,6 +46,9 @@ pub struct Report {
     /// A lead-in is longer than the way before the material.
     pub lead_in_too_short: bool,
 }
+
+/// Bytes of a program that are looked at for its control.
+const LOOKED_AT: u64 = 1 << 20;
 
 /// The most alarms or warnings of a kind in the list, so that the report of any program is bounded.
 pub const LISTED: usize = 10;
@@ -144,6 +150,9 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
             None => {
                 let mut plausible = std::mem::take(&mut checker.plausible);
                 plausible.end(&mut |alarm| checker.doubt(&alarm, inch));
+                if let Some(control) = program.assumed() {
+                    checker.look(control)?;
+                }
                 return Ok(checker.report);
             }
             Some(Ok(Event::Warning(warning))) => checker.tell(&warning, inch),
@@ -248,6 +257,38 @@ impl Checker<'_> {
         let mut plausible = std::mem::take(&mut self.plausible);
         plausible.call(call, at, &mut |alarm| self.doubt(&alarm, inch));
         self.plausible = plausible;
+    }
+
+    /// Warns where the text looks as if it was written for another control.
+    fn look(&mut self, set: Control) -> Outcome {
+        let unreadable = |error| Failure::file(Doing::Read, self.source.name(), &error);
+        let mut text = Vec::new();
+        let opened = self.source.open().map_err(unreadable)?;
+        opened
+            .take(LOOKED_AT)
+            .read_to_end(&mut text)
+            .map_err(unreadable)?;
+        let mut looks = Looks::default();
+        for (number, line) in (1..).zip(text.split(|byte| *byte == b'\n')) {
+            looks.line(number, line);
+        }
+        let Some((like, line)) = looks.like(set) else {
+            return Ok(());
+        };
+        let shown = text.split(|byte| *byte == b'\n').nth(line as usize - 1);
+        let shown = String::from_utf8_lossy(shown.unwrap_or_default());
+        let shown = shown.trim_end();
+        let place = Place {
+            file: self.source.name(),
+            line,
+            column: 1,
+            end_column: shown.chars().count() + 1,
+            text: shown.into(),
+        };
+        let figures = [like, set].map(|control| control.name().to_owned());
+        let told = Diagnostic::of_option(Code::LooksLike, &figures, &place, self.setup.lang);
+        self.report.warnings.push(told);
+        Ok(())
     }
 
     /// Tells what looks wrong, but not on a line that is refused anyway.

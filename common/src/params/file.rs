@@ -8,8 +8,8 @@
 //! X = "120.5 mm"
 //! ```
 //!
-//! Four keys are no parameters: `schema`, the version of the file's table; `drive`, the sections of the drives; `dialect`, the
-//! control that programs beside the file are written for; `allow`, the numbers that are not told of these programs.
+//! Four keys are no parameters: `schema`, the version of the file's table; `drive`, the sections of the drives; `dialect`,
+//! the control that programs beside the file are written for; `allow`, the numbers that are not told of these programs.
 
 use std::borrow::Cow;
 use std::cell::Cell;

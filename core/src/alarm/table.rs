@@ -1122,6 +1122,9 @@ codes! {
     NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set parameters 9201 to 9216 (radius) and 9301 to 9316 (tip direction) for this tool, and call the tool before it",
         "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请为该刀具设定参数 9201…9216（半径）和 9301…9316（刀尖方向），并先调用刀具";
 
+    /// A text that looks as if it was written for another control; {0} that one, {1} the one that is set.
+    LooksLike = 4994, "this looks like a program for {0}, and it is read as one for {1}", "write `--dialect {0}`, `(DIALECT {0})` in front of the program, or `dialect = \"{0}\"` in its machine file",
+        "这像是 {0} 的程序，而当前按 {1} 读取", "请用 `--dialect {0}`，或在程序开头写 `(DIALECT {0})`，或在机床文件中写 `dialect = \"{0}\"`";
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.
     TapSpeedAboveSpindle = 4960, "the highest tapping speed {0} (5241) is above that of the spindle, {1} (3772)",

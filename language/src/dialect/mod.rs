@@ -7,6 +7,7 @@
 //! This module knows words and codes; it must not know positions, calls or the machine.
 
 mod codes;
+mod looks;
 mod name;
 pub mod one_line;
 #[cfg(test)]
@@ -15,6 +16,7 @@ mod translator;
 
 use leadscrew_core::program::Dialect;
 
+pub use looks::Looks;
 pub use name::{Named, named};
 pub use translator::{Setting, Translator};
 

@@ -1,8 +1,8 @@
 //! G76, G78, G92 and G32: threads ([G76 sheet], [G78 sheet]).
 //!
 //! `words` reads the words of G76 and G78, `single` those of G92, `stroke` those of G32, `run_out` what J and K leave out.
-//! `refuse` has what geometry forbids. `depth` divides the height into passes; `shape`, `slope` and `taper` place a pass; `helix` gives its
-//! start angle; `moves` makes the moves. `feasible` asks what the machine can do at the commanded speed.
+//! `refuse` has what geometry forbids. `depth` divides the height into passes; `shape`, `slope` and `taper` place a pass;
+//! `helix` gives its start angle; `moves` makes the moves. `feasible` asks what the machine can do at the commanded speed.
 
 mod depth;
 mod feasible;

@@ -7,7 +7,8 @@ use crate::text::{Block, Letters, Modal, PLANE_AXES, Plan};
 use crate::units::{Length, StartAngle};
 
 impl ThreadWords {
-    /// A block while G32 is in force, at `span`: where its stroke ends. `None` without a word of X or Z, which moves nothing.
+    /// A block while G32 is in force, at `span`: where its stroke ends. `None` without a word of X or Z, which moves
+    /// nothing.
     pub(crate) fn read_stroke(
         &mut self,
         modal: &Modal<'_>,

@@ -1,0 +1,195 @@
+//! Which control a text looks as if it was written for.
+//!
+//! Some codes and words belong to one control, or mean nothing in another. Each gives points; a text that has five, and
+//! three more than the control that was set, is told of. Nothing is changed by it.
+
+use super::Control;
+
+/// Points from which a control is told, and how far before the one that was set.
+const ENOUGH: u32 = 5;
+const AHEAD: u32 = 3;
+
+/// What the blocks so far have shown.
+#[derive(Clone, Debug, Default)]
+pub struct Looks {
+    /// Points, and the line of the first of them, in the order of [`Control::ALL`].
+    seen: [(u32, u32); Control::ALL.len()],
+}
+
+/// The words of a block: letter, number, and whether it has a point.
+struct Words(Vec<(u8, f64, bool)>);
+
+impl Words {
+    /// Reads a line without its comments. What is no plain number is passed over.
+    fn of(text: &[u8]) -> Self {
+        let mut words = Vec::new();
+        let (mut at, mut depth) = (0, 0_u32);
+        while let Some(byte) = text.get(at) {
+            at += 1;
+            match byte {
+                b'(' => depth += 1,
+                b')' => depth = depth.saturating_sub(1),
+                b';' if depth == 0 => break,
+                letter if depth == 0 && letter.is_ascii_alphabetic() => {
+                    let rest = &text[at..];
+                    let is_part = |byte: &u8| matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+');
+                    let end = rest.iter().position(|byte| !is_part(byte));
+                    let number = &rest[..end.unwrap_or(rest.len())];
+                    let value = std::str::from_utf8(number).ok();
+                    if let Some(value) = value.and_then(|text| text.parse::<f64>().ok()) {
+                        words.push((letter.to_ascii_uppercase(), value, number.contains(&b'.')));
+                    }
+                    at += number.len();
+                }
+                _ => {}
+            }
+        }
+        Self(words)
+    }
+
+    fn has(&self, letters: &[u8]) -> bool {
+        self.0.iter().any(|word| letters.contains(&word.0))
+    }
+
+    fn code(&self, letter: u8, codes: &[u16]) -> bool {
+        let is = |word: &&(u8, f64, bool)| {
+            word.0 == letter && codes.iter().any(|code| word.1 == f64::from(*code))
+        };
+        self.0.iter().any(|word| is(&word))
+    }
+
+    fn g(&self, codes: &[u16]) -> bool {
+        self.code(b'G', codes)
+    }
+
+    /// A T of three digits.
+    fn short_tool(&self) -> bool {
+        let is = |word: &(u8, f64, bool)| word.0 == b'T' && (100.0..1000.0).contains(&word.1);
+        self.0.iter().any(is)
+    }
+}
+
+impl Looks {
+    /// Looks at a line.
+    pub fn line(&mut self, number: u32, text: &[u8]) {
+        use Control::{FanucA, FanucB, FanucC, Gsk980td, Gsk988, Haas};
+        let words = Words::of(text);
+        let axes = words.has(b"XUZW");
+        let pq = words.has(b"P") && words.has(b"Q");
+        let mut add = |controls: &[Control], points: u32| {
+            for (place, control) in self.seen.iter_mut().zip(Control::ALL) {
+                if controls.contains(&control) {
+                    *place = (
+                        place.0 + points,
+                        if place.0 == 0 { number } else { place.1 },
+                    );
+                }
+            }
+        };
+        if words.g(&[77, 79]) && axes || words.g(&[78]) && axes && !words.has(b"PQ") {
+            add(&[FanucB], 4);
+        }
+        if words.g(&[78]) && words.has(b"PQ") {
+            add(&[Gsk980td, Gsk988], 5);
+            add(&[FanucC], 3);
+        }
+        if words.g(&[20, 21, 24]) && axes && words.has(b"F") {
+            add(&[FanucC], 6);
+        }
+        if words.g(&[94, 95]) && !axes {
+            add(&[FanucB, FanucC], 3);
+        }
+        if words.g(&[92]) && words.has(b"S") && !axes {
+            add(&[FanucB, FanucC], 5);
+        }
+        if words.g(&[33]) {
+            add(&[FanucB, FanucC], 2);
+        }
+        if words.g(&[70]) && !words.has(b"PQ") {
+            add(&[FanucC], 5);
+        }
+        if words.g(&[90, 91]) && !axes && !words.has(b"FR") {
+            add(&[FanucB, FanucC], 2);
+        }
+        if words.g(&[71, 72]) && pq && words.has(b"D") {
+            let point = words.0.iter().any(|word| word.0 == b'D' && word.2);
+            add(&[Haas], if point { 6 } else { 4 });
+            add(&[FanucA], 4);
+        }
+        if words.g(&[76]) && words.has(b"K") && words.has(b"D") {
+            add(&[Haas], 5);
+            add(&[FanucA], 3);
+        }
+        if words.code(b'M', &[97])
+            || words.g(&[112])
+            || words.g(&[53]) && words.g(&[0])
+            || words.short_tool()
+        {
+            add(&[Haas], 2);
+        }
+        if words.g(&[1]) && axes && words.has(b"LD") {
+            add(&[Gsk980td, Gsk988], 3);
+        }
+        if words.g(&[65]) && words.has(b"H") {
+            add(&[Gsk980td, Gsk988], 4);
+        }
+        if words.g(&[32, 92]) && axes && words.has(b"JK") {
+            add(&[Gsk980td, Gsk988], 3);
+        }
+        if words.g(&[30]) && words.code(b'P', &[99]) {
+            add(&[Gsk980td, Gsk988], 5);
+        }
+    }
+
+    /// The control that the text looks like, where it is another than the one that was set; with the first line that says
+    /// so.
+    #[must_use]
+    pub fn like(&self, set: Control) -> Option<(Control, u32)> {
+        let all = || Control::ALL.into_iter().zip(self.seen);
+        let own = all().find(|(control, _)| *control == set);
+        let own = own.map_or(0, |(_, seen)| seen.0);
+        let best = all().map(|(_, seen)| seen.0).max()?;
+        let (control, (points, line)) = all().find(|(_, seen)| seen.0 == best)?;
+        (points >= ENOUGH && points >= own + AHEAD).then_some((control, line))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn like(text: &str, set: Control) -> Option<(Control, u32)> {
+        let mut looks = Looks::default();
+        for (number, line) in (1..).zip(text.split(';')) {
+            looks.line(number, line.as_bytes());
+        }
+        looks.like(set)
+    }
+
+    #[test]
+    fn a_text_shows_its_control() {
+        let set = Control::Gsk980td;
+        for (text, control, line) in [
+            ("G0 X50;G77 X40 Z-5 F.2;G79 X0 Z0 F.2", Control::FanucB, 2),
+            ("G92 S2000;G95", Control::FanucB, 1),
+            ("G70;G21 X30 Z-5 F2", Control::FanucC, 1),
+            ("T101;G76 X17 Z-25 K1.2 D0.4 F2", Control::Haas, 1),
+            ("G71 P1 Q2 U.4 W.1 D1.5 F.2", Control::Haas, 1),
+        ] {
+            assert_eq!(like(text, set), Some((control, line)), "{text}");
+            assert_eq!(like(text, control), None, "{text}");
+        }
+        let gsk = "G78 P010060 Q.1 R.05;G78 X28 Z-20 P1 Q.3 F1.5";
+        assert_eq!(like(gsk, Control::FanucA), Some((Control::Gsk980td, 1)));
+        assert_eq!(like(gsk, set), None);
+        // Not in comments, and not by what every control has.
+        for text in [
+            "(G77 X1 F1);(G79 X1 F1)",
+            "G20;G21;G90 X40 Z-5 F.2;X38",
+            "G50 S2000;G96 S150;G98 G1 X1 F100",
+            "G71 U2 R.5;G71 P1 Q2 U.4 W.1;G70 P1 Q2",
+        ] {
+            assert_eq!(like(text, set), None, "{text}");
+        }
+    }
+}
