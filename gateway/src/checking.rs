@@ -1,7 +1,7 @@
 //! Verifies a program without a machine: text, geometry, physics. `check` reports the result; `simulate` and `run` need it
 //! before any motion.
 
-use std::io::Read as _;
+use std::io::{BufRead as _, BufReader};
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::call::{
@@ -48,7 +48,7 @@ pub struct Report {
 }
 
 /// Bytes of a program that are looked at for its control.
-const LOOKED_AT: u64 = 1 << 20;
+const LOOKED_AT: usize = 1 << 20;
 
 /// The most alarms or warnings of a kind in the list, so that the report of any program is bounded.
 pub const LISTED: usize = 10;
@@ -263,20 +263,20 @@ impl Checker<'_> {
     fn look(&mut self, set: Control) -> Outcome {
         let unreadable = |error| Failure::file(Doing::Read, self.source.name(), &error);
         let mut text = Vec::new();
-        let opened = self.source.open().map_err(unreadable)?;
-        opened
-            .take(LOOKED_AT)
-            .read_to_end(&mut text)
-            .map_err(unreadable)?;
+        let mut opened = BufReader::new(self.source.open().map_err(unreadable)?);
+        while text.len() < LOOKED_AT && opened.read_until(b'\n', &mut text).map_err(unreadable)? > 0
+        {
+        }
+        let lines = || text.split(|byte| *byte == b'\n');
         let mut looks = Looks::default();
-        for (number, line) in (1..).zip(text.split(|byte| *byte == b'\n')) {
+        for (number, line) in (1..).zip(lines()) {
             looks.line(number, line);
         }
         let Some((like, line)) = looks.like(set) else {
             return Ok(());
         };
-        let shown = text.split(|byte| *byte == b'\n').nth(line as usize - 1);
-        let shown = String::from_utf8_lossy(shown.unwrap_or_default());
+        let shown = lines().nth(line as usize - 1).unwrap_or_default();
+        let shown = String::from_utf8_lossy(shown);
         let shown = shown.trim_end();
         let place = Place {
             file: self.source.name(),

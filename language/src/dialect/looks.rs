@@ -14,10 +14,20 @@ const AHEAD: u32 = 3;
 pub struct Looks {
     /// Points, and the line of the first of them, in the order of [`Control::ALL`].
     seen: [(u32, u32); Control::ALL.len()],
+    /// A T of three digits was there. Each program with one has several, and other controls read them too: one counts.
+    short_tool: bool,
 }
 
-/// The words of a block: letter, number, and whether it has a point.
-struct Words(Vec<(u8, f64, bool)>);
+/// A word: its letter, its number, and how that is written.
+struct Word {
+    letter: u8,
+    value: f64,
+    has_point: bool,
+    digits: usize,
+}
+
+/// The words of a block.
+struct Words(Vec<Word>);
 
 impl Words {
     /// Reads a line without its comments. What is no plain number is passed over.
@@ -37,7 +47,12 @@ impl Words {
                     let number = &rest[..end.unwrap_or(rest.len())];
                     let value = std::str::from_utf8(number).ok();
                     if let Some(value) = value.and_then(|text| text.parse::<f64>().ok()) {
-                        words.push((letter.to_ascii_uppercase(), value, number.contains(&b'.')));
+                        words.push(Word {
+                            letter: letter.to_ascii_uppercase(),
+                            value,
+                            has_point: number.contains(&b'.'),
+                            digits: number.len(),
+                        });
                     }
                     at += number.len();
                 }
@@ -48,14 +63,14 @@ impl Words {
     }
 
     fn has(&self, letters: &[u8]) -> bool {
-        self.0.iter().any(|word| letters.contains(&word.0))
+        self.0.iter().any(|word| letters.contains(&word.letter))
     }
 
     fn code(&self, letter: u8, codes: &[u16]) -> bool {
-        let is = |word: &&(u8, f64, bool)| {
-            word.0 == letter && codes.iter().any(|code| word.1 == f64::from(*code))
+        let is = |word: &Word| {
+            word.letter == letter && codes.iter().any(|code| word.value == f64::from(*code))
         };
-        self.0.iter().any(|word| is(&word))
+        self.0.iter().any(is)
     }
 
     fn g(&self, codes: &[u16]) -> bool {
@@ -64,7 +79,7 @@ impl Words {
 
     /// A T of three digits.
     fn short_tool(&self) -> bool {
-        let is = |word: &(u8, f64, bool)| word.0 == b'T' && (100.0..1000.0).contains(&word.1);
+        let is = |word: &Word| word.letter == b'T' && word.digits == 3 && !word.has_point;
         self.0.iter().any(is)
     }
 }
@@ -76,6 +91,8 @@ impl Looks {
         let words = Words::of(text);
         let axes = words.has(b"XUZW");
         let pq = words.has(b"P") && words.has(b"Q");
+        let first_short_tool = words.short_tool() && !self.short_tool;
+        self.short_tool |= first_short_tool;
         let mut add = |controls: &[Control], points: u32| {
             for (place, control) in self.seen.iter_mut().zip(Control::ALL) {
                 if controls.contains(&control) {
@@ -112,7 +129,10 @@ impl Looks {
             add(&[FanucB, FanucC], 2);
         }
         if words.g(&[71, 72]) && pq && words.has(b"D") {
-            let point = words.0.iter().any(|word| word.0 == b'D' && word.2);
+            let point = words
+                .0
+                .iter()
+                .any(|word| word.letter == b'D' && word.has_point);
             add(&[Haas], if point { 6 } else { 4 });
             add(&[FanucA], 4);
         }
@@ -123,7 +143,7 @@ impl Looks {
         if words.code(b'M', &[97])
             || words.g(&[112])
             || words.g(&[53]) && words.g(&[0])
-            || words.short_tool()
+            || first_short_tool
         {
             add(&[Haas], 2);
         }
@@ -188,6 +208,8 @@ mod tests {
             "G20;G21;G90 X40 Z-5 F.2;X38",
             "G50 S2000;G96 S150;G98 G1 X1 F100",
             "G71 U2 R.5;G71 P1 Q2 U.4 W.1;G70 P1 Q2",
+            "T0101;T0202;T0303;T0404",
+            "T101;T202;T303;T404",
         ] {
             assert_eq!(like(text, set), None, "{text}");
         }

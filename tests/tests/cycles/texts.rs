@@ -13,7 +13,7 @@ use leadscrew_tests::random::Random;
 
 /// Everything a program yields: moves and the numbers of warnings, in order; or the number of its alarm.
 fn try_text(text: &str) -> Result<(Vec<Move>, Vec<u16>), u16> {
-    let params = Params::default();
+    let params = Params::sheets();
     let options = Options::default();
     let mut here = options.position;
     let (mut moves, mut warnings) = (Vec::new(), Vec::new());
