@@ -17,9 +17,14 @@ def prepared(params):
     sdo = Sdo(board, ear)
     for text in params:
         number, value = text.split("=")
-        index = 0x2000 + int(number)
-        size = len(sdo.read(index, 0))
-        sdo.write(index, 0, int(value).to_bytes(size, "little"))
+        number, _, bit = number.partition(".")
+        index, value = 0x2000 + int(number), int(value)
+        there = sdo.read(index, 0)
+        if bit:
+            # The bits of a number are one object.
+            others = int.from_bytes(there, "little") & ~(1 << int(bit))
+            value = others | value << int(bit)
+        sdo.write(index, 0, value.to_bytes(len(there), "little"))
         for _ in range(400):
             if sdo.number(0x5010, 2) == 2:
                 break

@@ -15,7 +15,8 @@ from talk import Ear
 
 LEADSCREW = os.environ.get("LEADSCREW", "leadscrew")
 # One spindle: with the four of the built-in set the wire is so full at 1 ms that setpoints come late.
-PARAMS = ("9014=1",)
+# One spindle; integers in 0.0001 mm, as in the machine file of the examples.
+PARAMS = ("9014=1", "1004.1=1")
 EXAMPLES = Path(os.environ.get("CHIP_EXAMPLES", "examples"))
 # The shortest; some of the others take many minutes.
 ALWAYS = ("g84-left-hand.nc", "g84-floating.nc")
@@ -91,7 +92,8 @@ class Setpoints(unittest.TestCase):
         machine.good("params", "set", "9006.0=0")
         machine.wait("the machine", lambda status: status["state"] == "idle")
         ran = json.loads(machine.good("run", path, "--json"))
-        there = simulated("run", path, "--set", "9006.0=0", "--set", PARAMS[0])
+        settings = [word for setting in ("9006.0=0", *PARAMS) for word in ("--set", setting)]
+        there = simulated("run", path, *settings)
         for field in ("ok", "moves", "setpoint_hash", "late"):
             self.assertEqual(ran[field], there[field], f"{field} of {path}")
         return machine.board.ticks

@@ -12,7 +12,7 @@ pub fn pulled_pushed_and_compared(board: &Board) {
     let file = scratch("pushed.toml");
     std::fs::write(
         &file,
-        "rapid_rate.X = \"11 m/min\"\n[drive.X]\nmax_profile_velocity = 500000\n",
+        "increment_is_c = 1\nrapid_rate.X = \"11 m/min\"\n[drive.X]\nmax_profile_velocity = 500000\n",
     )
     .expect("a place for a file");
     let file = file.display().to_string();

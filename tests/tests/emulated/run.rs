@@ -4,10 +4,10 @@ use std::process::Command;
 
 use crate::board::{Board, example, field, ours, program};
 
-/// What `--bus sim` makes of it.
+/// What `--bus sim` makes of it, with the increments of the board's image.
 fn simulated(program: &str) -> String {
     let output = Command::new(ours())
-        .args(["run", program, "--json"])
+        .args(["run", program, "--json", "--set", "1004.1=1"])
         .output()
         .expect("it starts");
     assert!(output.status.success());

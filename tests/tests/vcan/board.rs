@@ -8,7 +8,8 @@ use leadscrew_can::{Can as _, LogReader, Packet, SocketCan};
 use leadscrew_core::bus::{CobId, FdFrame, Frame, NodeId, Service};
 
 use crate::bus::{
-    Running, code, eventually, frame, open, ours, packets, receive, scratch, sockets_on, tool,
+    Running, SHEETS, code, eventually, frame, open, ours, packets, receive, scratch, sockets_on,
+    tool,
 };
 
 fn example(name: &str) -> PathBuf {
@@ -111,6 +112,8 @@ fn packets_on_the_wire(program: &str, more: &[&str]) -> Vec<Packet> {
                 "--bus",
                 "vcan0",
                 "--lockstep",
+                "--set",
+                SHEETS,
                 "--program",
                 path.to_str().unwrap(),
             ],
@@ -334,6 +337,8 @@ fn trouble_of_a_drive_stops_the_machine_and_is_told() {
         "--bus",
         "vcan0",
         "--lockstep",
+        "--set",
+        SHEETS,
         "--program",
         path.to_str().unwrap(),
         "--trouble",
@@ -378,6 +383,8 @@ fn a_board_that_ends_with_a_tap_in_its_hole_leaves_the_entry_in_its_file() {
         "--bus",
         "vcan0",
         "--lockstep",
+        "--set",
+        SHEETS,
         "--program",
         path.to_str().unwrap(),
         "--state",

@@ -137,6 +137,9 @@ pub fn holds_in_time(mut holds: impl FnMut() -> bool) -> bool {
     true
 }
 
+/// The setting of a board for programs in the increments of the makers' sheets, as `examples/leadscrew.toml` has it.
+pub const SHEETS: &str = "1004.1=1";
+
 /// Where the test may write; nothing is there yet. Numbers of processes come again
 /// in a machine that is started for the tests alone, and its files stay.
 pub fn scratch(name: &str) -> PathBuf {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
-use crate::bus::{INTERFACE, PATIENCE, Running, code, ours, scratch};
+use crate::bus::{INTERFACE, PATIENCE, Running, SHEETS, code, ours, scratch};
 
 /// An example of the repository.
 pub fn example(name: &str) -> PathBuf {
@@ -17,6 +17,8 @@ pub fn example(name: &str) -> PathBuf {
 pub fn program(name: &str, text: &str) -> PathBuf {
     let path = scratch(name);
     std::fs::write(&path, text).unwrap();
+    let beside = path.with_file_name("leadscrew.toml");
+    std::fs::copy(example("leadscrew.toml"), beside).unwrap();
     path
 }
 
@@ -44,8 +46,14 @@ impl Board {
         static COUNT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
         let number = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let words = scratch(&format!("board-{number}.txt"));
+        // What is kept in a file is what the test puts there.
+        let sheets: &[&str] = match args.contains(&"--state") {
+            true => &[],
+            false => &["--set", SHEETS],
+        };
         let child = Command::new(ours("board-sim"))
             .args(["--bus", bus])
+            .args(sheets)
             .args(args)
             .stdin(Stdio::null())
             .stderr(File::create(&words).unwrap())
