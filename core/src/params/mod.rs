@@ -47,7 +47,7 @@ impl Params {
     #[must_use]
     pub fn sheets() -> Self {
         let mut params = Self::slant_bed();
-        if let Ok(entry) = Entry::find_text("1004.1") {
+        if let Ok(entry) = Entry::find(1004, Some(Part::Bit(1))) {
             // A bit of the table: 1 is in its range.
             let _ = params.set(entry, 1);
         }

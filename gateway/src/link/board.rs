@@ -278,7 +278,7 @@ impl Link {
     /// [`Trouble::Strange`]: the set belongs to another version of the table, or is damaged.
     pub fn parameters(&mut self) -> LinkResult<BoardParams> {
         let bytes = self.read(IMAGE)?;
-        let mut params = Params::sheets();
+        let mut params = Params::slant_bed();
         let mut reader = ImageReader::new();
         let read = reader
             .take(&bytes, &mut params)

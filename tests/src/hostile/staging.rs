@@ -58,7 +58,7 @@ fn entry(key: &str) -> &'static Entry {
 
 /// One of some sets. Those of a kind differ in their password alone.
 fn set(choice: u8) -> Params {
-    let mut params = Params::sheets();
+    let mut params = Params::slant_bed();
     // Nobody is watched for: who has the door open keeps it open.
     params::set(&mut params, "9024", 0);
     params::set(&mut params, "9007", i64::from(choice & 7) + 10);
@@ -121,7 +121,7 @@ struct Bus {
 
 impl Bus {
     fn start() -> Self {
-        let built_in = Params::sheets();
+        let built_in = Params::slant_bed();
         let sim = Sim::with_flash(&built_in, &PlantOptions::default(), Flash::erased());
         let mut sim = sim.expect("it starts");
         let gateway = Gateway::connect(&mut sim);
@@ -178,7 +178,7 @@ impl Bus {
     fn changed(&mut self, possible: &[Params]) {
         self.ready();
         let mut flash = self.sim.flash().clone();
-        let up = stored_params(&mut flash, &Params::sheets()).expect("a flash");
+        let up = stored_params(&mut flash, &Params::slant_bed()).expect("a flash");
         assert_eq!(up.found, Found::Newest);
         assert!(possible.contains(&up.params), "another set than was meant");
         self.history
@@ -282,7 +282,7 @@ impl Bus {
             }
             11 => {
                 let outcome = self.write(BUILT_IN, &LOAD.to_le_bytes());
-                let mut wanted = Params::sheets();
+                let mut wanted = Params::slant_bed();
                 params::set(&mut wanted, "9028", password(&self.force));
                 self.outcome(outcome, &[wanted]);
             }

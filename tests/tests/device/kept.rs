@@ -241,7 +241,7 @@ fn a_new_board_keeps_its_built_in_set_when_it_is_told_to() {
     push(&mut gateway, &mut sim, &set(10)).expect("taken");
     assert_eq!(command(&mut gateway, &mut sim, 0x1011, 1, LOAD), Ok(()));
     rest(&mut gateway, &mut sim);
-    let built_in = identity(&Params::sheets());
+    let built_in = identity(&Params::slant_bed());
     assert_eq!(in_force(&mut gateway, &mut sim), built_in);
 }
 

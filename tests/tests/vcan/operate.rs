@@ -6,7 +6,7 @@ use std::io::BufReader;
 use leadscrew_can::{LogReader, Received};
 use leadscrew_core::bus::BoardStatus;
 
-use crate::bus::{eventually, open, receive, scratch, sockets_on, tool};
+use crate::bus::{PATIENCE, eventually, open, receive, scratch, sockets_on, tool};
 use crate::machine::{
     Board, bad, both, command, err, example, field, finish, good, interrupt, leadscrew, out,
     program, run, wait_for_status,
@@ -98,7 +98,7 @@ fn ctrl_c_in_a_stroke_ends_the_stroke_and_leaves_the_machine_at_rest() {
     let _board = Board::start(&["--lockstep"]);
     let path = program(
         "stroke.nc",
-        "O0076\nM03 S300\nG00 X80. Z10.\nG76 P010060 Q1500 R0.1\nG76 X76. Z-150. P2000 Q1500 F3.\nG00 X100. Z50.\nM30\n",
+        "O0076 (ALLOW 4800)\nM03 S300\nG00 X80. Z10.\nG76 P010060 Q1500 R0.1\nG76 X76. Z-150. P2000 Q1500 F3.\nG00 X100. Z50.\nM30\n",
     );
     let mut can = open();
     let running = run(&path, &[]);
@@ -108,7 +108,10 @@ fn ctrl_c_in_a_stroke_ends_the_stroke_and_leaves_the_machine_at_rest() {
             .filter_map(|received| BoardStatus::decode(received.packet.frame()?))
             .any(|(_, status)| status.flags.locked)
     };
-    while !in_a_stroke(&receive(&mut can, 1)) {}
+    let started = std::time::Instant::now();
+    while !in_a_stroke(&receive(&mut can, 1)) {
+        assert!(started.elapsed() < PATIENCE, "no stroke is under way");
+    }
     drop(can);
     interrupt(&running);
     let output = finish(running);

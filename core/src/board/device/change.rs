@@ -237,7 +237,7 @@ impl ObjectValues {
             return Err(Abort::NotStored);
         }
         self.admit(params, Change::Whole)?;
-        self.draft = Params::sheets();
+        self.draft = Params::slant_bed();
         // This does not remove a password.
         let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
         self.draft.put_slot(PASSWORD_SLOT, kept);
