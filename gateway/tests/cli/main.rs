@@ -102,12 +102,14 @@ fn examples() -> Vec<String> {
 }
 
 mod check;
+mod dialects;
 mod expand;
 mod interrupt;
 mod json;
 mod kept;
 mod machine;
 mod macros;
+mod plausible;
 mod recovery;
 mod taps;
 mod texts;

@@ -1,0 +1,127 @@
+//! The control that a program is written for: by option, machine file or comment.
+
+use serde_json::Value;
+
+use crate::{Folder, code, leadscrew, stderr, stdout};
+
+/// A turned shoulder and a thread, as two controls write them.
+const SYSTEM_A: &str = "G50 X100. Z50.\nG99 G97 M3 S400\nG0 X52. Z2.\nG90 X48. Z-20. F0.2\nX46.\nG0 X50. Z6.\nG92 X47. Z-15. F2.\nG0 X100. Z50.\nM5\nM30\n";
+const SYSTEM_B: &str = "G92 X100. Z50.\nG95 G97 M3 S400\nG90 G0 X52. Z2.\nG77 X48. Z-20. F0.2\nX46.\nG0 X50. Z6.\nG78 X47. Z-15. F2.\nG0 X100. Z50.\nM5\nM30\n";
+
+fn moves(args: &[&str]) -> Vec<Value> {
+    let output = leadscrew(&[&["expand", "--format", "jsonl"], args].concat());
+    assert_eq!(code(&output), 0, "{args:?}: {}", stderr(&output));
+    let lines = stdout(&output);
+    lines
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+#[test]
+fn the_three_ways_to_name_a_control_make_the_same_moves() {
+    let folder = Folder::new("dialects");
+    let write = |name: &str, text: &str| {
+        let path = folder.file(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let expected = moves(&[&write("a.nc", SYSTEM_A)]);
+    let program = write("b.nc", SYSTEM_B);
+    assert_eq!(moves(&[&program, "--dialect", "fanuc-b"]), expected);
+    let commented = write("comment.nc", &format!("(DIALECT FANUC-B)\n{SYSTEM_B}"));
+    let without_line = |steps: Vec<Value>| -> Vec<Value> {
+        let without = |mut step: Value| {
+            step.as_object_mut().unwrap().remove("line");
+            step
+        };
+        steps.into_iter().map(without).collect()
+    };
+    assert_eq!(
+        without_line(moves(&[&commented])),
+        without_line(expected.clone())
+    );
+    // The comment counts before the option: the program knows best what it was written for.
+    assert_eq!(
+        moves(&[&commented, "--dialect", "haas"]),
+        moves(&[&commented])
+    );
+    write(
+        "leadscrew.toml",
+        "increment_is_c = 1\ndialect = \"fanuc-b\"\n",
+    );
+    assert_eq!(moves(&[&program]), expected);
+    // The option counts before the file.
+    assert_eq!(
+        moves(&[&folder.file("a.nc"), "--dialect", "gsk980td"]),
+        expected
+    );
+}
+
+#[test]
+fn a_program_of_another_control_is_told_so_and_codes_are_named_as_written() {
+    let folder = Folder::new("looks");
+    let program = folder.file("p.nc");
+    std::fs::write(&program, SYSTEM_B).unwrap();
+    let told = stderr(&leadscrew(&["check", &program]));
+    assert!(told.contains("warning[4994]"), "{told}");
+    assert!(
+        told.contains("a program for fanuc-b, and it is read as one for gsk980td"),
+        "{told}"
+    );
+    let told = stderr(&leadscrew(&["check", &program, "--dialect", "fanuc-b"]));
+    assert!(!told.contains("4994"), "{told}");
+    std::fs::write(&program, "(DIALECT FANUC-B)\nG77 X10. Z-5.\nM30\n").unwrap();
+    let told = stderr(&leadscrew(&["check", &program]));
+    assert!(told.contains("G77 cuts and no feed is set"), "{told}");
+}
+
+#[test]
+fn a_name_that_is_none_is_an_alarm_with_its_place() {
+    let folder = Folder::new("no-dialect");
+    let program = folder.file("p.nc");
+    std::fs::write(&program, "O1\n(DIALECT FANUC-D)\nM30\n").unwrap();
+    let output = leadscrew(&["check", &program]);
+    assert_eq!(code(&output), 1);
+    let told = stderr(&output);
+    assert!(
+        told.contains("alarm[4086]") && told.contains("p.nc:2:10"),
+        "{told}"
+    );
+    std::fs::write(&program, "M30\n").unwrap();
+    std::fs::write(folder.file("leadscrew.toml"), "dialect = \"fanuc\"\n").unwrap();
+    let output = leadscrew(&["check", &program]);
+    assert_eq!(code(&output), 1);
+    let told = stderr(&output);
+    assert!(
+        told.contains("alarm[4416]") && told.contains("leadscrew.toml:1:"),
+        "{told}"
+    );
+    let output = leadscrew(&["check", &program, "--dialect", "fanuc"]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("fanuc-a"), "{}", stderr(&output));
+}
+
+#[test]
+fn the_nearest_machine_file_counts_is_named_and_gives_way_to_options() {
+    let folder = Folder::new("beside");
+    std::fs::create_dir_all(folder.file("part")).unwrap();
+    let program = folder.file("part/p.nc");
+    std::fs::write(
+        &program,
+        "G97 M3 S300\nG0 X24 Z8\nG76 P010060 Q50 R0.05\nG76 X17.546 Z-20 P1227 Q400 F2\nM30\n",
+    )
+    .unwrap();
+    let height = |args: &[&str]| {
+        let output = leadscrew(&[&["check", &program, "--json"], args].concat());
+        let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (result["files"][0]["machine"].clone(), code(&output))
+    };
+    // In the folder above: 0.0001 mm, so the height is not that of a thread.
+    let above = folder.file("leadscrew.toml");
+    assert_eq!(height(&[]), (Value::from(above), 1));
+    let own = folder.file("part/leadscrew.toml");
+    std::fs::write(&own, "increment_is_c = 0\n").unwrap();
+    assert_eq!(height(&[]), (Value::from(own), 0));
+    assert_eq!(height(&["--set", "1004.1=1"]).1, 1);
+}

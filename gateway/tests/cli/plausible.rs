@@ -1,0 +1,130 @@
+//! What a program hardly means: one program for each rule, one beside it that is right, and the ways to say that it is
+//! meant.
+
+use serde_json::Value;
+
+use crate::{Folder, code, leadscrew, stderr};
+
+/// Numbers and lines of alarms and warnings.
+fn found(program: &str) -> Vec<(u64, u64)> {
+    let output = leadscrew(&["check", program, "--json"]);
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut found = Vec::new();
+    for list in ["alarms", "warnings"] {
+        for one in result["files"][0][list].as_array().unwrap() {
+            found.push((one["no"].as_u64().unwrap(), one["line"].as_u64().unwrap()));
+        }
+    }
+    found
+}
+
+/// A folder whose machine reads 0.001 mm.
+fn shop(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    std::fs::write(folder.file("leadscrew.toml"), "increment_is_c = 0\n").unwrap();
+    folder
+}
+
+const THREAD: &str = "G97 M3 S300\nG0 X40 Z8\nG76 P011060 Q50 R0.05\n";
+
+/// The number, the program, and one that says what was meant.
+fn cases() -> Vec<(u64, String, String)> {
+    let thread = |text: &str| format!("{THREAD}{text}\nM5\nM30\n");
+    let groove = |text: &str| format!("G99 G97 M3 S500\nG0 X52 Z-5\nG75 R0.05\n{text}\nM5\nM30\n");
+    let lines = |text: &str| format!("G97 M3 S1000\nG0 X50 Z2\n{text}\nM5\nM30\n");
+    vec![
+        // A height in units of 0.0001 mm.
+        (
+            4800,
+            thread("G76 X12.12 Z-20 P12270 Q400 F2"),
+            thread("G76 X17.546 Z-20 P1227 Q400 F2"),
+        ),
+        (
+            4801,
+            thread("G76 X17.546 Z-20 P1227 Q4000 F2"),
+            thread("G76 X17.546 Z-20 P1227 Q400 F2"),
+        ),
+        (
+            4981,
+            thread("G76 X17.546 Z-20 P1227 Q4 F2"),
+            thread("G76 X17.546 Z-20 P1227 Q400 F2"),
+        ),
+        (
+            4802,
+            groove("G75 X20 P20 F0.1"),
+            groove("G75 X20 P2000 F0.1"),
+        ),
+        (
+            4982,
+            groove("G75 X48 P30000 F0.1"),
+            groove("G75 X48 P4000 F0.1"),
+        ),
+        (4803, lines("G98 G1 Z-20 F0.2"), lines("G99 G1 Z-20 F0.2")),
+        (4803, lines("G99 G1 Z-20 F120"), lines("G98 G1 Z-20 F120")),
+        (
+            4808,
+            lines("G98 G1 Z-20 C2 F100"),
+            lines("G98 G1 Z-20 F100"),
+        ),
+        (
+            4985,
+            lines("G92 X49 Z-20 F0.04"),
+            lines("G92 X49 Z-20 F0.4 J0.5 K0.5"),
+        ),
+    ]
+}
+
+#[test]
+fn each_doubt_is_told_at_its_line_and_what_was_meant_is_not() {
+    let folder = shop("doubts");
+    let program = folder.file("p.nc");
+    for (number, odd, right) in cases() {
+        std::fs::write(&program, &odd).unwrap();
+        let line = odd.lines().position(|line| line == "M5").unwrap() as u64;
+        let told = found(&program);
+        assert!(told.contains(&(number, line)), "{number}: {told:?}\n{odd}");
+        std::fs::write(&program, &right).unwrap();
+        assert_eq!(found(&program), [], "{number}\n{right}");
+    }
+}
+
+#[test]
+fn what_is_meant_is_allowed_by_the_program_or_by_the_machine_file() {
+    let folder = shop("allowed");
+    let (program, machine) = (folder.file("p.nc"), folder.file("leadscrew.toml"));
+    for (number, odd, _) in cases() {
+        let is_told = || found(&program).iter().any(|(told, _)| *told == number);
+        std::fs::write(&machine, "increment_is_c = 0\n").unwrap();
+        std::fs::write(&program, format!("O1 (ODD) (ALLOW {number})\n{odd}")).unwrap();
+        assert!(!is_told(), "{number}");
+        // Another number allows nothing of it, and neither does a text that is no comment of the first lines.
+        let other = if number == 4800 { 4801 } else { 4800 };
+        std::fs::write(&program, format!("(ALLOW {other})\n{odd}")).unwrap();
+        assert!(is_told(), "{number}");
+        let allow = format!("increment_is_c = 0\nallow = [{number}]\n");
+        std::fs::write(&machine, allow).unwrap();
+        std::fs::write(&program, &odd).unwrap();
+        assert!(!is_told(), "{number}");
+    }
+    // What is no doubt cannot be silenced.
+    std::fs::write(&machine, "allow = [4019]\n").unwrap();
+    let output = leadscrew(&["check", &program]);
+    assert_eq!(code(&output), 1);
+    assert!(
+        stderr(&output).contains("alarm[4417]"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn codes_of_the_family_are_passed_in_the_simulation_and_refused_where_they_would_act() {
+    let folder = shop("m-codes");
+    let program = folder.file("p.nc");
+    let text = "G97 M3 S500\nM13\nG0 X50 Z2\nM12\nM5\nM30\n";
+    std::fs::write(&program, text).unwrap();
+    assert_eq!(found(&program), [(4903, 2), (4903, 4)]);
+    assert_eq!(code(&leadscrew(&["run", &program])), 0);
+    std::fs::write(&program, text.replace("M13", "M77")).unwrap();
+    assert_eq!(found(&program), [(4019, 2)]);
+}
