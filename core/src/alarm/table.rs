@@ -394,6 +394,15 @@ codes! {
         "reverse the sign of R, make it shorter, or start further out", "R {0} 与进刀 {1} 方向相反且更长：切削起点将越过循环起点",
         "请改变 R 的符号、减小 R，或将起点移远";
 
+    /// J of an earlier G78 or G92 in force at a stroke of G32; {0} J.
+    RunOutWithoutSide = 4057, "the run-out J {0} of an earlier G78 or G92 is in force, and says not to which side this stroke leaves the thread",
+        "write J with its sign in this block (J plus: towards plus on the short axis, X on the radius), or J0 for no run-out",
+        "此前 G78 或 G92 的退尾 J {0} 仍然有效，但没有说明本段向哪一侧退尾", "请在本段写带符号的 J（短轴正方向为正，X 为半径值），或写 J0 不退尾";
+    /// J or K in a thread stroke of a control that has none; {0} the letter, {1} the code.
+    StrokeWithoutRunOut = 4058, "{0} is no word of {1} on this control: a stroke ends where its block ends, without a run-out",
+        "leave {0} out and lift the tool by the next block, or cut the thread by G92 or G76, which run out of it; J and K are words of the GSK controls (--dialect gsk980td)",
+        "该系统的 {1} 没有 {0}：单段螺纹在段终点结束，不退尾", "请去掉 {0} 并在下一段退刀，或改用带退尾的 G92、G76；J、K 是 GSK 系统的字（--dialect gsk980td）";
+
     // 4060–4079: tapping.
     /// G84 or G88 without rigid mode and with a standing spindle; {0} the code, {1} the rigid M code.
     TapSpindleStands = 4060, "{0} without rigid mode, and the spindle stands",
@@ -486,8 +495,8 @@ codes! {
         "第 {0} 刀的切入点距起点 {1}，而螺纹长度只有 {2}", "请使起点沿 Z 向更远，或减小角度";
     /// The taper rises as fast as the run-out.
     RunOutIntoThread = 4106, "the run-out retracts {0} over {1}, but the taper rises {2} there: it would cut into the thread",
-        "write a larger J or a smaller K",
-        "退尾在 {1} 内退 {0}，而锥面在此上升 {2}，将切入螺纹", "请增大 J 或减小 K";
+        "write a larger J or a smaller K (in G32 also mind the sign of J)",
+        "退尾在 {1} 内退 {0}，而锥面在此上升 {2}，将切入螺纹", "请增大 J 或减小 K（G32 中还应检查 J 的符号）";
     /// E where X is the long axis.
     RunInWithLongX = 4107, "a run-in E is not possible where X is the long axis", "leave E out, or reduce the taper R",
         "X 为长轴时不能使用旋进 E", "请去掉 E，或减小锥度 R";

@@ -46,7 +46,12 @@ impl ThreadCall {
         see(&self.allowance, b'R', Sign::NotNegative);
         see(&self.run_in, b'E', Sign::NotNegative);
         if let Some(run_out) = &self.run_out {
-            see(&run_out.short, b'J', Sign::Positive);
+            let short = if self.cycle.is_stroke() {
+                Sign::Any
+            } else {
+                Sign::Positive
+            };
+            see(&run_out.short, b'J', short);
             see(&run_out.long, b'K', Sign::Positive);
         }
     }

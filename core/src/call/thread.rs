@@ -16,8 +16,17 @@ pub enum ThreadCycle {
     G78,
     /// G92: one pass at D. The height is zero, and the only pass is a finishing pass.
     G92,
-    /// G32: one stroke from A to D, where the tool stays. All words but D and the lead are zero.
+    /// G32: one stroke from A to D, where the tool stays; with a run-out, where that ends. All words but D, the lead and
+    /// the run-out are zero.
     G32,
+}
+
+impl ThreadCycle {
+    /// One stroke from A to D, after which the tool stays where it is.
+    #[must_use]
+    pub const fn is_stroke(self) -> bool {
+        matches!(self, Self::G32)
+    }
 }
 
 /// How the tool enters from pass to pass (G78 P(r)).
@@ -49,7 +58,7 @@ pub enum Infeed {
 /// Run-out (chamfer) of a thread, before it is clipped at the start level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct RunOut {
-    /// Displacement of the short axis (J), positive.
+    /// Displacement of the short axis (J): positive, away from the work; in a stroke of G32 along the axis, with its sign.
     pub short: At<Length>,
     /// Length on the long axis (K), positive.
     pub long: At<Length>,

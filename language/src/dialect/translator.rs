@@ -84,6 +84,9 @@ impl Translator {
             }
             return Ok(());
         }
+        if alone && motion == 32 {
+            refuse_run_out(words)?;
+        }
         if alone && motion == 1 {
             corners(words);
         }
@@ -166,6 +169,16 @@ fn refuse_no_chamfer(words: &[Word]) -> Result<(), Alarm> {
     let is = |word: &&Word| word.letter == b'M' && word.value().whole() == Some(24);
     match words.iter().find(is) {
         Some(word) => Err(word.alarm(Code::MNotAvailable).with([Arg::Int(24)])),
+        None => Ok(()),
+    }
+}
+
+/// J and K of a stroke of G32, which are words of a GSK.
+fn refuse_run_out(words: &[Word]) -> Result<(), Alarm> {
+    match words.iter().find(|word| matches!(word.letter, b'J' | b'K')) {
+        Some(word) => Err(word
+            .alarm(Code::StrokeWithoutRunOut)
+            .with([Arg::Letter(word.letter), Arg::GCode(320)])),
         None => Ok(()),
     }
 }

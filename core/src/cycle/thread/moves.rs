@@ -15,8 +15,8 @@ use crate::units::{Length, StartAngle};
 /// The moves of a G76 or G78 cycle.
 ///
 /// For each depth, for each start: rapid to the pass's start, synchronous run-in (E), stroke and run-out, rapid X to
-/// X_A, rapid Z to Z_A. Moves of zero length are left out. The last move ends at A, that of G32 at D. Nothing can fail
-/// after the value is made.
+/// X_A, rapid Z to Z_A. Moves of zero length are left out. The last move ends at A, that of G32 at D or behind its run-out.
+/// Nothing can fail after the value is made.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadMoves {
     helix: Helix,
@@ -184,11 +184,8 @@ impl ThreadMoves {
             },
             after_stroke: if shape.has_run_out() {
                 Step::RunOut
-            } else if shape.stays {
-                // There is no further pass.
-                Step::Approach
             } else {
-                Step::Retract
+                after_synchronous(&shape)
             },
             home: shape.place(&shape.home()),
             pass: Places::default(),
@@ -243,7 +240,7 @@ impl ThreadMoves {
                     return self.thread(leave, self.stroke, self.to_line, last);
                 }
                 Step::RunOut => {
-                    self.step = Step::Retract;
+                    self.step = after_synchronous(&self.shape);
                     return self.thread(self.pass.end, Stage::RunOut, self.to_leave, true);
                 }
                 Step::Retract => {
@@ -357,13 +354,13 @@ impl ThreadMoves {
         }
     }
 
-    /// Distance on the long axis from `begin` on; along Z no pass goes back.
+    /// Distance on the long axis from `begin` on.
     #[inline]
     fn along(&self, to: Point, begin: Point) -> u64 {
         if self.shape.long_x {
             to.out.abs_diff(begin.out)
         } else {
-            to.along.wrapping_sub(begin.along) as u64
+            to.along.abs_diff(begin.along)
         }
     }
 
@@ -395,6 +392,15 @@ impl ThreadMoves {
             tag.stage = stage;
         }
         Some(next)
+    }
+}
+
+/// The step after the last synchronous move of a pass. A stroke has no further pass.
+const fn after_synchronous(shape: &Shape) -> Step {
+    if shape.stays {
+        Step::Approach
+    } else {
+        Step::Retract
     }
 }
 

@@ -14,13 +14,8 @@ pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> 
     in_range(span, |see| call.lengths(see))?;
     let start = &call.start;
     let stroke = call.end_z.value - start.z;
-    if call.cycle == ThreadCycle::G32 {
-        return if stroke == Length::ZERO && call.end_x.value == start.x {
-            let word = &call.end_z.span;
-            Err(blame(Code::ThreadWithoutLength, span, word, b'Z'))
-        } else {
-            Ok(())
-        };
+    if call.cycle.is_stroke() {
+        return refuse_stroke(call, span);
     }
     let travel = stroke.nm().unsigned_abs();
     if travel == 0 {
@@ -82,4 +77,46 @@ pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> 
         return Err(blame(Code::CycleStartsRange, span, word, b'L'));
     }
     Ok(())
+}
+
+/// Refuses a stroke without length, and a run-out that leaves nothing of it or leads into the thread.
+#[inline(never)]
+fn refuse_stroke(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
+    let x = call.end_x.value - call.start.x;
+    let z = call.end_z.value - call.start.z;
+    let (long, short) = if is_long_x(call) { (x, z) } else { (z, x) };
+    if long == Length::ZERO {
+        let word = &call.end_z.span;
+        return Err(blame(Code::ThreadWithoutLength, span, word, b'Z'));
+    }
+    let Some(run_out) = &call.run_out else {
+        return Ok(());
+    };
+    let (j, k) = (run_out.short.value, run_out.long.value);
+    if k >= long.abs() {
+        let word = &run_out.long.span;
+        let figures = [
+            Arg::Int(1),
+            Arg::Length(long.abs()),
+            Arg::Length(Length::ZERO),
+            Arg::Length(k),
+        ];
+        return Err(blame(Code::StrokeTooShort, span, word, b'K').with(figures));
+    }
+    // Over K the line moves by short·K/|long|. The tool must move further, to the side of J.
+    let line = signed_product(short.nm(), k.nm());
+    let tool = signed_product(long.nm().saturating_abs(), j.nm());
+    let leaves = if j < Length::ZERO {
+        tool < line
+    } else {
+        tool > line
+    };
+    if leaves {
+        return Ok(());
+    }
+    let size = |length: Length| length.nm().unsigned_abs();
+    let moves = scaled(size(short), size(k), size(long));
+    let figures = [Arg::Length(j.abs()), Arg::Length(k), Arg::Length(moves)];
+    let word = &run_out.short.span;
+    Err(blame(Code::RunOutIntoThread, span, word, b'J').with(figures))
 }

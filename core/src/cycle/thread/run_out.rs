@@ -1,8 +1,77 @@
 //! J and K of a thread after the rules for what is left out ([G76 sheet] notes 1–4).
 
-use crate::alarm::At;
+use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::RunOut;
 use crate::units::{Lead, Length, Remainder};
+
+/// J and K in force, shared by G32, G78 and G92: kept as words, because what they leave out follows each thread's own lead.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KeptRunOut {
+    /// J: with its sign from G32, without a sign from the others.
+    short: Option<At<Length>>,
+    long: Option<At<Length>>,
+    /// J was written in a stroke of G32: its sign says where the tool goes.
+    directed: bool,
+}
+
+impl KeptRunOut {
+    pub(super) const NONE: Self = Self {
+        short: None,
+        long: None,
+        directed: false,
+    };
+
+    /// The words of a G78 or G92. Both take the place of what is in force, also where one of them is missing.
+    pub(super) const fn write(&mut self, short: Option<At<Length>>, long: Option<At<Length>>) {
+        if short.is_some() || long.is_some() {
+            *self = Self {
+                short,
+                long,
+                directed: false,
+            };
+        }
+    }
+
+    /// The words of a G32. J alone ends a K in force, for K is then as long as J; K alone leaves J in force [D260].
+    pub(super) const fn write_directed(
+        &mut self,
+        short: Option<At<Length>>,
+        long: Option<At<Length>>,
+    ) {
+        if short.is_some() {
+            *self = Self {
+                short,
+                long,
+                directed: true,
+            };
+        } else if long.is_some() {
+            self.long = long;
+        }
+    }
+
+    /// J as a magnitude, and K, for a cycle that knows where A is.
+    pub(super) fn sizes(&self) -> (Option<At<Length>>, Option<At<Length>>) {
+        let size = |j: At<Length>| At::new(j.value.abs(), j.span);
+        (self.short.map(size), self.long)
+    }
+
+    /// The run-out of a stroke at `span`: none without J. K is as long as J where it is zero or missing.
+    ///
+    /// # Errors
+    /// J is that of a G78 or G92, whose sign a stroke cannot know.
+    pub(super) fn of_stroke(&self, span: Span) -> Result<Option<RunOut>, Alarm> {
+        let Some(short) = self.short.filter(|j| j.value != Length::ZERO) else {
+            return Ok(None);
+        };
+        if !self.directed {
+            let figure = [Arg::Length(short.value)];
+            return Err(Alarm::new(Code::RunOutWithoutSide, span).with(figure));
+        }
+        let long = self.long.filter(|k| k.value != Length::ZERO);
+        let long = long.unwrap_or(At::new(short.value.abs(), short.span));
+        Ok(Some(exact(short, long)))
+    }
+}
 
 /// The source of a run-out that its words leave open.
 #[derive(Clone, Copy, Debug)]

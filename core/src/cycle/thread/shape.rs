@@ -7,7 +7,7 @@
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
 use super::taper::{Taper, flip, quotient};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::call::{CutIn, RunOut, ThreadCall, ThreadCycle};
+use crate::call::{CutIn, RunOut, ThreadCall};
 use crate::moves::Stage;
 use crate::units::{Length, signed_product};
 
@@ -23,9 +23,9 @@ pub(crate) struct Pass {
 /// A point of a thread in nanometres, in the thread's own directions. Mirrored threads have the same points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Point {
-    /// From D's X towards A, on the radius.
+    /// From D's X towards A, on the radius; in a stroke along +X.
     pub(crate) out: i64,
-    /// From A's Z towards D.
+    /// From A's Z towards D; in a stroke along +Z.
     pub(crate) along: i64,
 }
 
@@ -55,13 +55,13 @@ pub(crate) struct Shape {
     /// X of D, Z of A.
     x: Length,
     z: Length,
-    /// Sign of Z_D − Z_A.
+    /// Sign of Z_D − Z_A; in a stroke 1.
     sigma: i64,
-    /// +1 external, −1 internal.
+    /// +1 external, −1 internal; in a stroke 1.
     side: i64,
-    /// |Z_D − Z_A|.
+    /// |Z_D − Z_A|; in a stroke with its sign.
     travel: i64,
-    /// |X_A − X_D|.
+    /// |X_A − X_D|; in a stroke with its sign.
     room: i64,
     /// k.
     height: i64,
@@ -99,6 +99,9 @@ impl Shape {
         let (x, z) = (call.end_x.value, call.start.z);
         let stroke = call.end_z.value - z;
         let room = call.start.x - x;
+        if call.cycle.is_stroke() {
+            return Self::of_stroke(call, room.nm(), stroke.nm());
+        }
         let (sigma, side) = (stroke.signum(), room.signum());
         let travel = stroke.nm().unsigned_abs();
         let lean = flip(call.taper.value.nm(), side);
@@ -114,7 +117,7 @@ impl Shape {
             height: call.height.value.nm(),
             limit: (call.height.value - call.allowance.value).nm(),
             long_x,
-            stays: call.cycle == ThreadCycle::G32,
+            stays: false,
             tangent,
             cut_in: call.cut_in.value,
             taper: Taper::new(lean, travel, tangent),
@@ -123,6 +126,31 @@ impl Shape {
                 .run_out
                 .as_ref()
                 .map(|run_out| Leave::new(run_out, lean, travel, long_x)),
+        }
+    }
+
+    /// A stroke: a line from A to D, and the run-out beside it. Its points count along the axes.
+    fn of_stroke(call: &ThreadCall, room: i64, travel: i64) -> Self {
+        let long_x = is_long_x(call);
+        Self {
+            x: call.end_x.value,
+            z: call.start.z,
+            sigma: 1,
+            side: 1,
+            travel,
+            room,
+            height: 0,
+            limit: 0,
+            long_x,
+            stays: true,
+            tangent: HalfAngle::default(),
+            cut_in: CutIn::Centre,
+            taper: None,
+            run_in: 0,
+            run_out: call
+                .run_out
+                .as_ref()
+                .map(|run_out| Leave::of_stroke(run_out, room, travel, long_x)),
         }
     }
 
@@ -172,13 +200,7 @@ impl Shape {
     #[inline]
     pub(crate) fn corners(&self, pass: &Pass) -> Corners {
         if self.stays {
-            let (begin, end) = (self.home(), self.bottom());
-            return Corners {
-                begin,
-                line: begin,
-                leave: end,
-                end,
-            };
+            return self.line();
         }
         let depth = pass.depth.nm();
         let u = self.shifted(pass);
@@ -224,6 +246,43 @@ impl Shape {
         Corners {
             begin,
             line,
+            leave,
+            end,
+        }
+    }
+
+    /// Where a stroke ends.
+    pub(crate) fn stroke_end(&self) -> Point {
+        self.line().end
+    }
+
+    /// The corners of a stroke.
+    fn line(&self) -> Corners {
+        let (begin, bottom) = (self.home(), self.bottom());
+        let (leave, end) = match &self.run_out {
+            None => (bottom, bottom),
+            Some(out) => {
+                let leave = Point {
+                    out: out.out,
+                    along: out.along,
+                };
+                let end = if self.long_x {
+                    Point {
+                        along: out.end,
+                        ..bottom
+                    }
+                } else {
+                    Point {
+                        out: out.end,
+                        ..bottom
+                    }
+                };
+                (leave, end)
+            }
+        };
+        Corners {
+            begin,
+            line: begin,
             leave,
             end,
         }
@@ -369,7 +428,7 @@ impl Shape {
 
 /// True where X is the long axis.
 pub(crate) fn is_long_x(call: &ThreadCall) -> bool {
-    if call.cycle == ThreadCycle::G32 {
+    if call.cycle.is_stroke() {
         let (x, z) = (
             call.end_x.value - call.start.x,
             call.end_z.value - call.start.z,
@@ -406,6 +465,42 @@ impl Leave {
                 along: width.wrapping_sub(long.nm()),
                 end: quotient(back, travel),
                 long: long.nm(),
+            }
+        }
+    }
+
+    /// The figures of a stroke's run-out: it begins K before D on the line, and displaces the short axis from there by J.
+    fn of_stroke(run_out: &RunOut, room: i64, travel: i64, long_x: bool) -> Self {
+        let long = run_out.long.value.nm();
+        let j = run_out.short_rest.behind(run_out.short.value);
+        let k = run_out.long_rest.behind(run_out.long.value);
+        // From D back to A: `slide` on the short axis over K of the long one.
+        let (long_way, short_way) = if long_x {
+            (room, travel.wrapping_neg())
+        } else {
+            (travel.wrapping_neg(), room)
+        };
+        let size = long_way.unsigned_abs();
+        let slide = signed_product(short_way, k);
+        let end = slide.wrapping_add(signed_product(size as i64, j));
+        let (back, slide, end) = (
+            flip(long, long_way.signum()),
+            quotient(slide, size),
+            quotient(end, size),
+        );
+        if long_x {
+            Self {
+                out: back,
+                along: travel.wrapping_add(slide),
+                end: travel.wrapping_add(end),
+                long,
+            }
+        } else {
+            Self {
+                out: slide,
+                along: travel.wrapping_add(back),
+                end,
+                long,
             }
         }
     }

@@ -47,9 +47,7 @@ impl ThreadWords {
         block.only(PLANE_AXES.and(Letters::of(b"RIJKLQ")))?;
         self.read_lead(modal, block)?;
         let extras = Extras::read(modal, block, Range::NINE_DIGITS)?;
-        if extras.j.is_some() || extras.k.is_some() {
-            self.run_out = (extras.j, extras.k);
-        }
+        self.run_out.write(extras.j, extras.k);
         if let Some(l) = block.find(b'L') {
             self.starts = starts(&l)?;
         }
@@ -78,7 +76,7 @@ impl ThreadWords {
             let range = modal.scale.lead_range();
             return Err(Alarm::new(Code::LeadMissing, span).with(range));
         };
-        let (j, k) = self.run_out;
+        let (j, k) = self.run_out.sizes();
         let chamfer = Chamfer::plain(modal, parameter(modal.params.thread_chamfer()));
         let call = ThreadCall {
             cycle: ThreadCycle::G92,

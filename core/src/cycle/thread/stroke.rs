@@ -1,14 +1,19 @@
 //! The words of G32: one stroke from where the tool stands to the end point, in step with the spindle.
+//!
+//! J moves the short axis away from the line over the last K of the long one. Its sign is the direction: a stroke knows no
+//! outside and inside.
 
+use super::refuse::refuse_thread;
+use super::shape::Shape;
 use super::words::{ThreadWords, parameter};
 use crate::alarm::{Alarm, At, Code, Span};
 use crate::call::{CallKind, CutIn, Infeed, Position, ThreadCall, ThreadCycle};
-use crate::text::{Block, Letters, Modal, PLANE_AXES, Plan};
+use crate::text::{Block, Letters, Modal, PLANE_AXES, Plan, Range};
 use crate::units::{Length, StartAngle};
 
 impl ThreadWords {
-    /// A block while G32 is in force, at `span`: where its stroke ends. `None` without a word of X or Z, which moves
-    /// nothing.
+    /// A block while G32 is in force, at `span`: where its stroke ends, run-out and all. `None` without a word of X or Z,
+    /// which moves nothing.
     pub(crate) fn read_stroke(
         &mut self,
         modal: &Modal<'_>,
@@ -16,8 +21,9 @@ impl ThreadWords {
         span: Span,
         plan: &mut Plan,
     ) -> Result<Option<Position>, Alarm> {
-        block.only(PLANE_AXES.and(Letters::of(b"IQ")))?;
+        block.only(PLANE_AXES.and(Letters::of(b"IQJK")))?;
         self.read_lead(modal, block)?;
+        self.read_run_out(modal, block)?;
         let first_angle = match block.find(b'Q') {
             Some(q) => StartAngle::from_mdeg(q.count(StartAngle::FULL)?),
             None => StartAngle::INDEX,
@@ -47,13 +53,43 @@ impl ThreadWords {
             cut_in: parameter(CutIn::Centre),
             starts: parameter(1),
             run_in: none(),
-            run_out: None,
+            run_out: self.run_out.of_stroke(span)?,
             lead,
             first_angle,
             increment: modal.scale.increment(),
             rpm: modal.rpm(),
         };
         plan.motion(span, CallKind::Thread(call));
-        Ok(Some(end))
+        Ok(Some(stroke_end(&call, span)))
     }
+
+    /// J and K of G32: J with a sign, K without.
+    fn read_run_out(&mut self, modal: &Modal<'_>, block: &Block) -> Result<(), Alarm> {
+        let j = match block.find(b'J') {
+            Some(word) => Some(modal.scale.distance(&word, Range::SIGNED_NINE_DIGITS)?),
+            None => None,
+        };
+        let k = match block.find(b'K') {
+            Some(word) => {
+                word.not_negative()?;
+                Some(modal.scale.distance(&word, Range::NINE_DIGITS)?)
+            }
+            None => None,
+        };
+        self.run_out.write_directed(j, k);
+        Ok(())
+    }
+}
+
+/// Where the tool stands after a stroke: at the end of its run-out. A stroke that is refused ends at D.
+fn stroke_end(call: &ThreadCall, span: Span) -> Position {
+    let mut end = call.start;
+    if refuse_thread(call, span).is_ok() {
+        let shape = Shape::of(call);
+        let place = shape.place(&shape.stroke_end());
+        (end.x, end.z) = (place.x, place.z);
+    } else {
+        (end.x, end.z) = (call.end_x.value, call.end_z.value);
+    }
+    end
 }

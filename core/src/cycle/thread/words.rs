@@ -2,7 +2,7 @@
 //! every word resolved or its parameter taken. G76 and G78 have one reading; [`Rules`] says what differs. The words of
 //! G92 are those of `single`.
 
-use super::run_out::Chamfer;
+use super::run_out::{Chamfer, KeptRunOut};
 use super::single::Single;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{CallKind, CutIn, Infeed, ThreadCall, ThreadCycle};
@@ -81,9 +81,8 @@ pub(crate) struct ThreadWords {
     pub(super) starts: At<u8>,
     /// What G92 keeps as long as its mode lasts.
     pub(super) g92: Single,
-    /// J and K of the latest G78 or G92 that had any: modal as words, because what they leave out follows each thread's
-    /// own lead.
-    pub(super) run_out: (Option<At<Length>>, Option<At<Length>>),
+    /// J and K of the latest G32, G78 or G92 that had any.
+    pub(super) run_out: KeptRunOut,
 }
 
 impl ThreadWords {
@@ -106,7 +105,7 @@ impl ThreadWords {
             lead: None,
             starts: At::new(1, NOWHERE),
             g92: Single::NONE,
-            run_out: (None, None),
+            run_out: KeptRunOut::NONE,
         }
     }
 }
@@ -281,10 +280,8 @@ impl ThreadWords {
         let (j, k) = match cycle {
             TwoBlock::G76 => (extras.j, extras.k),
             TwoBlock::G78 => {
-                if extras.j.is_some() || extras.k.is_some() {
-                    self.run_out = (extras.j, extras.k);
-                }
-                self.run_out
+                self.run_out.write(extras.j, extras.k);
+                self.run_out.sizes()
             }
         };
         let params = modal.params;

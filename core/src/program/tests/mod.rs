@@ -15,6 +15,7 @@ mod parameters;
 mod random;
 mod returns;
 mod rigid;
+mod strokes;
 mod taps;
 
 use super::*;

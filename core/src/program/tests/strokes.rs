@@ -1,0 +1,158 @@
+//! Strokes of G32: their points and what is refused, from program text to moves.
+
+use super::*;
+use crate::alarm::Code;
+use crate::cycle::ThreadMoves;
+use crate::moves::{Move, Stage};
+
+/// The thread calls of a text, and where the rapid after each goes.
+fn threads(text: &str) -> Vec<(ThreadCall, Option<Position>)> {
+    let mut found: Vec<(ThreadCall, Option<Position>)> = Vec::new();
+    for call in calls(text) {
+        match (call.kind, found.last_mut()) {
+            (CallKind::Thread(thread), _) => found.push((thread, None)),
+            (CallKind::Rapid(to), Some((_, next @ None))) => *next = Some(to),
+            _ => {}
+        }
+    }
+    found
+}
+
+fn moves(call: &ThreadCall) -> Result<Vec<Move>, Alarm> {
+    Ok(ThreadMoves::new(call, Span::default())?.collect())
+}
+
+/// Stage and end (X on the radius, Z, micrometres) of each move of the last stroke of a text.
+fn stroke(text: &str) -> Vec<(Stage, i64, i64)> {
+    let (call, _) = *threads(text).last().unwrap();
+    let points = moves(&call).unwrap();
+    points
+        .iter()
+        .map(|step| {
+            let nm = (step.to.x.nm(), step.to.z.nm());
+            assert_eq!((nm.0 % 1000, nm.1 % 1000), (0, 0), "{text}: {nm:?}");
+            (step.tag.unwrap().stage, nm.0 / 1000, nm.1 / 1000)
+        })
+        .collect()
+}
+
+fn refused(text: &str) -> (Code, Option<u8>) {
+    let (call, _) = *threads(text).last().unwrap();
+    let alarm = moves(&call).unwrap_err();
+    (alarm.code, alarm.word)
+}
+
+#[test]
+fn a_stroke_runs_out_over_the_last_k_to_the_side_of_j() {
+    use Stage::{Finish, RunOut};
+    let on = |block: &str| stroke(&std::format!("M3 S300\nG0 X20 Z5\n{block}"));
+    assert_eq!(on("G32 Z-20 F2"), [(Finish, 10_000, -20_000)]);
+    // Outwards, into a bore, with K as long as J, and with K of its own.
+    assert_eq!(
+        on("G32 Z-20 F2 J2"),
+        [(Finish, 10_000, -18_000), (RunOut, 12_000, -20_000)]
+    );
+    assert_eq!(
+        on("G32 Z-20 F2 J-2 K0"),
+        [(Finish, 10_000, -18_000), (RunOut, 8_000, -20_000)]
+    );
+    assert_eq!(
+        on("G32 Z30 F2 J-2 K4"),
+        [(Finish, 10_000, 26_000), (RunOut, 8_000, 30_000)]
+    );
+    // J 0 and K alone are none.
+    assert_eq!(on("G32 Z-20 F2 J0 K2"), [(Finish, 10_000, -20_000)]);
+    assert_eq!(on("G32 Z-20 F2 K2"), [(Finish, 10_000, -20_000)]);
+    // A taper of 1:5 on the radius: over 5 mm the line rises by 1 mm, and J counts from where the run-out begins.
+    assert_eq!(
+        on("G32 U10 W-25 F2 J3 K5"),
+        [(Finish, 14_000, -15_000), (RunOut, 17_000, -20_000)]
+    );
+    assert_eq!(
+        on("G32 U10 W-25 F2 J-1 K5"),
+        [(Finish, 14_000, -15_000), (RunOut, 13_000, -20_000)]
+    );
+    // On a face the long axis is X: K on its radius, J along Z.
+    assert_eq!(
+        on("G32 X60 F2 J3 K2"),
+        [(Finish, 28_000, 5_000), (RunOut, 30_000, 8_000)]
+    );
+    assert_eq!(
+        on("G32 X4 F2 J3"),
+        [(Finish, 5_000, 5_000), (RunOut, 2_000, 8_000)]
+    );
+    // A steep taper has X long as well: Z falls by 1 mm over 4 mm of X.
+    assert_eq!(
+        on("G32 U40 W-5 F2 J2 K4"),
+        [(Finish, 26_000, 1_000), (RunOut, 30_000, 3_000)]
+    );
+    // At 45° Z is long.
+    assert_eq!(
+        on("G32 U20 W-10 F2 J3 K2"),
+        [(Finish, 18_000, -3_000), (RunOut, 21_000, -5_000)]
+    );
+}
+
+#[test]
+fn what_follows_a_stroke_counts_from_the_end_of_its_run_out() {
+    let found = threads("M3 S300\nG0 X20 Z5\nG32 Z-20 F2 J2\nG0 U10 W1");
+    let to = found[0].1.unwrap();
+    assert_eq!((to.x.nm(), to.z.nm()), (17_000_000, -19_000_000));
+}
+
+#[test]
+fn j_and_k_stay_in_force_for_strokes_and_cycles() {
+    let run_outs = |text: &str| -> Vec<Option<(i64, i64)>> {
+        let text = std::format!("M3 S300\nG0 X20 Z5\n{text}");
+        let run_out = |(call, _): (ThreadCall, Option<Position>)| {
+            let run_out = call.run_out?;
+            Some((
+                run_out.short.value.nm() / 1000,
+                run_out.long.value.nm() / 1000,
+            ))
+        };
+        threads(&text).into_iter().map(run_out).collect()
+    };
+    // From stroke to stroke; K alone leaves J, and J alone ends K; J0 ends both.
+    assert_eq!(
+        run_outs(
+            "G32 Z-20 F2 J-2 K3\nG0 X20 Z5\nG32 Z-20\nG0 Z5\nG32 Z-20 K1\nG0 Z5\nG32 Z-20 J4\nG0 Z5\nG32 Z-20 J0\nG0 Z5\nG32 Z-20"
+        ),
+        [
+            Some((-2_000, 3_000)),
+            Some((-2_000, 3_000)),
+            Some((-2_000, 1_000)),
+            Some((4_000, 4_000)),
+            None,
+            None
+        ]
+    );
+    // A cycle knows its side and takes the size. Its own J has no side a stroke could take, unless it is none.
+    assert_eq!(
+        run_outs(
+            "G32 Z-20 F2 J-2 K3\nG0 X20 Z5\nG92 X18 Z-20\nG0 X20 Z5\nG92 X18 Z-20 J0\nG0 X20 Z5\nG32 Z-20"
+        ),
+        [Some((-2_000, 3_000)), Some((2_000, 3_000)), None, None]
+    );
+}
+
+#[test]
+fn a_run_out_that_cannot_be_is_refused_at_its_word() {
+    let at = |block: &str| refused(&std::format!("M3 S300\nG0 X20 Z5\n{block}"));
+    assert_eq!(at("G32 Z-20 F2 J2 K25"), (Code::StrokeTooShort, Some(b'K')));
+    assert_eq!(at("G32 X60 F2 J2 K20"), (Code::StrokeTooShort, Some(b'K')));
+    // The line itself moves by 1 mm over K to the side of J.
+    for j in ["1", "0.5"] {
+        let block = std::format!("G32 U10 W-25 F2 J{j} K5");
+        assert_eq!(at(&block), (Code::RunOutIntoThread, Some(b'J')), "{j}");
+    }
+    assert_eq!(
+        at("G32 U-10 W-25 F2 J-1 K5"),
+        (Code::RunOutIntoThread, Some(b'J'))
+    );
+    assert!(moves(&threads("M3 S300\nG0 X20 Z5\nG32 U10 W-25 F2 J1.001 K5")[0].0).is_ok());
+    assert_eq!(
+        at("G32 U0 W0 F2 J1"),
+        (Code::ThreadWithoutLength, Some(b'Z'))
+    );
+}
