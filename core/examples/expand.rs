@@ -10,7 +10,9 @@ use std::hint::black_box;
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::call::{CutIn, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
 use leadscrew_core::cycle::ThreadMoves;
-use leadscrew_core::units::{Angle, Diameter, Lead, Length, Remainder, Rpm, StartAngle};
+use leadscrew_core::units::{
+    Angle, Diameter, Lead, LeadChange, Length, Remainder, Rpm, StartAngle,
+};
 
 fn main() {
     let cycles: u32 = std::env::args()
@@ -71,6 +73,7 @@ fn call() -> Option<ThreadCall> {
             long_rest: Remainder::ZERO,
         }),
         lead: at(Lead::new(6_000_000, 1)?),
+        change: at(LeadChange::NONE),
         first_angle: StartAngle::INDEX,
         increment: Length::from_nm(100),
         rpm: Rpm::new(300),

@@ -2,7 +2,7 @@
 
 use crate::alarm::Span;
 use crate::call::{Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapMode, TapSpindle};
-use crate::units::{CentiRpm, Lead, Length, Millis, Rpm, StartAngle, TurnRatio};
+use crate::units::{CentiRpm, Lead, LeadChange, Length, Millis, Rpm, StartAngle, TurnRatio};
 
 /// One move, with where it ends and where it came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +51,10 @@ pub enum MoveKind {
 /// first one's start and comes to rest at the last one's end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadMove {
-    /// Long-axis travel per turn.
+    /// Long-axis travel per turn; where it changes, at the start of the pass.
     pub lead: Lead,
+    /// Change of the lead per turn.
+    pub change: LeadChange,
     /// Start angle of the pass: where the exact helix stands at the start of its **first** move.
     pub pass_angle: StartAngle,
     /// Where the exact helix stands at the start of this move, in millionths of a degree after the index,
@@ -135,6 +137,8 @@ pub enum Cycle {
     G92,
     /// One stroke of a thread.
     G32,
+    /// One stroke of a thread whose lead changes.
+    G34,
     /// Face tapping.
     G84,
     /// Side tapping.

@@ -109,6 +109,8 @@ pub struct ThreadFigures {
     pub start_before_nm: i64,
     /// The highest speed of the spindle that the axes can follow.
     pub rpm_max: i64,
+    /// Where the lead changes: turns of the stroke in millionths, and the lead at its end in nanometres.
+    pub variable: Option<(i64, i64)>,
 }
 
 /// How much of a program's result is kept.
@@ -306,7 +308,7 @@ impl Checker<'_> {
             Err(alarm) => {
                 // The interpreter goes on at the end of the block. Cycles end where they begin, a stroke does not.
                 if let CallKind::Thread(thread) = &call.kind
-                    && thread.cycle == ThreadCycle::G32
+                    && thread.cycle.is_stroke()
                 {
                     (self.at.x, self.at.z) = (thread.end_x.value, thread.end_z.value);
                 }
@@ -476,6 +478,7 @@ impl Checker<'_> {
                 ThreadCycle::G78 => "G78",
                 ThreadCycle::G92 => "G92",
                 ThreadCycle::G32 => "G32",
+                ThreadCycle::G34 => "G34",
             },
             passes: report.passes,
             tap_speed: None,
@@ -485,6 +488,7 @@ impl Checker<'_> {
                 lead_in_nm: report.lead_in.nm(),
                 start_before_nm: report.start_before.nm(),
                 rpm_max: rpm_max.map_or(0, |rpm| i64::from(rpm.get())),
+                variable: report.variable.map(|(turns, lead)| (turns, lead.nm())),
             }),
             time_us,
         });
@@ -567,6 +571,10 @@ impl CycleReport {
             json.decimal::<6>("lead_in_mm", thread.lead_in_nm);
             json.decimal::<6>("start_before_mm", thread.start_before_nm);
             json.integer("rpm_max", thread.rpm_max);
+            if let Some((turns, lead)) = thread.variable {
+                json.decimal::<6>("turns", turns);
+                json.decimal::<6>("lead_end_mm", lead);
+            }
         }
         json.decimal::<6>("time_s", self.time_us);
     }
@@ -601,17 +609,26 @@ impl CycleReport {
                 passes = self.passes,
             );
         };
+        let variable = thread.variable.map_or(Both::default(), |(turns, lead)| {
+            let (turns, lead) = (number::text::<6>(turns), number::text::<6>(lead));
+            both!(
+                "; {turns} turns, the lead at the end {lead} mm",
+                "；{turns} 转，终点导程 {lead} mm"
+            )
+        });
         both!(
             "line {line}: {cycle}, {plural}, {time} s; start at least {before} mm before the material (largest Z shift \
-             {shift} + lead-in {lead_in}); up to {rpm} rpm",
+             {shift} + lead-in {lead_in}); up to {rpm} rpm{variable_en}",
             "第 {line} 行：{cycle}，{passes} 刀，{time} s；起点至少在材料前 {before} mm（Z 向最大偏移 {shift} + 导入段 \
-             {lead_in}）；最高 {rpm} r/min",
+             {lead_in}）；最高 {rpm} r/min{variable_zh}",
             plural = plural(self.passes, "pass"),
             passes = self.passes,
             before = number::rounded::<6>(thread.start_before_nm, 3),
             shift = number::rounded::<6>(thread.z_shift_max_nm, 3),
             lead_in = number::rounded::<6>(thread.lead_in_nm, 3),
             rpm = thread.rpm_max,
+            variable_en = variable.en,
+            variable_zh = variable.zh,
         )
     }
 }

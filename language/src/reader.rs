@@ -306,7 +306,10 @@ impl Acting<'_, '_> {
         mut collected: Option<&mut Collected>,
     ) -> Result<bool, Alarm> {
         let mut moved = false;
-        let in_cycle = matches!(self.core.interpreter.in_force().motion, 32 | 90 | 92 | 94);
+        let in_cycle = matches!(
+            self.core.interpreter.in_force().motion,
+            32 | 34 | 90 | 92 | 94
+        );
         for event in events.drain(..) {
             let mut tool = None;
             if let (None, Event::Call(call)) = (&collected, &event) {

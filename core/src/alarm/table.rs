@@ -403,6 +403,10 @@ codes! {
         "leave {0} out and lift the tool by the next block, or cut the thread by G92 or G76, which run out of it; J and K are words of the GSK controls (--dialect gsk980td)",
         "该系统的 {1} 没有 {0}：单段螺纹在段终点结束，不退尾", "请去掉 {0} 并在下一段退刀，或改用带退尾的 G92、G76；J、K 是 GSK 系统的字（--dialect gsk980td）";
 
+    /// G34 without K.
+    LeadChangeMissing = 4059, "G34 needs K, by how much the lead changes in each turn", "write K (minus where the lead becomes shorter), or G32 for a lead that stays",
+        "G34 需要 K，即每转导程的变化量", "请写 K（导程变短时为负），导程不变时请用 G32";
+
     // 4060–4079: tapping.
     /// G84 or G88 without rigid mode and with a standing spindle; {0} the code, {1} the rigid M code.
     TapSpindleStands = 4060, "{0} without rigid mode, and the spindle stands",
@@ -453,10 +457,10 @@ codes! {
         "请在 G30 P99 之后结束程序，再启动另一个程序";
 
     // 4084: threads by strokes.
-    /// A stroke of G32 after another.
-    StrokeAfterStroke = 4084, "this stroke of G32 follows another without a move between them: both would have to be one thread, which is not built",
+    /// A stroke of G32 or G34 after another.
+    StrokeAfterStroke = 4084, "this stroke of G32 or G34 follows another without a move between them: both would have to be one thread, which is not built",
         "lift the tool by G00 before it, or cut the thread by G92, G76 or G78 (a taper by R)",
-        "G32 之后紧接另一段 G32：两段应连成一条螺纹，目前不支持", "请在其前用 G00 退刀，或改用 G92、G76、G78 加工（锥度用 R）";
+        "G32 或 G34 之后紧接另一段：两段应连成一条螺纹，目前不支持", "请在其前用 G00 退刀，或改用 G92、G76、G78 加工（锥度用 R）";
 
     /// A hole without a depth, on the wrong side of R, or of more than 9999 pecks.
     HoleDepth = 4085, "this hole has no depth below R, R is not between the initial level and the bottom, or Q makes more than 9999 pecks of it",
@@ -521,6 +525,15 @@ codes! {
     GrooveRetractTooLong = 4113, "each infeed of the groove is {0} on the radius, and each retract R(e) of {1} takes back more than {2} of them",
         "write a larger P (with 182.7 = 0 it counts input increments, not millimetres), or a smaller R in the block before",
         "切槽每次进刀 {0}（半径值），而每次退刀 R(e) 为 {1}，超过进刀量的 {2} 倍", "请增大 P（182.7 = 0 时以最小输入增量为单位，不是毫米），或减小前一段的 R";
+    /// The lead of G34 outside 0.0001–500 mm; at the start, at the end.
+    LeadLeavesRange = 4114, "the lead goes from {0} at the start to {1} at the end, and must stay between 0.0001 mm and 500 mm",
+        "correct F or K, or write a shorter stroke", "导程从起点的 {0} 变到终点的 {1}，必须在 0.0001 mm 至 500 mm 之间", "请修改 F 或 K，或缩短行程";
+    /// The lead of G34 reaches zero; F, where, the stroke.
+    LeadUsedUp = 4115, "the lead {0} becomes shorter and is used up after {1}; the stroke is {2} long",
+        "write a K nearer to zero, a larger F or a shorter stroke", "导程 {0} 逐渐变短，在 {1} 处已减为零；行程为 {2}", "请使 K 更接近零、增大 F 或缩短行程";
+    /// A stroke of G34 beyond what its law is exact for; its length, the limit.
+    VariableStrokeTooLong = 4116, "the stroke is {0} long; with a lead that changes it may be {1}", "write a shorter stroke",
+        "行程为 {0}；变导程时不得超过 {1}", "请缩短行程";
     /// A hole with too many infeeds; {0} the limit.
     TooManyPecks = 4130, "the hole would take more than {0} infeeds", "write a larger Q", "孔的进刀次数超过 {0}", "请增大 Q";
     /// A tap call that cannot be; for calls that no program made.
@@ -604,6 +617,9 @@ codes! {
         "write S{2} or more, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
         "主轴 {0} 时编码器每秒只有 {1} 个计数，不足以测定转速",
         "请写 S{2} 以上，或使用线数更多或捕获边沿时间的编码器（3720、9006.0），或减小 9005";
+    /// The change of a lead accelerates an axis too much: axis, acceleration, what it may be, speed.
+    LeadChangeTooFast = 4274, "at {3} the change of the lead accelerates {0} by {1} m/s² all the way; it may take {2} m/s²",
+        "lower S, or write a K nearer to zero", "主轴 {3} 时导程变化使 {0} 轴全程加速 {1} m/s²，允许值为 {2} m/s²", "请降低 S，或使 K 更接近零";
     /// No index within two turns and a second.
     NoIndex = 4260, "no index pulse from the spindle encoder", "check the encoder and its cable",
         "没有收到主轴编码器的零位脉冲", "请检查编码器及其电缆";

@@ -37,7 +37,7 @@ impl ThreadCall {
         see(&self.taper, b'R', Sign::Any);
         let depth = match self.cycle {
             ThreadCycle::G76 | ThreadCycle::G78 => Sign::Positive,
-            ThreadCycle::G92 | ThreadCycle::G32 => Sign::NotNegative,
+            ThreadCycle::G92 | ThreadCycle::G32 | ThreadCycle::G34 => Sign::NotNegative,
         };
         see(&self.height, b'P', depth);
         see(&self.first_depth, b'Q', depth);

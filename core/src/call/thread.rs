@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Position;
 use crate::alarm::At;
-use crate::units::{Lead, Length, Remainder, Rpm, StartAngle};
+use crate::units::{Lead, LeadChange, Length, Remainder, Rpm, StartAngle};
 
 /// Which thread cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -19,13 +19,15 @@ pub enum ThreadCycle {
     /// G32: one stroke from A to D, where the tool stays; with a run-out, where that ends. All words but D, the lead and
     /// the run-out are zero.
     G32,
+    /// G34: as G32, with a lead that changes and without a run-out.
+    G34,
 }
 
 impl ThreadCycle {
     /// One stroke from A to D, after which the tool stays where it is.
     #[must_use]
     pub const fn is_stroke(self) -> bool {
-        matches!(self, Self::G32)
+        matches!(self, Self::G32 | Self::G34)
     }
 }
 
@@ -68,7 +70,7 @@ pub struct RunOut {
     pub long_rest: Remainder,
 }
 
-/// A G76, G78 or G92 cycle, or a stroke of G32, with every word resolved.
+/// A G76, G78 or G92 cycle, or a stroke of G32 or G34, with every word resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct ThreadCall {
     /// Which cycle.
@@ -103,9 +105,11 @@ pub struct ThreadCall {
     pub run_in: At<Length>,
     /// J, K after all defaults; `None`: the thread runs to D's plane without one.
     pub run_out: Option<RunOut>,
-    /// F or I.
+    /// F or I; of G34 at A.
     pub lead: At<Lead>,
-    /// Angle of the first start after the index (Q of G92 and G32).
+    /// K of G34: change of the lead per turn. None in all others.
+    pub change: At<LeadChange>,
+    /// Angle of the first start after the index (Q of G92, G32 and G34).
     pub first_angle: StartAngle,
     /// Input increment as a length on the radius axis of depths (IS-C metric: 100 nm): depths are rounded to it.
     pub increment: Length,

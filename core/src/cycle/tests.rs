@@ -10,7 +10,9 @@ use crate::call::{CutIn, FeedRate, Infeed, Position, RunOut, ThreadCall, ThreadC
 use crate::feasible::{each_within_limits, time_of_each};
 use crate::moves::{Move, MoveKind};
 use crate::params::{Entry, Params, Part};
-use crate::units::{Angle, Axis, Diameter, Feed, Lead, Length, Millis, Remainder, Rpm, StartAngle};
+use crate::units::{
+    Angle, Axis, Diameter, Feed, Lead, LeadChange, Length, Millis, Remainder, Rpm, StartAngle,
+};
 
 const MM: i64 = 1_000_000;
 
@@ -55,6 +57,7 @@ fn o0013(rpm: i32) -> ThreadCall {
             long_rest: Remainder::ZERO,
         }),
         lead: at(Lead::new(6 * MM, 1).unwrap()),
+        change: at(LeadChange::NONE),
         first_angle: StartAngle::INDEX,
         increment: nm(100),
         rpm: Rpm::new(rpm),

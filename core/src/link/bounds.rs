@@ -5,9 +5,9 @@
 use crate::alarm::At;
 use crate::call::{
     ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, Sign, SpindleCall, TapCall, TapForm,
-    TapMode, TapReturn, ThreadCall,
+    TapMode, TapReturn, ThreadCall, ThreadCycle,
 };
-use crate::units::{CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
+use crate::units::{CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm};
 
 /// The kind of value that is out of bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +88,7 @@ fn thread(call: &ThreadCall) -> Result<(), Beyond> {
         rest(out.long_rest)?;
     }
     lead(&call.lead.value, THREAD_TURNS)?;
+    change(call)?;
     speed(call.rpm)?;
     let counts = call.finish_passes.value <= TWO_DIGITS
         && call.angle.value <= TWO_DIGITS
@@ -170,6 +171,18 @@ fn lead(lead: &Lead, turns: i64) -> Result<(), Beyond> {
         lead.numerator() <= LEAD && lead.denominator() <= turns,
         Beyond::Lead,
     )
+}
+
+/// A lead changes in G34 alone, and there is no run-out there.
+fn change(call: &ThreadCall) -> Result<(), Beyond> {
+    let change = call.change.value;
+    if call.cycle == ThreadCycle::G34 {
+        let most = LeadChange::LIMIT.pm().unsigned_abs();
+        require(change.pm().unsigned_abs() <= most, Beyond::Lead)?;
+        require(call.run_out.is_none(), Beyond::Length)
+    } else {
+        require(change == LeadChange::NONE, Beyond::Lead)
+    }
 }
 
 fn speed(rpm: Rpm) -> Result<(), Beyond> {

@@ -11,7 +11,8 @@ use crate::call::{
     TapRepeat, TapReturn, TapSpindle, ThreadCall, ThreadCycle,
 };
 use crate::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle,
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
+    StartAngle,
 };
 
 /// Quantities, decoded from their number.
@@ -30,6 +31,7 @@ quantities! {
     CentiRpm: new;
     Feed: from_nm_per_min;
     FeedPerTurn: from_nm;
+    LeadChange: from_pm;
     Length: from_nm;
     Millis: new;
     Remainder: from_raw;
@@ -59,7 +61,7 @@ records! {
     RunOut { short, long, short_rest, long_rest }
     ThreadCall {
         cycle, start, end_x, end_z, taper, height, first_depth, min_step, allowance, finish_passes, angle, infeed, cut_in,
-        starts, run_in, run_out, lead, first_angle, increment, rpm
+        starts, run_in, run_out, lead, change, first_angle, increment, rpm
     }
     GrooveCall { axis, start, end_x, end_z, last_written, peck, step, relief, retract, feed }
     TapPeck { infeed, back }
@@ -87,7 +89,7 @@ macro_rules! variants {
 }
 
 variants! {
-    ThreadCycle { G76, G78, G92, G32 }
+    ThreadCycle { G76, G78, G92, G32, G34 }
     CutIn { Centre, Left, Right, RightCentre, LeftRight, Trailing }
     Infeed { Equal, Decreasing }
     TapCycle { G84, G88 }

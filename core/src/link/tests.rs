@@ -15,8 +15,8 @@ use crate::call::{
 };
 use crate::params::Params;
 use crate::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle, TurnRate,
-    Turns,
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
+    StartAngle, TurnRate, Turns,
 };
 
 /// The span with the longest encoding.
@@ -69,6 +69,7 @@ fn thread() -> ThreadCall {
             long_rest: Remainder::from_raw(-(1 << 14)),
         }),
         lead: at(Lead::new((1 << 50) - 1, 1 << 28).unwrap()),
+        change: at(LeadChange::NONE),
         first_angle: StartAngle::from_mdeg(359_999),
         increment: FAR,
         rpm: Rpm::new(-(1 << 20)),
@@ -247,6 +248,30 @@ fn what_no_program_can_say_is_refused() {
                 ..thread()
             }),
             Beyond::Count,
+        ),
+        (
+            // A lead changes in G34 alone.
+            CallKind::Thread(ThreadCall {
+                change: at(LeadChange::from_pm(1)),
+                ..thread()
+            }),
+            Beyond::Lead,
+        ),
+        (
+            CallKind::Thread(ThreadCall {
+                cycle: ThreadCycle::G34,
+                change: at(LeadChange::from_pm(-500_000_000_001)),
+                run_out: None,
+                ..thread()
+            }),
+            Beyond::Lead,
+        ),
+        (
+            CallKind::Thread(ThreadCall {
+                cycle: ThreadCycle::G34,
+                ..thread()
+            }),
+            Beyond::Length,
         ),
         (
             CallKind::Thread(ThreadCall {

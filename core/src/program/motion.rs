@@ -65,10 +65,14 @@ impl State<'_> {
                 let span = word.map_or(block.lead(), |word| word.span);
                 return self.turning.read(cycle, &self.modal, block, span, plan);
             }
-            Motion::Stroke => {
+            Motion::Stroke | Motion::VariableStroke => {
                 let span = word.map_or(block.lead(), |word| word.span);
                 self.refuse_surface(span)?;
-                let end = self.thread.read_stroke(&self.modal, block, span, plan)?;
+                let end = if self.motion == Motion::Stroke {
+                    self.thread.read_stroke(&self.modal, block, span, plan)?
+                } else {
+                    self.thread.read_variable(&self.modal, block, span, plan)?
+                };
                 if let Some(end) = end {
                     if self.stroked {
                         return Err(Alarm::new(Code::StrokeAfterStroke, span));
@@ -220,7 +224,7 @@ impl State<'_> {
     }
 
     /// G28, and G30 P2 to P4: rapid to the point that the words name, and from there to the reference point (1240 to 1243),
-    /// each with the named axes alone. A turning cycle, G92 or G32 in force ends.
+    /// each with the named axes alone. A turning cycle, G92, G32 or G34 in force ends.
     pub(super) fn reference_point(
         &mut self,
         block: &Block,
@@ -261,10 +265,7 @@ impl State<'_> {
         if block.has_any(Letters::of(b"CH")) {
             end.c = Angle::from_udeg(coordinate(Axis::C));
         }
-        if matches!(
-            self.motion,
-            Motion::Turning(_) | Motion::Thread | Motion::Stroke
-        ) {
+        if self.motion.cuts_thread() || matches!(self.motion, Motion::Turning(_)) {
             self.motion = Motion::Rapid;
         }
         self.modal.position = end;

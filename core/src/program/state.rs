@@ -32,6 +32,8 @@ pub(super) enum Motion {
     Thread,
     /// G32.
     Stroke,
+    /// G34.
+    VariableStroke,
 }
 
 impl Motion {
@@ -44,7 +46,13 @@ impl Motion {
             Self::Turning(cycle) => cycle.code(),
             Self::Thread => 92,
             Self::Stroke => 32,
+            Self::VariableStroke => 34,
         }
+    }
+
+    /// F of its blocks is the lead of a thread.
+    pub(super) const fn cuts_thread(self) -> bool {
+        matches!(self, Self::Thread | Self::Stroke | Self::VariableStroke)
     }
 }
 
@@ -59,7 +67,7 @@ pub(super) struct State<'p> {
     pub(super) groove: GrooveWords,
     pub(super) turning: TurningWords,
     pub(super) tapping: Tapping,
-    /// The latest motion is a stroke of G32.
+    /// The latest motion is a stroke of G32 or G34.
     pub(super) stroked: bool,
     /// O of the program, if it has one.
     pub(super) program: Option<u32>,
@@ -137,6 +145,7 @@ impl<'p> State<'p> {
                 90 => Motion::Turning(Turning::Along),
                 92 => Motion::Thread,
                 32 => Motion::Stroke,
+                34 => Motion::VariableStroke,
                 94 => Motion::Turning(Turning::Across),
                 _ => Motion::CounterClockwise,
             });
@@ -155,6 +164,7 @@ impl<'p> State<'p> {
         match motion {
             Motion::Turning(_) => self.turning = TurningWords::default(),
             Motion::Thread => self.thread.begin_single(),
+            Motion::VariableStroke => self.thread.begin_variable(),
             _ => {}
         }
         self.motion = motion;
@@ -205,7 +215,7 @@ impl<'p> State<'p> {
         match block.g(Group::OneShot) {
             None => {
                 // F of a thread is its lead.
-                if !matches!(self.motion, Motion::Thread | Motion::Stroke)
+                if !self.motion.cuts_thread()
                     && let Some(word) = block.find(b'F')
                 {
                     self.modal.set_feed(&word)?;

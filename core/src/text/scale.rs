@@ -3,7 +3,7 @@
 use super::block::Word;
 use crate::alarm::{Alarm, Arg, At, Code};
 use crate::units::{
-    Angle, Decimal, DecimalError, Diameter, Feed, FeedPerTurn, Lead, Length, Millis,
+    Angle, Decimal, DecimalError, Diameter, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis,
 };
 
 /// The input system in force: G20 or G21, IS-B or IS-C.
@@ -210,6 +210,28 @@ impl Scale {
             Lead::new(millionths, 1)
         };
         in_lead_range(word, lead, low, high)
+    }
+
+    /// K of G34: millimetres or inches a turn, with a sign (±500, inch ±9.999999).
+    pub(crate) fn lead_change(&self, word: &Word) -> Result<At<LeadChange>, Alarm> {
+        const INCH: i64 = 9_999_999;
+        let (pm, most) = if self.inch {
+            // A millionth of an inch is 25.4 nanometres.
+            (25_400, INCH)
+        } else {
+            (1000, LeadChange::LIMIT.pm() / 1000)
+        };
+        match word.value.scaled(6) {
+            Ok(count) if count.saturating_abs() <= most => {
+                let change = LeadChange::from_pm(count.saturating_mul(pm));
+                Ok(At::new(change, word.span))
+            }
+            Err(DecimalError::Inexact) => Err(beyond_increment(word, 6)),
+            _ => Err(word.out_of_range(
+                Arg::Decimal(most.saturating_neg(), 6),
+                Arg::Decimal(most, 6),
+            )),
+        }
     }
 
     /// The range of F in a thread, as figures.

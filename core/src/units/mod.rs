@@ -32,6 +32,7 @@ macro_rules! as_bits {
 
 mod angle;
 mod axis;
+mod change;
 mod decimal;
 mod feed;
 mod length;
@@ -44,6 +45,7 @@ mod wide;
 
 pub use angle::{Angle, StartAngle, Turns};
 pub use axis::{Acceleration, Axis, Jerk};
+pub use change::LeadChange;
 pub use decimal::{Decimal, DecimalError};
 pub use feed::{CentiRpm, Feed, FeedPerTurn, Lead, Millis, Rpm};
 pub use length::{Diameter, Length, Remainder};

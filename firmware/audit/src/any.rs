@@ -28,8 +28,8 @@ use leadscrew_core::program::{Dialect, Options, Way};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle, TurnRate,
-    TurnRatio, Turns,
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
+    StartAngle, TurnRate, TurnRatio, Turns,
 };
 
 static SOURCE: u64 = 0;
@@ -97,8 +97,8 @@ macro_rules! wrapped {
         }
     )*};
 }
-wrapped!(CentiRpm::new Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
-    FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Periods::new MilliRpm::new Statusword::from_raw
+wrapped!(CentiRpm::new LeadChange::from_pm Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg
+    Feed::from_nm_per_min FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Periods::new MilliRpm::new Statusword::from_raw
     Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw TurnRate::from_raw Remainder::from_raw);
 
 /// Types made from their public fields.
@@ -122,7 +122,7 @@ records! {
     RunOut { short long short_rest long_rest }
     ThreadCall {
         cycle start end_x end_z taper height first_depth min_step allowance finish_passes angle infeed cut_in starts
-        run_in run_out lead first_angle increment rpm
+        run_in run_out lead change first_angle increment rpm
     }
     GrooveCall { axis start end_x end_z last_written peck step relief retract feed }
     TapPeck { infeed back }
@@ -135,7 +135,7 @@ records! {
     TapReturn { speed highest beyond unit }
     TapHole { axis level bottom lead hand spindle speed notes }
     TapRecord { sequence in_hole hole position angle }
-    ThreadMove { lead pass_angle angle_udeg long_x last rpm }
+    ThreadMove { lead change pass_angle angle_udeg long_x last rpm }
     EncoderSample { count edge_age_ns index }
     Options { dialect skip optional_stop dry_run per_turn limits_every_speed passes_machine_codes position }
     DriveCommand { control target }
@@ -184,7 +184,7 @@ choices! {
     NmtState { NmtState::BootUp, NmtState::Stopped, NmtState::Operational } or NmtState::PreOperational;
     FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
     Aux { Aux::M(any()) } or Aux::T(any());
-    ThreadCycle { ThreadCycle::G76, ThreadCycle::G78, ThreadCycle::G92 } or ThreadCycle::G32;
+    ThreadCycle { ThreadCycle::G76, ThreadCycle::G78, ThreadCycle::G92, ThreadCycle::G32 } or ThreadCycle::G34;
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
     TapMode { TapMode::Rigid } or TapMode::Floating;

@@ -7,7 +7,7 @@ use crate::number::{decimal, integer};
 pub(super) fn header(out: &mut Vec<u8>) {
     out.extend_from_slice(
         b"n,line,file,o,call,cycle,pass,start,peck,stage,kind,x,z,c,mx,mz,mc,depth,feed,feed_rev,lead,start_deg,rev,\
-          rpm,mode,m,t,ms,i,k,dir\n",
+          rpm,mode,m,t,ms,i,k,dir,lead_change\n",
     );
 }
 
@@ -40,6 +40,7 @@ pub(super) fn row(out: &mut Vec<u8>, row: &Row) {
     scaled(out, row.arc.map(|(i, _, _)| i));
     scaled(out, row.arc.map(|(_, k, _)| k));
     text(out, row.arc.map(|(_, _, direction)| direction));
+    scaled(out, row.lead_change);
     out.push(b'\n');
 }
 

@@ -29,6 +29,7 @@ pub(super) fn row(out: &mut Vec<u8>, row: &Row) {
     scaled(out, b",\"feed\":", row.feed);
     scaled(out, b",\"feed_rev\":", row.feed_rev);
     scaled(out, b",\"lead\":", row.lead);
+    scaled(out, b",\"lead_change\":", row.lead_change);
     scaled(out, b",\"start_deg\":", row.start_udeg.map(i64::from));
     scaled(out, b",\"rev\":", row.rev);
     scaled(out, b",\"rpm\":", row.rpm);

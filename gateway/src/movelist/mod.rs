@@ -8,7 +8,7 @@ mod text;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Aux, FeedRate, Position, SpindleMode};
 use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage};
-use leadscrew_core::units::Rpm;
+use leadscrew_core::units::{LeadChange, Rpm};
 
 use crate::cli::Format;
 
@@ -29,6 +29,8 @@ struct Row {
     feed: Option<i64>,
     feed_rev: Option<i64>,
     lead: Option<i64>,
+    /// Change of the lead per turn.
+    lead_change: Option<i64>,
     start_udeg: Option<u32>,
     /// Millionths of a turn, signed.
     rev: Option<i64>,
@@ -64,6 +66,7 @@ impl Row {
             feed: None,
             feed_rev: None,
             lead: None,
+            lead_change: None,
             start_udeg: None,
             rev: None,
             rpm: None,
@@ -99,6 +102,8 @@ impl Row {
             }
             MoveKind::Thread(thread) => {
                 row.lead = Some(thread.lead.rounded().nm());
+                let changes = thread.change != LeadChange::NONE;
+                row.lead_change = changes.then(|| thread.change.rounded().nm());
                 row.start_udeg = Some(thread.angle_udeg);
                 row.rpm = Some(rpm(thread.rpm));
                 "thread"
@@ -159,6 +164,7 @@ fn cycle_name(cycle: Cycle) -> &'static str {
         Cycle::G78 => "G78",
         Cycle::G92 => "G92",
         Cycle::G32 => "G32",
+        Cycle::G34 => "G34",
         Cycle::G84 => "G84",
         Cycle::G88 => "G88",
         Cycle::G30P99 => "G30P99",
@@ -241,6 +247,7 @@ mod tests {
         step(
             MoveKind::Thread(ThreadMove {
                 lead: Lead::new(6_000_000, 1).unwrap(),
+                change: LeadChange::NONE,
                 pass_angle: StartAngle::INDEX,
                 angle_udeg: 28_182_180,
                 long_x: false,

@@ -62,6 +62,9 @@ pub(super) fn row(lang: Lang, out: &mut Vec<u8>, row: &Row) {
     if let Some(lead) = row.lead.map(value) {
         both(both!("lead {lead}", "导程 {lead}"));
     }
+    if let Some(change) = row.lead_change.map(value) {
+        both(both!("changing by {change} a turn", "每转变化 {change}"));
+    }
     if let Some(angle) = row.start_udeg.map(|angle| value(i64::from(angle))) {
         both(both!("at {angle}°", "起始角 {angle}°"));
     }

@@ -1,4 +1,4 @@
-//! G32: strokes of a thread with their run-out, as the commands show them.
+//! G32 and G34: strokes of a thread, with a run-out or with a lead that changes, as the commands show them.
 
 use serde_json::Value;
 
@@ -147,4 +147,119 @@ fn run_outs_that_cannot_be_are_refused_before_anything_moves() {
         "the run-out J 1 mm of an earlier G78 or G92 is in force, and says not to which side this stroke leaves the thread",
     );
     assert_eq!(found(&folder, "G32 Z-20. F2. J-3. K4."), []);
+}
+
+/// The worked figures: 22 mm with a lead of 2 mm that grows by 0.1 mm a turn.
+#[test]
+fn a_lead_that_grows_is_told_with_its_turns_and_its_end() {
+    let folder = Folder::new("variable");
+    let program = folder.file("p.nc");
+    std::fs::write(
+        &program,
+        "G97 M3 S300\nG0 X20. Z0\nG34 Z-22. F2. K0.1\nG0 X30.\nM5\nM30\n",
+    )
+    .unwrap();
+    assert_eq!(
+        strokes(&[&program]),
+        [("finish".to_owned(), 20.0, -22.0, 0.0)]
+    );
+    let lines = stdout(&leadscrew(&["expand", &program, "--format", "jsonl"]));
+    let line = lines.lines().find(|line| line.contains("G34")).unwrap();
+    assert!(
+        line.contains("\"lead\":2,\"lead_change\":0.1,\"start_deg\":0"),
+        "{line}"
+    );
+    let output = leadscrew(&["check", &program, "--json"]);
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let cycle = &result["files"][0]["cycles"][0];
+    assert_eq!(cycle["cycle"], "G34");
+    assert_eq!(cycle["turns"], 8.982_753);
+    assert_eq!(cycle["lead_end_mm"], 2.898_275);
+    let told = stdout(&leadscrew(&["check", &program])) + &stderr(&leadscrew(&["check", &program]));
+    assert!(
+        told.contains("; 8.982753 turns, the lead at the end 2.898275 mm\n"),
+        "{told}"
+    );
+}
+
+/// The simulated machine, its spindle's true angle, and the law evaluated here.
+#[test]
+fn the_axis_follows_the_law_over_the_spindles_angle() {
+    let folder = Folder::new("law");
+    let program = folder.file("p.nc");
+    let table = folder.file("p.csv");
+    for (lead, change, end) in [(2.0, 0.1, -22.0), (6.0, -0.2, -60.0)] {
+        let text = format!(
+            "G97 M3 S300\nG0 X20. Z0\nG34 Z{end} F{lead} K{change} Q90000\nG0 X30.\nM5\nM30\n"
+        );
+        std::fs::write(&program, text).unwrap();
+        let output = leadscrew(&[
+            "simulate",
+            &program,
+            "--json",
+            "-o",
+            &table,
+            "--spindle-ripple",
+            "5@5",
+        ]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let table = std::fs::read_to_string(&table).unwrap();
+        let mut lines = table.lines();
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let column = |name: &str| header.iter().position(|column| *column == name).unwrap();
+        let (z, angle, locked) = (column("z_nm"), column("s1_urev"), column("locked"));
+        let (mut count, mut base) = (0, None);
+        for line in lines {
+            let fields: Vec<&str> = line.split(',').collect();
+            let number = |column: usize| fields[column].parse::<f64>().unwrap();
+            if fields[locked] != "1" {
+                continue;
+            }
+            let (way, turned) = (-number(z) / 1e6, number(angle) / 1e6);
+            // The stroke begins at a quarter of a turn: which one shows the first locked row.
+            let t = (-lead + f64::sqrt(lead * lead + 2.0 * change * way)) / change;
+            let base = *base.get_or_insert((turned - t - 0.25).round() + 0.25);
+            let t = turned - base;
+            let law = lead * t + change * t * t / 2.0;
+            // A micrometre; the angle is written in millionths of a turn.
+            assert!((way - law).abs() < 1e-3, "{line}: {law}");
+            count += 1;
+        }
+        assert!(count > 1000, "{count}");
+    }
+}
+
+#[test]
+fn leads_that_cannot_be_are_refused_before_anything_moves() {
+    let folder = Folder::new("bad-leads");
+    let case = |block: &str, number: u64, column: u64, message: &str| {
+        let found = found(&folder, block);
+        assert_eq!(found, [(number, column, message.to_owned())], "{block}");
+    };
+    case(
+        "G34 Z-15. F2. K-0.1",
+        4115,
+        15,
+        "the lead 2 mm becomes shorter and is used up after 20 mm; the stroke is 20 mm long",
+    );
+    // At 300 rpm Z may have a lead of 26.7 mm in a feed; the stroke ends with 30.
+    case(
+        "G34 Z-95. F10. K4.",
+        4251,
+        11,
+        "at 300 rpm the lead asks 9000 mm/min of Z; it may do 8000 mm/min",
+    );
+    case(
+        "S1000 G34 Z-15. F1. K0.4",
+        4274,
+        21,
+        "at 1000 rpm the change of the lead accelerates Z by 0.14 m/s² all the way; it may take 0.12 m/s²",
+    );
+    case(
+        "G34 Z-15. F2.",
+        4059,
+        1,
+        "G34 needs K, by how much the lead changes in each turn",
+    );
+    assert_eq!(found(&folder, "G34 Z-15. F2. K-0.05"), []);
 }

@@ -74,7 +74,7 @@ impl Translator {
             refuse_no_chamfer(words)?;
         }
         let increments = !self.control.is_gsk() && self.codes(words)?;
-        let motion = [90, 92, 94, 32, 0, 1, 2, 3];
+        let motion = [90, 92, 94, 32, 34, 0, 1, 2, 3];
         let motion = motion.into_iter().find(|motion| has_code(words, *motion));
         let motion = motion.unwrap_or_else(|| i64::from(now.motion));
         let alone = !now.holes && !words.iter().any(is_one_shot);
@@ -173,7 +173,7 @@ fn refuse_no_chamfer(words: &[Word]) -> Result<(), Alarm> {
     }
 }
 
-/// J and K of a stroke of G32, which are words of a GSK.
+/// J and K of a stroke of G32, which are words of a GSK. (K of G34 is another word.)
 fn refuse_run_out(words: &[Word]) -> Result<(), Alarm> {
     match words.iter().find(|word| matches!(word.letter, b'J' | b'K')) {
         Some(word) => Err(word
@@ -257,7 +257,7 @@ fn of_haas(words: &mut [Word], motion: i64, alone: bool) {
         word.letter = match (word.letter, motion) {
             (b'P', _) if dwell && point => b'X',
             (b'I', 90 | 92) | (b'K', 94) if alone => b'R',
-            (b'E', 92 | 32) if alone => b'F',
+            (b'E', 92 | 32 | 34) if alone => b'F',
             (letter, _) => letter,
         };
     }

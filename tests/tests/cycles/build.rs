@@ -80,6 +80,7 @@ pub fn o0013() -> ThreadCall {
         run_in: at(Length::ZERO),
         run_out: run_out(3.0, 3.0),
         lead: at(lead(6.0)),
+        change: at(LeadChange::NONE),
         first_angle: StartAngle::INDEX,
         increment: Length::from_nm(100),
         rpm: Rpm::new(300),

@@ -118,6 +118,7 @@ fn thread(r: &mut Random) -> ThreadCall {
         run_in: at(len(run_in)),
         run_out,
         lead: at(lead.unwrap()),
+        change: at(LeadChange::NONE),
         first_angle: StartAngle::from_mdeg(if r.chance(60) {
             0
         } else {

@@ -11,7 +11,7 @@ use leadscrew_core::motion::{Phase, ThreadPlan, ThreadRun};
 use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::Observer;
-use leadscrew_core::units::{Angle, Axis, Lead, Length, Rpm, StartAngle, Ticks};
+use leadscrew_core::units::{Angle, Axis, Lead, LeadChange, Length, Rpm, StartAngle, Ticks};
 use spindle::{Spindle, TICK_S};
 use watch::Watch;
 
@@ -38,6 +38,7 @@ fn pass(
             to,
             kind: MoveKind::Thread(ThreadMove {
                 lead,
+                change: LeadChange::NONE,
                 pass_angle: start,
                 angle_udeg: 0,
                 long_x,

@@ -1,13 +1,16 @@
 //! G76 and G78 and the machine's limits: spindle, feeds, lead-in, run-out.
 
 use super::moves::{ThreadMoves, ThreadSummary};
-use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::call::{ThreadCall, ThreadCycle};
+use super::shape::is_long_x;
+use crate::alarm::{Alarm, Arg, At, Code, Span};
+use crate::call::ThreadCall;
 use crate::feasible::{Gather, Pass, can_follow};
 use crate::motion::ThreadPlan;
 use crate::moves::{Move, MoveKind};
 use crate::params::Params;
-use crate::units::{Axis, Feed, Length, Rpm, mul_div, signed, signed_product};
+use crate::units::{
+    Axis, Feed, Lead, LeadChange, Length, Rpm, Turns, mul_div, signed, signed_product,
+};
 
 /// The largest number of different warnings, or of different alarms, of one thread cycle.
 pub const FINDINGS: usize = 6;
@@ -23,6 +26,8 @@ pub struct ThreadReport {
     pub lead_in: Length,
     /// The start must lie at least this far before the material: the lead-in, plus the shift if Z is the long axis.
     pub start_before: Length,
+    /// Where the lead changes: turns of the stroke in millionths, and the lead at its end.
+    pub variable: Option<(i64, Length)>,
     /// Warnings, for what may leave a mark on the work but stops nothing: long lead-in, falling lead, run-out that
     /// lags, parameters 107 and 5129.
     pub warnings: [Option<Alarm>; FINDINGS],
@@ -116,7 +121,7 @@ fn examine(
     }
     let long = if summary.long_x { Axis::X } else { Axis::Z };
     if speed != 0
-        && let Err(alarm) = &can_follow(call.lead, long, rpm, span, params)
+        && let Err(alarm) = &can_follow(largest(call), long, rpm, span, params)
     {
         wrong(alarm);
     }
@@ -185,7 +190,7 @@ pub fn thread_findings(
         ));
     }
     // A stroke that ends where it stops has no run-out that could be longer.
-    if figures.falling > Length::ZERO && call.cycle != ThreadCycle::G32 {
+    if figures.falling > Length::ZERO && !call.cycle.is_stroke() {
         warnings.push(warn(
             Code::FallingLead,
             span,
@@ -231,6 +236,9 @@ pub fn thread_findings(
             z_shift_max: summary.z_shift_max,
             lead_in: figures.lead_in,
             start_before: before,
+            variable: figures
+                .turns
+                .map(|turns| (turns.micro(), last(call).rounded())),
             warnings: warnings.0,
         }),
     })
@@ -326,6 +334,27 @@ fn run_out_too_fast(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -
     Some(Alarm::new(Code::RunOutTooFast, span).word(b'J').with(args))
 }
 
+/// The lead at the end of a stroke. Anywhere else it is that of the whole thread.
+fn last(call: &ThreadCall) -> Lead {
+    let way = if is_long_x(call) {
+        call.end_x.value - call.start.x
+    } else {
+        call.end_z.value - call.start.z
+    };
+    let last = call.change.value.after(call.lead.value, way);
+    last.unwrap_or(call.lead.value)
+}
+
+/// The largest lead of a thread.
+fn largest(call: &ThreadCall) -> At<Lead> {
+    let span = call.lead.span;
+    if call.change.value > LeadChange::NONE {
+        At::new(last(call), span)
+    } else {
+        call.lead
+    }
+}
+
 /// S as written, without the direction.
 const fn positive(rpm: Rpm) -> Rpm {
     Rpm::new(rpm.get().saturating_abs())
@@ -335,6 +364,7 @@ const fn positive(rpm: Rpm) -> Rpm {
 fn to_word(call: &ThreadCall, alarm: &mut Alarm) {
     let span = match alarm.code {
         Code::LeadTooFast => call.lead.span,
+        Code::LeadChangeTooFast => call.change.span,
         Code::RunInTooFast => call.run_in.span,
         Code::StrokeTooShortForSpeed if alarm.word == Some(b'X') => call.end_x.span,
         Code::StrokeTooShortForSpeed => call.end_z.span,
@@ -392,6 +422,7 @@ struct Figures {
     falling: Length,
     lag: Length,
     needed: Length,
+    turns: Option<Turns>,
 }
 
 impl Figures {
@@ -401,6 +432,7 @@ impl Figures {
         self.falling = self.falling.max(plan.falling_lead());
         self.lag = self.lag.max(plan.run_out_lag().abs());
         self.needed = self.needed.max(plan.run_out_needed());
+        self.turns = plan.variable_turns();
     }
 }
 

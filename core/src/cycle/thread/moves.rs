@@ -143,6 +143,7 @@ impl ThreadMoves {
                 ThreadCycle::G78 => Cycle::G78,
                 ThreadCycle::G92 => Cycle::G92,
                 ThreadCycle::G32 => Cycle::G32,
+                ThreadCycle::G34 => Cycle::G34,
             },
             pass: 0,
             start: 1,
@@ -158,6 +159,7 @@ impl ThreadMoves {
         };
         let synchronous = ThreadMove {
             lead: call.lead.value,
+            change: call.change.value,
             pass_angle: call.first_angle,
             angle_udeg: micros(call.first_angle),
             long_x: shape.long_x,
@@ -452,7 +454,7 @@ mod tests {
     use super::*;
     use crate::alarm::At;
     use crate::call::{CutIn, Infeed, Position, RunOut};
-    use crate::units::{Angle, Lead, Remainder, Rpm};
+    use crate::units::{Angle, Lead, LeadChange, Remainder, Rpm};
 
     /// A thread with little room for what it asks for.
     fn narrow(mut draw: impl FnMut(i64, i64) -> i64) -> ThreadCall {
@@ -511,6 +513,7 @@ mod tests {
                 CutIn::Trailing,
             ][draw(0, 5) as usize]),
             starts: at(1),
+            change: At::new(LeadChange::NONE, Span::default()),
             first_angle: StartAngle::INDEX,
             run_in: at(nm(run_in)),
             run_out: (!left_out).then(|| RunOut {

@@ -6,7 +6,7 @@ use super::taper::scaled;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{ThreadCall, ThreadCycle};
 use crate::cycle::check::{blame, in_range};
-use crate::units::{Diameter, Length, signed_product};
+use crate::units::{Diameter, Lead, LeadChange, Length, signed_product};
 
 /// Refuses a thread that is impossible whatever its passes are.
 #[inline(never)]
@@ -15,7 +15,7 @@ pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> 
     let start = &call.start;
     let stroke = call.end_z.value - start.z;
     if call.cycle.is_stroke() {
-        return refuse_stroke(call, span);
+        return refuse_stroke(call, span).and_then(|()| refuse_lead(call, span));
     }
     let travel = stroke.nm().unsigned_abs();
     if travel == 0 {
@@ -119,4 +119,45 @@ fn refuse_stroke(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
     let figures = [Arg::Length(j.abs()), Arg::Length(k), Arg::Length(moves)];
     let word = &run_out.short.span;
     Err(blame(Code::RunOutIntoThread, span, word, b'J').with(figures))
+}
+
+/// Refuses a G34 whose lead leaves its range, or is used up before the end.
+#[inline(never)]
+fn refuse_lead(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
+    const LEAST: Length = Length::from_nm(100);
+    const MOST: Length = Length::from_nm(500_000_000);
+    if call.cycle != ThreadCycle::G34 {
+        return Ok(());
+    }
+    let length = if is_long_x(call) {
+        call.end_x.value - call.start.x
+    } else {
+        call.end_z.value - call.start.z
+    };
+    let length = length.abs();
+    if length > LeadChange::REACH {
+        let figure = [Arg::Length(length), Arg::Length(LeadChange::REACH)];
+        return Err(Alarm::new(Code::VariableStrokeTooLong, span).with(figure));
+    }
+    let (first, change) = (call.lead.value, call.change.value);
+    let beyond = |lead: Lead| lead.rounded() < LEAST || lead.rounded() > MOST;
+    let k = &call.change.span;
+    let Some(last) = change.after(first, length) else {
+        let figures = [
+            Arg::Length(first.rounded()),
+            Arg::Length(change.used_up_after(first)),
+            Arg::Length(length),
+        ];
+        return Err(blame(Code::LeadUsedUp, span, k, b'K').with(figures));
+    };
+    if beyond(first) || beyond(last) {
+        let figures = [Arg::Length(first.rounded()), Arg::Length(last.rounded())];
+        let (word, letter) = if beyond(first) {
+            (&call.lead.span, b'F')
+        } else {
+            (k, b'K')
+        };
+        return Err(blame(Code::LeadLeavesRange, span, word, letter).with(figures));
+    }
+    Ok(())
 }

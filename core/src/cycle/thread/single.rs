@@ -5,7 +5,7 @@ use super::words::{Extras, ThreadWords, parameter, starts};
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{CallKind, CutIn, Infeed, ThreadCall, ThreadCycle};
 use crate::text::{Block, Letters, Modal, PLANE_AXES, Plan, Range, g_arg};
-use crate::units::{Length, StartAngle};
+use crate::units::{LeadChange, Length, StartAngle};
 
 /// D and R of G92.
 #[derive(Clone, Copy, Debug)]
@@ -96,6 +96,7 @@ impl ThreadWords {
             run_in: parameter(Length::ZERO),
             run_out: chamfer.resolve(j, k, lead.value),
             lead,
+            change: parameter(LeadChange::NONE),
             first_angle,
             increment: modal.scale.increment(),
             rpm: modal.rpm(),

@@ -1,7 +1,7 @@
-//! The words of G32: one stroke from where the tool stands to the end point, in step with the spindle.
+//! The words of G32 and G34: one stroke from where the tool stands to the end point, in step with the spindle.
 //!
 //! J moves the short axis away from the line over the last K of the long one. Its sign is the direction: a stroke knows no
-//! outside and inside.
+//! outside and inside. K of G34 is another word: the change of the lead per turn.
 
 use super::refuse::refuse_thread;
 use super::shape::Shape;
@@ -9,7 +9,7 @@ use super::words::{ThreadWords, parameter};
 use crate::alarm::{Alarm, At, Code, Span};
 use crate::call::{CallKind, CutIn, Infeed, Position, ThreadCall, ThreadCycle};
 use crate::text::{Block, Letters, Modal, PLANE_AXES, Plan, Range};
-use crate::units::{Length, StartAngle};
+use crate::units::{LeadChange, Length, StartAngle};
 
 impl ThreadWords {
     /// A block while G32 is in force, at `span`: where its stroke ends, run-out and all. `None` without a word of X or Z,
@@ -24,6 +24,54 @@ impl ThreadWords {
         block.only(PLANE_AXES.and(Letters::of(b"IQJK")))?;
         self.read_lead(modal, block)?;
         self.read_run_out(modal, block)?;
+        let Some(call) = self.stroke(ThreadCycle::G32, modal, block, span)? else {
+            return Ok(None);
+        };
+        let call = ThreadCall {
+            run_out: self.run_out.of_stroke(span)?,
+            ..call
+        };
+        plan.motion(span, CallKind::Thread(call));
+        Ok(Some(stroke_end(&call, span)))
+    }
+
+    /// G34 begins: no K of an earlier one is kept.
+    pub(crate) const fn begin_variable(&mut self) {
+        self.change = None;
+    }
+
+    /// A block while G34 is in force, at `span`: where its stroke ends. K is the change of the lead.
+    pub(crate) fn read_variable(
+        &mut self,
+        modal: &Modal<'_>,
+        block: &Block,
+        span: Span,
+        plan: &mut Plan,
+    ) -> Result<Option<Position>, Alarm> {
+        block.only(PLANE_AXES.and(Letters::of(b"IQK")))?;
+        self.read_lead(modal, block)?;
+        if let Some(k) = block.find(b'K') {
+            self.change = Some(modal.scale.lead_change(&k)?);
+        }
+        let Some(call) = self.stroke(ThreadCycle::G34, modal, block, span)? else {
+            return Ok(None);
+        };
+        let Some(change) = self.change else {
+            return Err(Alarm::new(Code::LeadChangeMissing, span));
+        };
+        let call = ThreadCall { change, ..call };
+        plan.motion(span, CallKind::Thread(call));
+        Ok(Some(stroke_end(&call, span)))
+    }
+
+    /// What both strokes have: the end and the lead in force. `None` without a word of X or Z.
+    fn stroke(
+        &self,
+        cycle: ThreadCycle,
+        modal: &Modal<'_>,
+        block: &Block,
+        span: Span,
+    ) -> Result<Option<ThreadCall>, Alarm> {
         let first_angle = match block.find(b'Q') {
             Some(q) => StartAngle::from_mdeg(q.count(StartAngle::FULL)?),
             None => StartAngle::INDEX,
@@ -37,8 +85,8 @@ impl ThreadWords {
             return Err(Alarm::new(Code::LeadMissing, span).with(range));
         };
         let none = || parameter(Length::ZERO);
-        let call = ThreadCall {
-            cycle: ThreadCycle::G32,
+        Ok(Some(ThreadCall {
+            cycle,
             start: modal.position,
             end_x: At::new(end.x, x),
             end_z: At::new(end.z, z),
@@ -53,14 +101,13 @@ impl ThreadWords {
             cut_in: parameter(CutIn::Centre),
             starts: parameter(1),
             run_in: none(),
-            run_out: self.run_out.of_stroke(span)?,
+            run_out: None,
             lead,
+            change: parameter(LeadChange::NONE),
             first_angle,
             increment: modal.scale.increment(),
             rpm: modal.rpm(),
-        };
-        plan.motion(span, CallKind::Thread(call));
-        Ok(Some(stroke_end(&call, span)))
+        }))
     }
 
     /// J and K of G32: J with a sign, K without.

@@ -7,7 +7,7 @@ use super::single::Single;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{CallKind, CutIn, Infeed, ThreadCall, ThreadCycle};
 use crate::text::{Block, Dialect, Letters, Modal, PLANE_AXES, Plan, Range, Word};
-use crate::units::{Lead, Length, StartAngle};
+use crate::units::{Lead, LeadChange, Length, StartAngle};
 
 /// P(m)(r)(a): what its digits wrote.
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +77,8 @@ pub(crate) struct ThreadWords {
     g78: First,
     /// F or I of the latest thread block that had one.
     pub(super) lead: Option<At<Lead>>,
+    /// K of the latest block of G34 that had one, as long as it is in force.
+    pub(super) change: Option<At<LeadChange>>,
     /// L.
     pub(super) starts: At<u8>,
     /// What G92 keeps as long as its mode lasts.
@@ -103,6 +105,7 @@ impl ThreadWords {
             g76: FIRST,
             g78: FIRST,
             lead: None,
+            change: None,
             starts: At::new(1, NOWHERE),
             g92: Single::NONE,
             run_out: KeptRunOut::NONE,
@@ -317,6 +320,7 @@ impl ThreadWords {
             run_in: extras.e.unwrap_or_else(|| parameter(Length::ZERO)),
             run_out: rules.chamfer(modal, p).resolve(j, k, lead.value),
             lead,
+            change: parameter(LeadChange::NONE),
             first_angle: StartAngle::INDEX,
             increment: modal.scale.increment(),
             rpm: modal.rpm(),

@@ -2,6 +2,7 @@
 //!
 //! This module knows no pass and no limits of axes.
 
+use super::variable::VariableTravel;
 use crate::motion::ease::{Fine, whole};
 use crate::units::{Lead, Length, Turns, narrow_div};
 
@@ -44,6 +45,8 @@ pub(in crate::motion) struct HelixTravel {
     pub high: Turns,
     /// Travel per turn: whole nanometres, and the rest in 2⁻³² nm.
     pub lead: (u64, u64),
+    /// What a changing lead has instead.
+    pub variable: VariableTravel,
 }
 
 impl HelixTravel {
@@ -60,6 +63,7 @@ impl HelixTravel {
             low: -join - Turns::ONE,
             high: done + Turns::ONE,
             lead: (whole, rest.min(u64::from(u32::MAX))),
+            variable: VariableTravel::default(),
         }
     }
 
@@ -67,6 +71,9 @@ impl HelixTravel {
     pub fn at(&self, relative: Turns) -> Fine {
         // Not `clamp`, which panics if the limits cross.
         let relative = relative.raw().max(self.low.raw()).min(self.high.raw());
+        if !self.variable.is_none() {
+            return self.variable.at(relative);
+        }
         let turns = relative >> 32;
         let part = (relative as u64) & 0xffff_ffff;
         let (lead, rest) = self.lead;
@@ -78,5 +85,13 @@ impl HelixTravel {
         let within =
             ((part >> 2).wrapping_mul(lead) >> 14).wrapping_add(part.wrapping_mul(rest) >> 48);
         whole_turns.wrapping_add(within as i64)
+    }
+    /// The travel over the last `step` up to `angle`, which counts from the start point.
+    pub fn over(&self, angle: Turns, step: Turns) -> Fine {
+        if self.variable.is_none() {
+            self.at(step)
+        } else {
+            self.at(angle).wrapping_sub(self.at(angle - step))
+        }
     }
 }

@@ -21,9 +21,12 @@
 //! taper's line, the run-in towards this line and the run-out away from it. Run-in and run-out each have a rounded
 //! corner that the short axis' limits allow, and each reaches its point exactly where the geometry says.
 //!
+//! The helix of G34 has a lead that changes; then `h` is the law of `variable`, and everything above it stays.
+//!
 //! The background plans `H`, `B` and the corners ([`ThreadPlan`]) for the faster of commanded and measured speed, with
 //! a margin. The tick ([`ThreadRun`]) only evaluates the plan.
 
+mod change;
 mod helix;
 mod pace;
 mod path;
@@ -31,6 +34,9 @@ mod plan;
 mod ramp;
 mod run;
 mod shape;
+#[cfg(test)]
+mod tests;
+mod variable;
 
 pub use helix::Helix;
 pub(super) use helix::HelixTravel;

@@ -1,5 +1,6 @@
 //! The speed of a pass, and the ramps of run-in, run-out and retract that follow from this speed.
 
+use super::change::Taken;
 use super::ramp::{Corner, DIAGONAL, Machine, Ramp, Slope, directed, seen, slope};
 use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code};
@@ -8,7 +9,7 @@ use crate::motion::lead::speed_of;
 use crate::motion::limits::bounds;
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
-use crate::units::{Axis, Feed, Rpm, TurnRate, mul_div};
+use crate::units::{Feed, Rpm, TurnRate, mul_div};
 
 /// If a run-out does not fit with the whole margin, it is tried at these percentages of the spindle's speed.
 const MARGINS: [u64; 4] = [110, 105, 102, 100];
@@ -59,14 +60,14 @@ impl Pace {
             return Err(shape.alarm(Code::SpindleStopped));
         }
         // In nm/min, exact if the command decides, so that a feed that just reaches the limit raises no alarm.
-        let (nm, turns) = shape.thread.lead.parts();
+        let (nm, turns) = shape.largest.parts();
         let asked = if nominal > measured.abs() || measured == TurnRate::ZERO {
             mul_div(nm, u64::from(commanded.abs()), turns)
         } else {
             let per_second = mul_div(nm, nominal.raw() as u64, turns);
             mul_div(per_second, 60, 1 << 32)
         };
-        let (long, short) = axes(shape);
+        let (long, short) = shape.axes();
         let along_taper = mul_div(asked, shape.taper.unsigned_abs(), DIAGONAL);
         let checks = [
             (long, asked, params.max_feed(long)),
@@ -85,17 +86,21 @@ impl Pace {
                 ]));
             }
         }
-        Ok(())
+        let rate = self.limit.raw() as u64;
+        let speed = speed_of(shape.largest, rate);
+        Taken::new(shape, rate, speed).check(shape, params, nominal.rpm())
     }
 
     /// The axes at `percent` of the nominal speed.
     pub fn machine(&self, shape: &Shape, params: &Params, percent: u64) -> Machine {
-        let (long, short) = axes(shape);
+        let (long, short) = shape.axes();
         let rate = mul_div_up(self.nominal.raw() as u64, percent, 100);
+        let speed = speed_of(shape.largest, rate);
+        let taken = Taken::new(shape, rate, speed);
         Machine {
-            speed: speed_of(shape.thread.lead, rate),
-            long: bounds(params, long),
-            short: bounds(params, short),
+            speed,
+            long: taken.of_long(bounds(params, long)),
+            short: taken.of_short(bounds(params, short)),
             short_speed: params.max_feed(short).nm_per_min() as u64 / 60,
             taper: shape.taper.unsigned_abs(),
         }
@@ -183,14 +188,5 @@ impl Corner {
         *long = self.long;
         ramp.ease = self.ease;
         ramp.slope = directed(self.slope, rise);
-    }
-}
-
-/// Long and short axis.
-const fn axes(shape: &Shape) -> (Axis, Axis) {
-    if shape.thread.long_x {
-        (Axis::X, Axis::Z)
-    } else {
-        (Axis::Z, Axis::X)
     }
 }

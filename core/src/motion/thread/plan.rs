@@ -5,13 +5,14 @@ use super::helix::HelixTravel;
 use super::pace::Pace;
 use super::ramp::{Ramp, Slope, inverse};
 use super::shape::Shape;
+use super::variable::VariableTravel;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::Position;
 use crate::motion::ease::{Ease, Fine, Fraction, whole};
 use crate::motion::lead::turns_of;
 use crate::moves::Move;
 use crate::params::Params;
-use crate::units::{Length, Rpm, TurnRate, Turns, mul_div};
+use crate::units::{LeadChange, Length, Rpm, TurnRate, Turns, mul_div};
 
 /// One threading pass, ready for [`ThreadRun`](super::ThreadRun).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -136,13 +137,9 @@ impl ThreadPlan {
         self.long_x = long_x;
         self.backward = shape.backward;
         self.reverse = pace.reverse;
-        let lead = shape.thread.lead;
-        self.join_angle = turns_of(lead, self.join.half());
-        self.done_angle = turns_of(lead, length.saturating_add(self.brake.half()));
-        let half = lead.parts().1 >> 1;
-        self.travel = HelixTravel::new(lead, self.join_angle, self.done_angle, half);
-        self.start_angle = shape.thread.pass_angle.turns();
         self.length = length;
+        self.put_helix(shape)?;
+        self.start_angle = shape.thread.pass_angle.turns();
         self.taper = shape.taper;
         self.run_in_rise = self.run_in.beside_at_start();
         let slopes = [self.run_in.slope, self.run_out.slope].map(i64::unsigned_abs);
@@ -164,6 +161,40 @@ impl ThreadPlan {
             self.way_needed = whole(way);
         }
         Ok(())
+    }
+
+    /// The helix, and the angles at which the axis leaves rest and is at rest again.
+    #[inline(never)]
+    fn put_helix(&mut self, shape: &Shape) -> Result<(), Alarm> {
+        let lead = shape.thread.lead;
+        self.join_angle = turns_of(lead, self.join.half());
+        let behind = turns_of(shape.last, self.brake.half());
+        let variable = VariableTravel::new(
+            lead,
+            shape.thread.change,
+            shape.last,
+            shape.length,
+            self.join_angle + Turns::ONE,
+            behind + Turns::ONE,
+        );
+        self.done_angle = match &variable {
+            Some(law) => law.turns() + behind,
+            None if shape.thread.change != LeadChange::NONE => {
+                return Err(shape.alarm(Code::ThreadMovesMixed));
+            }
+            None => turns_of(lead, self.length.saturating_add(self.brake.half())),
+        };
+        let half = lead.parts().1 >> 1;
+        self.travel = HelixTravel::new(lead, self.join_angle, self.done_angle, half);
+        self.travel.variable = variable.unwrap_or_default();
+        Ok(())
+    }
+
+    /// Turns of the stroke, where the lead changes.
+    #[must_use]
+    pub fn variable_turns(&self) -> Option<Turns> {
+        let law = &self.travel.variable;
+        (!law.is_none()).then(|| law.turns())
     }
 
     /// True if X is the long axis.

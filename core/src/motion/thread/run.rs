@@ -257,7 +257,7 @@ impl ThreadRun {
             Some(from) if self.phase == Phase::Locked && from == self.way => {
                 // Stop at once from the present speed (a share of the planned speed), with the ease scaled down to that
                 // speed.
-                let pace = plan.travel.at(Turns::from_raw(self.step));
+                let pace = self.pace(plan);
                 let share = plan.of_speed.share(pace, plan.speed);
                 self.master = Master::Stopping {
                     left: plan.stop.half(),
@@ -292,9 +292,14 @@ impl ThreadRun {
         (end <= self.length && (before || behind)).then_some(from)
     }
 
+    /// The travel of the helix in the last tick.
+    fn pace(&self, plan: &ThreadPlan) -> Fine {
+        plan.travel.over(self.angle, Turns::from_raw(self.step))
+    }
+
     /// Lets the angle run on at its present pace. If the spindle hardly moves, the axis rests where it is.
     fn coast(&mut self, plan: &ThreadPlan) {
-        let pace = plan.travel.at(Turns::from_raw(self.step));
+        let pace = self.pace(plan);
         self.master = if pace < plan.speed >> 6 {
             Master::Rest(self.way)
         } else {

@@ -5,7 +5,7 @@ use crate::alarm::{Alarm, Code, Span};
 use crate::call::Position;
 use crate::motion::ease::Fine;
 use crate::moves::{Move, MoveKind, Stage, ThreadMove};
-use crate::units::Length;
+use crate::units::{Axis, Lead, LeadChange, Length};
 
 /// A pass without a speed. Ways are magnitudes; steps of the short axis carry their sign.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +28,9 @@ pub(super) struct Shape {
     pub run_out_rise: Fine,
     /// Slope of the line.
     pub taper: Slope,
+    /// The lead at the end, and the largest of the stroke: those of the moves, unless the lead changes.
+    pub last: Lead,
+    pub largest: Lead,
 }
 
 impl Shape {
@@ -59,6 +62,7 @@ impl Shape {
         let (way, rise) = step(begins, stroke, long_x);
         let (run_out, run_out_rise) = step(stroke, end, long_x);
         let (length, _) = step(&from, end, long_x);
+        let last = thread.change.after(thread.lead, length.abs())?;
         let taper = slope(fine(rise), fine(way.abs()).max(1) as u64);
         let (run_in, run_out) = (fine(run_in.abs()), fine(run_out.abs()));
         Some(Self {
@@ -73,12 +77,27 @@ impl Shape {
             run_out,
             run_out_rise: fine(run_out_rise).wrapping_sub(along(run_out, taper)),
             taper,
+            last,
+            largest: if thread.change > LeadChange::NONE {
+                last
+            } else {
+                thread.lead
+            },
         })
     }
 
     /// The whole way in 2⁻¹⁶ nm.
     pub const fn fine_length(&self) -> Fine {
         self.length.nm().wrapping_shl(16)
+    }
+
+    /// Long and short axis.
+    pub const fn axes(&self) -> (Axis, Axis) {
+        if self.thread.long_x {
+            (Axis::X, Axis::Z)
+        } else {
+            (Axis::Z, Axis::X)
+        }
     }
 
     /// The alarm `code` at the pass's block.

@@ -1,9 +1,9 @@
-//! Strokes of G32: their points and what is refused, from program text to moves.
+//! Strokes of G32 and G34: their points and what is refused, from program text to moves.
 
 use super::*;
-use crate::alarm::Code;
+use crate::alarm::{Arg, Code};
 use crate::cycle::ThreadMoves;
-use crate::moves::{Move, Stage};
+use crate::moves::{Move, MoveKind, Stage};
 
 /// The thread calls of a text, and where the rapid after each goes.
 fn threads(text: &str) -> Vec<(ThreadCall, Option<Position>)> {
@@ -155,4 +155,94 @@ fn a_run_out_that_cannot_be_is_refused_at_its_word() {
         at("G32 U0 W0 F2 J1"),
         (Code::ThreadWithoutLength, Some(b'Z'))
     );
+}
+
+#[test]
+fn g34_has_a_lead_that_changes_and_no_run_out() {
+    let of = |text: &str| threads(&std::format!("M3 S300\nG0 X20 Z0\n{text}"));
+    let (call, _) = of("G34 Z-22 F2 K.1 Q90000")[0];
+    assert_eq!(call.cycle, ThreadCycle::G34);
+    assert_eq!(call.change.value.pm(), 100_000_000);
+    assert_eq!(call.change.span, span(3, 13, 16));
+    assert_eq!(
+        (call.lead.value.rounded(), call.first_angle.mdeg()),
+        (mm(2), 90_000)
+    );
+    let steps = moves(&call).unwrap();
+    assert_eq!(steps.len(), 1);
+    assert_eq!((steps[0].to.x, steps[0].to.z), (mm(10), mm(-22)));
+    let MoveKind::Thread(thread) = steps[0].kind else {
+        panic!("{:?}", steps[0]);
+    };
+    assert_eq!(
+        (thread.change.pm(), thread.long_x, thread.last),
+        (100_000_000, false, true)
+    );
+    // K stays while G34 is in force: a run-out of strokes before and after is not touched by it.
+    let run_outs = of("G32 Z-20 J1 K2 F2\nG0 X20 Z0\nG34 Z-22 K-.01\nG0 Z0\nG32 Z-20");
+    let seen: Vec<_> = run_outs
+        .iter()
+        .map(|(call, _)| {
+            (
+                call.run_out.map(|out| out.long.value),
+                call.change.value.pm(),
+            )
+        })
+        .collect();
+    assert_eq!(
+        seen,
+        [(Some(mm(2)), 0), (None, -10_000_000), (Some(mm(2)), 0)]
+    );
+    // Inches, and turns to an inch.
+    let (call, _) = of("G20 G34 Z-1 I11 K.000001")[0];
+    assert_eq!(call.change.value.pm(), 25_400);
+    // The face: the lead is on the radius.
+    let (call, _) = of("G34 X60 F2 K.1")[0];
+    assert!(matches!(
+        moves(&call).unwrap()[0].kind,
+        MoveKind::Thread(thread) if thread.long_x
+    ));
+    // K belongs to one G34.
+    let text = "M3 S300\nG0 X20 Z0\nG34 Z-22 F2 K.1\nG0 Z0\nG34 Z-22";
+    assert_eq!(alarm(text).code, Code::LeadChangeMissing);
+}
+
+#[test]
+fn a_lead_that_leaves_its_range_is_refused_at_its_word() {
+    let of = |block: &str| {
+        let text = std::format!("M3 S300\nG0 X20 Z0\n{block}");
+        let alarm = moves(&threads(&text)[0].0).unwrap_err();
+        (alarm.code, alarm.word, [alarm.args[0], alarm.args[1]])
+    };
+    let length = |nm: i64| Arg::Length(Length::from_nm(nm));
+    // 2² − 2·0.1·20 is nothing left.
+    assert_eq!(
+        of("G34 Z-20 F2 K-.1"),
+        (
+            Code::LeadUsedUp,
+            Some(b'K'),
+            [length(2_000_000), length(20_000_000)]
+        )
+    );
+    assert_eq!(of("G34 Z-20 F2 K-.2").2[1], length(10_000_000));
+    assert_eq!(of("G34 Z-100 F.2 K-.0002").0, Code::LeadUsedUp);
+    assert_eq!(
+        of("G34 Z-100 F501 K0"),
+        (
+            Code::LeadLeavesRange,
+            Some(b'F'),
+            [length(501_000_000), length(501_000_000)]
+        )
+    );
+    // √(499² + 2·100·10) = 501.000…
+    assert_eq!(
+        of("G34 Z-10 F499 K100"),
+        (
+            Code::LeadLeavesRange,
+            Some(b'K'),
+            [length(499_000_000), length(501_000_000)]
+        )
+    );
+    assert_eq!(of("G34 Z-11000 F2 K.1").0, Code::VariableStrokeTooLong);
+    assert_eq!(of("G34 U0 W0 F2 K.1").0, Code::ThreadWithoutLength);
 }

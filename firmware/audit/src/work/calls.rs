@@ -4,7 +4,7 @@ use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::call::{
     CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, TapAxis, ThreadCall, ThreadCycle,
 };
-use leadscrew_core::units::{Angle, Feed, Lead, Length, Remainder, Rpm, StartAngle};
+use leadscrew_core::units::{Angle, Feed, Lead, LeadChange, Length, Remainder, Rpm, StartAngle};
 
 fn at<T>(value: T) -> At<T> {
     At::new(value, Span::default())
@@ -48,6 +48,7 @@ pub fn o0013() -> ThreadCall {
             long_rest: Remainder::ZERO,
         }),
         lead: at(lead(6_000)),
+        change: at(LeadChange::NONE),
         first_angle: StartAngle::INDEX,
         increment: Length::from_nm(100),
         rpm: Rpm::new(300),
