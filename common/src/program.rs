@@ -11,6 +11,7 @@ use leadscrew_language::dialect::{Control, Named, named};
 use leadscrew_language::flow::{Rules, Trouble};
 use leadscrew_language::lines::Source;
 use leadscrew_language::reader::Reader;
+use leadscrew_language::stock::{self, Said, Stock};
 use leadscrew_language::variables::Kept;
 
 use crate::source::{SourceFile, Text};
@@ -29,6 +30,8 @@ pub struct Program<'p> {
     over: bool,
     /// Numbers of `(ALLOW …)`.
     allowed: Vec<u16>,
+    /// What `(STOCK …)` says.
+    stock: Option<Stock>,
     /// The control, where the program does not name it.
     control: Option<Control>,
 }
@@ -39,7 +42,9 @@ struct FirstLines {
     control: Option<Control>,
     named: bool,
     allowed: Vec<u16>,
+    stock: Option<Stock>,
     alarm: Option<Alarm>,
+    warning: Option<Alarm>,
 }
 
 impl FirstLines {
@@ -66,18 +71,30 @@ impl FirstLines {
         match named(text) {
             Named::Control(control) => (self.control, self.named) = (Some(control), true),
             Named::Unknown { from, to } => {
-                let column = |byte: usize| u16::try_from(byte + 1).unwrap_or(u16::MAX);
-                let span = Span {
-                    line,
-                    column: column(from),
-                    end: column(to),
-                };
-                self.alarm
-                    .get_or_insert(Alarm::new(Code::DialectUnknown, span));
+                let alarm = Alarm::new(Code::DialectUnknown, place(line, from, to));
+                self.alarm.get_or_insert(alarm);
             }
             Named::Nothing => {}
         }
+        match stock::said(text) {
+            Said::Stock(stock) => _ = self.stock.get_or_insert(stock),
+            Said::Unreadable { from, to } => {
+                let warning = Alarm::new(Code::StockUnreadable, place(line, from, to));
+                self.warning.get_or_insert(warning);
+            }
+            Said::Nothing => {}
+        }
         self.allowed.extend(allowed(text));
+    }
+}
+
+/// Bytes of a line.
+fn place(line: u32, from: usize, to: usize) -> Span {
+    let column = |byte: usize| u16::try_from(byte + 1).unwrap_or(u16::MAX);
+    Span {
+        line,
+        column: column(from),
+        end: column(to),
     }
 }
 
@@ -141,11 +158,12 @@ impl<'p> Program<'p> {
         };
         Ok(Self {
             reader: Reader::new(text, params, options, Kept::default(), rules),
-            queue: VecDeque::new(),
+            queue: first.warning.map(Event::Warning).into_iter().collect(),
             steps: 0,
             over: first.alarm.is_some(),
             alarm: first.alarm,
             allowed: first.allowed,
+            stock: first.stock,
             control: (!first.named).then_some(rules.control),
         })
     }
@@ -153,6 +171,11 @@ impl<'p> Program<'p> {
     /// The control that it is read for; `None` where it names this control itself.
     pub const fn assumed(&self) -> Option<Control> {
         self.control
+    }
+
+    /// The stock that the program declares.
+    pub const fn stock(&self) -> Option<&Stock> {
+        self.stock.as_ref()
     }
 
     /// The numbers that the program does not want to be told.

@@ -135,7 +135,7 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         at: options.position,
         hole: Hole::new(setup.tap),
         spindle: Spindle::at_start(setup),
-        plausible: Plausible::default(),
+        plausible: Plausible::new(program.stock()),
         allowed: setup
             .allow
             .iter()
@@ -359,7 +359,9 @@ impl Checker<'_> {
             // A cycle ends where it began.
             return self.groove(groove, call.span, time_us);
         }
+        let mut plausible = std::mem::take(&mut self.plausible);
         for step in moves {
+            plausible.step(call, self.at, &step, &mut |alarm| self.doubt(&alarm, inch));
             self.report.moves += 1;
             if let Some(used) = tapper(&step).and_then(|n| self.report.tappers.get_mut(n)) {
                 *used = true;
@@ -368,6 +370,7 @@ impl Checker<'_> {
             self.report.path_nm += length::nanometres(&self.at, &step);
             self.at = step.to;
         }
+        self.plausible = plausible;
     }
 
     /// A feed per minute goes on even if the spindle stands; a feed per turn and a thread would not [D199]. The first of

@@ -377,6 +377,9 @@ pub struct Plot {
     /// Where the picture goes; the ending chooses the format (`svg`; `png` and `html` are not available yet)
     #[arg(short, long, value_name = "FILE.svg")]
     pub output: PathBuf,
+    /// The tool path alone, near the part: nothing is run, so there is nothing over time
+    #[arg(long, conflicts_with_all = ["spindle_ripple", "tick_us"])]
+    pub path: bool,
     /// The plant.
     #[command(flatten)]
     pub drive: Drive,

@@ -78,7 +78,12 @@ fn place(position: &Position) -> (f64, f64) {
 }
 
 /// Points along a circle in the Z–X plane as it is drawn: Z to the right, X upwards.
-fn arc(from: (f64, f64), to: (f64, f64), centre: (f64, f64), clockwise: bool) -> Vec<(f64, f64)> {
+pub(crate) fn arc(
+    from: (f64, f64),
+    to: (f64, f64),
+    centre: (f64, f64),
+    clockwise: bool,
+) -> Vec<(f64, f64)> {
     let radius = (from.0 - centre.0).hypot(from.1 - centre.1);
     let start = (from.1 - centre.1).atan2(from.0 - centre.0);
     let sweep = sweep(from, to, centre, clockwise);

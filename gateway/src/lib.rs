@@ -26,6 +26,7 @@ pub mod origin;
 pub mod plausible;
 pub mod plot;
 pub mod recording;
+pub mod remains;
 pub mod setup;
 pub mod synchronism;
 pub mod tapping;

@@ -1,15 +1,20 @@
 //! What a program hardly means, with the arithmetic: a thread far too high or too flat for its pitch, hundreds of pecks, a
 //! feed of the other kind. Most of it is a number in another unit than the control reads.
 //!
-//! It sees the calls of a program in their order. Alarms and warnings come with numbers that a program or a machine file
-//! may silence. It must not know text.
+//! It sees the calls of a program in their order, and their moves. Alarms and warnings come with numbers that a program
+//! or a machine file may silence. It must not know text.
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{
-    Call, CallKind, FeedRate, GrooveCall, Position, ThreadCall, ThreadCycle,
+    Call, CallKind, FeedRate, GrooveCall, Position, TapAxis, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::cycle::GrooveCount;
-use leadscrew_core::units::{Length, StartAngle};
+use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_core::units::{Diameter, Length, StartAngle};
+use leadscrew_language::stock::Stock;
+
+use crate::drawing;
+use crate::remains::Remains;
 
 /// Height over pitch of a thread, in thousandths: flat square threads and deep buttress threads are inside.
 const HEIGHT: core::ops::RangeInclusive<i64> = 150..=1_200;
@@ -27,6 +32,8 @@ const THREADS: usize = 256;
 #[derive(Debug, Default)]
 pub struct Plausible {
     rpm: i64,
+    /// Where a stock is declared.
+    remains: Option<Remains>,
     threads: Vec<Cut>,
 }
 
@@ -43,6 +50,68 @@ struct Cut {
 }
 
 impl Plausible {
+    /// A program that declares this stock.
+    pub fn new(stock: Option<&Stock>) -> Self {
+        Self {
+            remains: stock.map(Remains::new),
+            ..Self::default()
+        }
+    }
+
+    /// Looks at the next move of a call, for a tool at `at`.
+    pub fn step(&mut self, call: &Call, at: Position, step: &Move, tell: &mut dyn FnMut(Alarm)) {
+        let Some(remains) = &mut self.remains else {
+            return;
+        };
+        let of_work = |position: Position| {
+            let (z, x) = (position.z - call.origin.z, position.x - call.origin.x);
+            (z.nm() as f64 / 1e6, x.nm() as f64 / 1e6)
+        };
+        let (from, to) = (of_work(at), of_work(step.to));
+        match step.kind {
+            MoveKind::Rapid => {
+                let Some((z, x)) = remains.entered(from, to) else {
+                    return;
+                };
+                let nm = |mm: f64| Length::from_nm((mm * 1e6).round() as i64);
+                let figures = [
+                    Arg::Diameter(Diameter::of_radius(nm(x))),
+                    Arg::Length(nm(z)),
+                ];
+                tell(Alarm::new(Code::RapidInStock, step.span).with(figures));
+            }
+            MoveKind::Feed(_) | MoveKind::Thread(_) | MoveKind::Tap(_) => remains.cut(from, to),
+            MoveKind::Arc {
+                i, k, clockwise, ..
+            } => {
+                let (z, x) = (k.nm() as f64 / 1e6, i.nm() as f64 / 1e6);
+                let points = drawing::arc(from, to, (from.0 + z, from.1 + x), clockwise);
+                for pair in points.windows(2) {
+                    remains.cut(pair[0], pair[1]);
+                }
+            }
+            MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => {}
+        }
+    }
+
+    /// All columns of a groove at once: their moves may be many.
+    fn groove(&mut self, groove: &GrooveCall, origin: &Position) {
+        let Some(remains) = &mut self.remains else {
+            return;
+        };
+        let mm = |length: Length| length.nm() as f64 / 1e6;
+        let (z, x) = (mm(groove.start.z - origin.z), mm(groove.start.x - origin.x));
+        let (end_z, end_x) = (
+            mm(groove.end_z.value - origin.z),
+            mm(groove.end_x.value - origin.x),
+        );
+        match groove.axis {
+            TapAxis::X => remains.groove(z, end_z, x, end_x),
+            TapAxis::Z if x.abs().max(end_x.abs()) < 1e-6 => remains.drill(z, end_z),
+            TapAxis::Z => remains.trepan(end_z),
+        }
+    }
+
     /// Looks at the next call, for a tool at `at`.
     pub fn call(&mut self, call: &Call, at: Position, tell: &mut dyn FnMut(Alarm)) {
         match &call.kind {
@@ -63,6 +132,7 @@ impl Plausible {
             CallKind::Arc(arc) => self.feed(arc.feed, call.span, tell),
             CallKind::Groove(groove) => {
                 pecks(groove, call.span, tell);
+                self.groove(groove, &call.origin);
                 self.feed(groove.feed, call.span, tell);
             }
             CallKind::Thread(thread) => self.thread(thread, call.span, tell),

@@ -16,6 +16,7 @@
 //!   its searches see.
 //! - [`reader`] is the whole way: text in, events of the core out.
 //! - [`drilling`] reads the words of the cycles of a drill and makes their moves.
+//! - [`mod@stock`] reads the comment that declares the stock.
 //! - [`roughing`] reads the words of the cycles G70–G73, and [`contour`] makes their moves from the contour that the
 //!   program describes.
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
@@ -51,6 +52,7 @@ mod random;
 pub mod reader;
 pub mod roughing;
 pub mod statement;
+pub mod stock;
 pub mod text;
 pub mod value;
 pub mod variables;

@@ -1,4 +1,5 @@
-//! The documentation builds without warnings, and all its links lead somewhere, those of the pages included.
+//! The documentation builds without warnings, all its links lead somewhere, those of the pages included, and its pictures
+//! are current.
 //!
 //! Comments cite decisions as `[D7]`, and rustdoc takes these for links. So the lint for dead links is off in an
 //! ordinary build. Here it is on, and only these citations are accepted.
@@ -6,11 +7,12 @@
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::Value;
 
-use crate::{pages, run};
+use crate::{pages, pictures, run};
 
 /// Builds the documentation, and lists its faults.
 pub fn check() -> Result<()> {
     pages::check()?;
+    pictures::check()?;
     let args = [
         "doc",
         "--workspace",

@@ -20,6 +20,7 @@ mod held;
 mod image;
 mod licences;
 mod pages;
+mod pictures;
 mod rules;
 mod run;
 mod setup;
@@ -54,7 +55,8 @@ usage: cargo xtask COMMAND
   soak       a machine at work for ten million ticks, disturbed at random, on all cores (--ticks N or --hours H, --seed S)
   image      what is flashed onto a NUCLEO-G474RE, as out/nucleo-g474re.elf, .bin and .hex
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
-  docs       the documentation, without warnings and with every link alive
+  docs       the documentation, without warnings, with every link alive and every picture current
+  pictures   docs/shop.md and its pictures, from the programs of examples/shop
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
 
@@ -94,6 +96,7 @@ fn main() -> ExitCode {
         ["sizes"] => target::ensure().and_then(|()| sizes::sizes(false)),
         ["sizes", "--write"] => target::ensure().and_then(|()| sizes::sizes(true)),
         ["docs"] => docs::check(),
+        ["pictures"] => pictures::write(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),
         ["help" | "--help" | "-h"] => {

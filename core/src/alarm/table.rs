@@ -1137,6 +1137,9 @@ codes! {
     /// A lead that threads hardly have; {0} it.
     LeadOdd = 4985, "a pitch of {0} is none that threads have (0.05 to 50 mm)", "is F the lead, and not a feed? `(ALLOW 4985)` if it is meant",
         "螺距 {0} 不在一般螺纹范围内（0.05 至 50 mm）", "F 是导程而非进给速度吗？确实如此请写 `(ALLOW 4985)`";
+    /// A rapid through the declared stock; {0} X and {1} Z where it enters.
+    RapidInStock = 4987, "this rapid goes into the material at X {0}, Z {1}", "go around it, cut it away first, or correct the comment `(STOCK ..)`; `(ALLOW 4987)` if it is meant",
+        "此快速移动在 X {0}、Z {1} 处进入毛坯", "请绕开、先切除，或修改注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4987)`";
 
     // -- 4992–4999 warnings: `language` -----------------------------------------------------------------------------------
     /// M99 in the main program.
@@ -1150,6 +1153,10 @@ codes! {
     /// A text that looks as if it was written for another control; {0} that one, {1} the one that is set.
     LooksLike = 4994, "this looks like a program for {0}, and it is read as one for {1}", "write `--dialect {0}`, `(DIALECT {0})` in front of the program, or `dialect = \"{0}\"` in its machine file",
         "这像是 {0} 的程序，而当前按 {1} 读取", "请用 `--dialect {0}`，或在程序开头写 `(DIALECT {0})`，或在机床文件中写 `dialect = \"{0}\"`";
+
+    /// The comment that declares the stock, and says it in another way.
+    StockUnreadable = 4995, "this comment does not declare the stock: X (diameter) and L (length) in millimetres, perhaps X0= (bore) and Z (face)", "write `(STOCK X60 L100)` or `(STOCK X60 L100 X0=20 Z1)`",
+        "此注释未能说明毛坯：应为 X（直径）和 L（长度），可加 X0=（孔径）和 Z（端面），单位 mm", "请写 `(STOCK X60 L100)` 或 `(STOCK X60 L100 X0=20 Z1)`";
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.
     TapSpeedAboveSpindle = 4960, "the highest tapping speed {0} (5241) is above that of the spindle, {1} (3772)",

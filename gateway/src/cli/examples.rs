@@ -47,7 +47,8 @@ Examples:
 pub(super) const PLOT: &str = "\
 Examples:
   leadscrew plot examples/shaft.nc -o shaft.svg
-  leadscrew plot part.nc -o part.svg --spindle-ripple 10@5";
+  leadscrew plot part.nc -o part.svg --spindle-ripple 10@5
+  leadscrew plot part.nc -o part.svg --path     the tool path alone: nothing is run";
 
 pub(super) const RECORD: &str = "\
 Examples:

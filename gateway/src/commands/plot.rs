@@ -5,14 +5,17 @@ use std::path::Path;
 use leadscrew_core::cycle;
 use leadscrew_core::program::Event;
 
+use crate::checking;
 use crate::cli::Plot;
 use crate::diagnostics;
 use crate::drawing::Drawing;
-use crate::execution::Execution;
+use crate::execution::{self, Execution};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
 use crate::machine::Observer;
-use crate::plot::{Envelope, Picture, Sample, Stroke};
+use crate::number;
+use crate::output;
+use crate::plot::{Envelope, Picture, Sample, Stroke, View};
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
@@ -23,6 +26,9 @@ use crate::words::{self, both};
 pub fn run(setup: &Setup, args: &Plot) -> Outcome {
     let source = SourceFile::new(&args.program);
     source.protect(&args.output)?;
+    if args.path {
+        return without_time(setup, &source, args);
+    }
     let mut execution = Execution::prepare(setup, &source)?;
     let path = path(setup, &source)?;
     let tick_us = setup.params.tick_us();
@@ -40,17 +46,57 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
             subtitle: summary.line(setup.lang),
             lang: setup.lang,
             path,
-            series: watcher.series,
+            view: View::Whole,
+            series: Some(watcher.series),
         };
-        std::fs::write(&args.output, picture.svg())
-            .map_err(|error| Failure::file(Doing::Write, args.output.display(), &error))?;
-        if !setup.global.json {
-            let (output, line) = (words::path(&args.output), summary.line(setup.lang));
-            let told = both!("{output}: {line}\n", "{output}：{line}\n");
-            diagnostics::say(told.get(setup.lang));
-        }
+        write(setup, args, &picture)?;
     }
     execution.conclude(&summary, None)
+}
+
+/// Draws a program that has been checked and is not run.
+fn without_time(setup: &Setup, source: &SourceFile, args: &Plot) -> Outcome {
+    let report = execution::tell_report(setup, source)?;
+    let ok = report.alarms.is_empty();
+    if ok {
+        let length = number::rounded::<6>(report.path_nm.round() as i64, 3);
+        let line = both!(
+            "{words} · path {length} mm",
+            "移动 {moves} 段 · 路径 {length} mm",
+            words = checking::plural(report.moves, "move"),
+            moves = report.moves
+        );
+        let picture = Picture {
+            title: title(&args.program),
+            subtitle: line.get(setup.lang).to_owned(),
+            lang: setup.lang,
+            path: path(setup, source)?,
+            view: View::Part,
+            series: None,
+        };
+        write(setup, args, &picture)?;
+    }
+    if setup.global.json {
+        output::json(|json| {
+            json.flag("ok", ok);
+            json.integer("moves", i64::try_from(report.moves).unwrap_or(i64::MAX));
+            json.decimal::<6>("path_mm", report.path_nm.round() as i64);
+            report.diagnostics(json);
+        })?;
+    }
+    if ok { Ok(()) } else { Err(Failure::Wrong) }
+}
+
+/// Writes a picture and says so.
+fn write(setup: &Setup, args: &Plot, picture: &Picture) -> Outcome {
+    std::fs::write(&args.output, picture.svg())
+        .map_err(|error| Failure::file(Doing::Write, args.output.display(), &error))?;
+    if !setup.global.json {
+        let (output, line) = (words::path(&args.output), &picture.subtitle);
+        let told = both!("{output}: {line}\n", "{output}：{line}\n");
+        diagnostics::say(told.get(setup.lang));
+    }
+    Ok(())
 }
 
 /// Refuses formats by name, before anything is computed.

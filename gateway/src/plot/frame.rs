@@ -12,14 +12,16 @@ pub(super) const RIGHT: f64 = WIDTH - MARGIN;
 
 /// Draws the box.
 pub(super) fn panel(document: &mut Group, top: f64, bottom: f64) {
-    document.append(
-        Rectangle::new()
-            .set("class", "panel")
-            .set("x", px(LEFT))
-            .set("y", px(top))
-            .set("width", px(RIGHT - LEFT))
-            .set("height", px(bottom - top)),
-    );
+    document.append(edge(top, bottom).set("class", "panel"));
+}
+
+/// The box itself.
+pub(super) fn edge(top: f64, bottom: f64) -> Rectangle {
+    Rectangle::new()
+        .set("x", px(LEFT))
+        .set("y", px(top))
+        .set("width", px(RIGHT - LEFT))
+        .set("height", px(bottom - top))
 }
 
 /// Draws vertical grid lines, with labels below where `labelled`.

@@ -7,7 +7,7 @@ mod scale;
 mod series;
 mod time;
 
-pub use path::{Kind, Stroke};
+pub use path::{Kind, Stroke, View};
 pub use series::{Envelope, Sample};
 
 use leadscrew_core::alarm::Lang;
@@ -32,8 +32,10 @@ pub struct Picture {
     pub lang: Lang,
     /// The tool path in the order of execution.
     pub path: Vec<Stroke>,
-    /// What the machine did over time.
-    pub series: Envelope,
+    /// How much of the path is shown.
+    pub view: View,
+    /// What the machine did over time; `None` where it did nothing.
+    pub series: Option<Envelope>,
 }
 
 impl Picture {
@@ -42,9 +44,11 @@ impl Picture {
         let mut document = Document::new();
         let mut top = TITLE;
         let mut body = Group::new();
-        top = path::draw(&mut body, top, &self.path, self.lang) + 34.0;
-        top = time::draw(&mut body, top, &self.series, self.lang);
-        let height = top + 54.0;
+        top = path::draw(&mut body, top, &self.path, self.view, self.lang);
+        if let Some(series) = &self.series {
+            top = time::draw(&mut body, top + 34.0, series, self.lang) + 18.0;
+        }
+        let height = top + 36.0;
 
         document.assign("viewBox", (0, 0, WIDTH, height));
         document.assign("width", WIDTH);
@@ -147,13 +151,44 @@ mod tests {
     }
 
     #[test]
+    fn a_picture_of_the_part_leaves_out_the_way_to_the_tool_change() {
+        let stroke = |kind, points: &[(f64, f64)]| Stroke {
+            kind,
+            points: points.to_vec(),
+        };
+        let path = vec![
+            stroke(Kind::Rapid, &[(500.0, 300.0), (2.0, 20.0)]),
+            stroke(Kind::Feed, &[(2.0, 20.0), (-40.0, 20.0)]),
+        ];
+        let drawn = |view| {
+            Picture {
+                title: String::new(),
+                subtitle: String::new(),
+                lang: Lang::En,
+                path: path.clone(),
+                view,
+                series: None,
+            }
+            .svg()
+        };
+        let (whole, part) = (drawn(View::Whole), drawn(View::Part));
+        assert!(whole.contains("class=\"start\"") && whole.contains("\n500\n"));
+        assert!(!part.contains("class=\"start\"") && !part.contains("\nstart\n"));
+        assert!(
+            part.contains("class=\"end\"") && part.contains("\n-40\n") && !part.contains("\n100\n")
+        );
+        assert!(part.contains("clip-path") && !whole.contains("clip-path"));
+    }
+
+    #[test]
     fn a_picture_of_nothing_is_a_picture() {
         let picture = Picture {
             title: "<empty> & \"quoted\"".into(),
             subtitle: String::new(),
             lang: Lang::En,
             path: Vec::new(),
-            series: Envelope::new(0.001),
+            view: View::Part,
+            series: Some(Envelope::new(0.001)),
         };
         let svg = picture.svg();
         assert!(

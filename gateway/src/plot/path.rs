@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use leadscrew_core::alarm::Lang;
 use svg::Node as _;
-use svg::node::element::{Circle, Group, Path};
+use svg::node::element::{Circle, ClipPath, Group, Path};
 
 use super::frame::{self, LEFT, RIGHT};
 use super::scale::Scale;
@@ -49,9 +49,18 @@ pub struct Stroke {
 const TALLEST: f64 = 470.0;
 const SHORTEST: f64 = 200.0;
 
-/// Draws the panel at `top` and returns its lower edge.
-pub(super) fn draw(document: &mut Group, top: f64, strokes: &[Stroke], lang: Lang) -> f64 {
-    let all = strokes.iter().flat_map(|stroke| &stroke.points);
+/// How much of the path a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// All of it, the way from the tool change included.
+    Whole,
+    /// The part: what is cut, and as much of the rapids as falls into that.
+    Part,
+}
+
+/// Lowest and highest point of strokes, with the origin where there are none.
+fn bounds<'a>(strokes: impl Iterator<Item = &'a Stroke>) -> ((f64, f64), (f64, f64)) {
+    let all = strokes.flat_map(|stroke| &stroke.points);
     let (mut low, mut high) = ((0.0f64, 0.0f64), (0.0f64, 0.0f64));
     for (n, &(z, x)) in all.enumerate() {
         if n == 0 {
@@ -60,9 +69,32 @@ pub(super) fn draw(document: &mut Group, top: f64, strokes: &[Stroke], lang: Lan
         low = (low.0.min(z), low.1.min(x));
         high = (high.0.max(z), high.1.max(x));
     }
+    (low, high)
+}
+
+/// Draws the panel at `top` and returns its lower edge.
+pub(super) fn draw(
+    document: &mut Group,
+    top: f64,
+    strokes: &[Stroke],
+    view: View,
+    lang: Lang,
+) -> f64 {
+    let cuts = |stroke: &&Stroke| stroke.kind != Kind::Rapid;
+    let part = view == View::Part && strokes.iter().any(|stroke| cuts(&stroke));
+    let (mut low, mut high) = if part {
+        bounds(strokes.iter().filter(cuts))
+    } else {
+        bounds(strokes.iter())
+    };
     // The centre line belongs to the picture unless the part is far away from it.
     if low.1 > 0.0 && low.1 < 3.0 * (high.1 - low.1).max(1.0) {
         low.1 = 0.0;
+    }
+    if part {
+        // Room for the way in and out.
+        let room = 0.08 * (high.0 - low.0).max(high.1 - low.1);
+        (low.0, high.0, high.1) = (low.0 - room, high.0 + room, high.1 + room);
     }
     let (length, height) = ((high.0 - low.0).max(1.0), (high.1 - low.1).max(1.0));
     let (pad, room) = (26.0, RIGHT - LEFT);
@@ -87,9 +119,16 @@ pub(super) fn draw(document: &mut Group, top: f64, strokes: &[Stroke], lang: Lan
     if middle.1 - half_x <= 0.0 && middle.1 + half_x >= 0.0 {
         frame::line(document, "centre", [(LEFT, x.px(0.0)), (RIGHT, x.px(0.0))]);
     }
-    strokes_in_layers(document, strokes, |(at_z, radius)| {
-        (z.px(at_z), x.px(2.0 * radius))
-    });
+    let place = |(at_z, radius): (f64, f64)| (z.px(at_z), x.px(2.0 * radius));
+    if part {
+        let mut inside = Group::new().set("clip-path", "url(#inside)");
+        strokes_in_layers(&mut inside, strokes, place);
+        let edge = frame::edge(top, bottom);
+        document.append(ClipPath::new().set("id", "inside").add(edge));
+        document.append(inside);
+    } else {
+        strokes_in_layers(document, strokes, place);
+    }
 
     document.append(text(
         LEFT - 8.0,
@@ -98,10 +137,14 @@ pub(super) fn draw(document: &mut Group, top: f64, strokes: &[Stroke], lang: Lan
         pick(lang, "X ⌀ mm", "X 直径 mm"),
     ));
     document.append(text(RIGHT + 8.0, bottom + 18.0, "right name", "Z mm"));
-    legend(document, top - 8.0, strokes, lang);
-    marks(document, strokes, |(at_z, radius)| {
-        (z.px(at_z), x.px(2.0 * radius))
+    let marks = marks(strokes, |point| {
+        let (x, y) = place(point);
+        ((LEFT..=RIGHT).contains(&x) && (top..=bottom).contains(&y)).then_some((x, y))
     });
+    legend(document, top - 8.0, strokes, &marks, lang);
+    for (class, at) in marks {
+        dot(document, at, class);
+    }
     bottom + 18.0
 }
 
@@ -150,7 +193,10 @@ fn strokes_in_layers(
     }
 }
 
-fn legend(document: &mut Group, y: f64, strokes: &[Stroke], lang: Lang) {
+/// A mark's class, and where it is.
+type Mark = (&'static str, (f64, f64));
+
+fn legend(document: &mut Group, y: f64, strokes: &[Stroke], marks: &[Mark], lang: Lang) {
     let entries = [
         (Kind::Rapid, pick(lang, "rapid", "快速移动")),
         (Kind::Feed, pick(lang, "feed", "切削进给")),
@@ -171,10 +217,13 @@ fn legend(document: &mut Group, y: f64, strokes: &[Stroke], lang: Lang) {
         .iter()
         .map(|(_, name)| 57.0 + frame::width(name))
         .sum();
-    let marks = [
+    let marks: Vec<_> = [
         ("start", pick(lang, "start", "起点")),
         ("end", pick(lang, "end", "终点")),
-    ];
+    ]
+    .into_iter()
+    .filter(|(class, _)| marks.iter().any(|(shown, _)| shown == class))
+    .collect();
     let dots: f64 = marks
         .iter()
         .map(|(_, name)| 38.0 + frame::width(name))
@@ -190,15 +239,14 @@ fn legend(document: &mut Group, y: f64, strokes: &[Stroke], lang: Lang) {
     }
 }
 
-fn marks(document: &mut Group, strokes: &[Stroke], place: impl Fn((f64, f64)) -> (f64, f64)) {
+/// Start and end, where `place` shows them.
+fn marks(strokes: &[Stroke], place: impl Fn((f64, f64)) -> Option<(f64, f64)>) -> Vec<Mark> {
     let first = strokes.first().and_then(|stroke| stroke.points.first());
     let last = strokes.last().and_then(|stroke| stroke.points.last());
-    if let Some(&start) = first {
-        dot(document, place(start), "start");
-    }
-    if let Some(&end) = last {
-        dot(document, place(end), "end");
-    }
+    [("start", first), ("end", last)]
+        .into_iter()
+        .filter_map(|(class, point)| Some((class, place(*point?)?)))
+        .collect()
 }
 
 fn dot(document: &mut Group, (x, y): (f64, f64), class: &str) {

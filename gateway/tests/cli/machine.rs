@@ -443,6 +443,38 @@ fn pictures_show_every_kind_of_move() {
     assert!(svg.len() < 200_000, "{}", svg.len());
 }
 
+#[test]
+fn a_picture_of_the_path_alone_runs_nothing_and_shows_the_part() {
+    let folder = Folder::new("path");
+    let picture = folder.file("bush.svg");
+    let args = ["plot", "examples/shop/bush.nc", "--path", "-o", &picture];
+    let output = leadscrew(&args);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let svg = std::fs::read_to_string(&picture).unwrap();
+    assert!(svg.contains("70 moves · path 1246.474 mm"), "{svg}");
+    assert!(svg.contains("line feed") && svg.contains("line rapid"));
+    assert!(!svg.contains("line rpm") && !svg.contains("class=\"start\""));
+    let output = leadscrew(&[&args[..], &["--json"]].concat());
+    let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(result["ok"], true);
+    assert_eq!(result["moves"], 70);
+    assert_eq!(result["path_mm"], 1246.473508);
+    // What drives a machine has no sense where none runs.
+    let output = leadscrew(&[&args[..], &["--tick-us", "500"]].concat());
+    assert_eq!(code(&output), 2);
+    // A program with an alarm has no picture.
+    std::fs::remove_file(&picture).unwrap();
+    let wrong = [
+        "plot",
+        "examples/g78-as-printed.nc",
+        "--path",
+        "-o",
+        &picture,
+    ];
+    assert_eq!(code(&leadscrew(&wrong)), 1);
+    assert!(!std::path::Path::new(&picture).exists());
+}
+
 /// The README shows what `cargo xtask demo` draws.
 #[test]
 fn the_picture_of_the_readme_is_current() {

@@ -32,6 +32,7 @@ fn cases() -> Vec<(u64, String, String)> {
     let thread = |text: &str| format!("{THREAD}{text}\nM5\nM30\n");
     let groove = |text: &str| format!("G99 G97 M3 S500\nG0 X52 Z-5\nG75 R0.05\n{text}\nM5\nM30\n");
     let lines = |text: &str| format!("G97 M3 S1000\nG0 X50 Z2\n{text}\nM5\nM30\n");
+    let stock = |text: &str| format!("(STOCK X60 L100)\n{}", lines(&format!("X62\n{text}")));
     vec![
         // A height in units of 0.0001 mm.
         (
@@ -67,6 +68,17 @@ fn cases() -> Vec<(u64, String, String)> {
             lines("G98 G1 Z-20 F100"),
         ),
         (
+            4987,
+            stock("G0 X58 Z-20"),
+            stock("G0 X60 Z-20\nG0 Z-100.02\nX0"),
+        ),
+        // Over what is turned, and not a shoulder further.
+        (
+            4987,
+            stock("G1 X52 Z2 F200\nZ-30\nG0 X62\nZ2\nX52\nZ-30.2"),
+            stock("G1 X52 Z2 F200\nZ-30\nG0 X62\nZ2\nX52\nZ-30"),
+        ),
+        (
             4985,
             lines("G92 X49 Z-20 F0.04"),
             lines("G92 X49 Z-20 F0.4 J0.5 K0.5"),
@@ -86,6 +98,82 @@ fn each_doubt_is_told_at_its_line_and_what_was_meant_is_not() {
         std::fs::write(&program, &right).unwrap();
         assert_eq!(found(&program), [], "{number}\n{right}");
     }
+}
+
+/// Programs whose rapids go near the stock or through where it was, with the lines that are told.
+#[test]
+fn a_rapid_is_told_where_the_stock_still_is() {
+    let folder = shop("stock");
+    let program = folder.file("p.nc");
+    let told = |text: &str| {
+        std::fs::write(&program, text).unwrap();
+        let told = found(&program);
+        let lines: Vec<u64> = told.iter().map(|(_, line)| *line).collect();
+        assert!(told.iter().all(|(number, _)| *number == 4987), "{told:?}");
+        lines
+    };
+    let bar = "(STOCK X60 L100)\nG97 M3 S500\n";
+    let tube = "(STOCK X60 L100 X0=20 Z1)\nG97 M3 S500\nG98\n";
+    for (text, lines) in [
+        // From power-up at X0 Z0 straight through the bar; none is declared in the second.
+        ("(STOCK X60 L100)\nG0 X60 Z-20\nM30\n".to_owned(), vec![2]),
+        ("(STOCK 60 BY 100)\nG0 X60 Z-20\nM30\n".into(), vec![]),
+        // The hole is free, its wall is not, and the face is where it is declared.
+        (format!("{tube}G0 X19 Z5\nZ-50\nZ0.5\nX22\nM30\n"), vec![7]),
+        // Bored, then back through the bore; below it there is the wall.
+        (
+            format!("{tube}G0 X24 Z5\nG1 Z-50 F50\nX18\nG0 Z5\nX24\nZ-50\nX26\nM30\n"),
+            vec![10],
+        ),
+        // Faced: the bar begins at the face.
+        (
+            format!("{tube}G0 Z5\nX62\nZ0\nG1 X18 F50\nG0 Z0.5\nX62\nZ-1\nX18\nM30\n"),
+            vec![11],
+        ),
+        // Parted off, so that nothing is in front.
+        (
+            format!("{tube}G0 Z5\nX62\nZ-30\nG1 X19 F50\nG0 X62\nZ-10\nX0\nZ-29\nZ-31\nM30\n"),
+            vec![],
+        ),
+        // An arc, and rapids on either side of it: from X40 Z0 to X60 Z-10, radius 10.
+        (
+            format!("{bar}G98\nG0 X40 Z2\nG1 Z0 F50\nG3 X60 Z-10 R10\nG0 Z2\nX50\nZ-1.2\nM30\n"),
+            vec![],
+        ),
+        (
+            format!("{bar}G98\nG0 X40 Z2\nG1 Z0 F50\nG3 X60 Z-10 R10\nG0 Z2\nX50\nZ-1.6\nM30\n"),
+            vec![9],
+        ),
+        // The work piece moves with its zero: the tool stands at X10 Z-10 of it.
+        (
+            "(STOCK X60 L100)\nG50 X100 Z50\nG0 X62 Z-5\nG50 X10 Z-10\nG0 Z-12\nM30\n".into(),
+            vec![5],
+        ),
+        // A groove and its neighbour.
+        (
+            format!(
+                "{bar}G99\nG0 Z5\nX62\nZ-20\nG75 R0.5\nG75 X50 P3000 F0.1\nG0 X51\nX62\nZ-22\nX58\nM30\n"
+            ),
+            vec![12],
+        ),
+    ] {
+        assert_eq!(told(&text), lines, "{text}");
+    }
+}
+
+#[test]
+fn a_stock_that_cannot_be_read_is_told_with_its_place() {
+    let folder = shop("no-stock");
+    let program = folder.file("p.nc");
+    std::fs::write(&program, "O1\n(STOCK X60 L100 D5)\nG0 X60 Z-20\nM30\n").unwrap();
+    assert_eq!(found(&program), [(4995, 2)]);
+    let output = leadscrew(&["check", &program]);
+    assert_eq!(code(&output), 0);
+    let text = stderr(&output);
+    assert!(
+        text.contains("p.nc:2:2") && text.contains("`(STOCK X60 L100)`"),
+        "{text}"
+    );
 }
 
 #[test]
