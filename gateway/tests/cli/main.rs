@@ -111,6 +111,7 @@ mod machine;
 mod macros;
 mod plausible;
 mod recovery;
+mod subprograms;
 mod taps;
 mod texts;
 mod usage;
