@@ -7,11 +7,12 @@ use std::path::Path;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_core::bus::Statusword;
+use leadscrew_language::whose::{Whose, line_in_file};
 
 use crate::json::Json;
 use crate::number;
 use crate::source::SourceFile;
-use crate::words::{Both, is_obeyed, one_line, plain};
+use crate::words::{Both, is_obeyed, one_line, pick, plain};
 
 /// An alarm or a warning in words.
 #[derive(Clone, Debug)]
@@ -24,6 +25,8 @@ pub struct Diagnostic {
     pub warning: bool,
     /// Line from 1; 0 without a place in the text.
     pub line: u32,
+    /// The line as the machine counts it, over all files of the program.
+    pub counted: u32,
     /// First column from 1, in characters.
     pub column: usize,
     /// Column after the last character.
@@ -42,7 +45,12 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// Puts `alarm` into words. `inch`: the program is in inches at the place of the alarm.
     pub fn new(alarm: &Alarm, source: &SourceFile, lang: Lang, inch: bool) -> Self {
-        let raw = source.line(alarm.span.line);
+        let line = line_in_file(alarm.span.line);
+        // The board, too, tells lines of subprograms that have a file of their own.
+        let own = source.beside(Whose::line(alarm.span.line));
+        let program = source;
+        let source = own.as_ref().unwrap_or(source);
+        let raw = source.line(line);
         let columns = |byte: u16| {
             let bytes = usize::from(byte).saturating_sub(1);
             let Some(raw) = &raw else { return bytes + 1 };
@@ -71,11 +79,15 @@ impl Diagnostic {
             file: source.name(),
             number: alarm.number(),
             warning: alarm.code.is_warning(),
-            line: alarm.span.line,
+            line,
+            counted: alarm.span.line,
             column,
             end_column: columns(alarm.span.end).max(column + 1),
             word: alarm.word.filter(|_| !absent).map(char::from),
-            message: fill(alarm.code.cause(lang), alarm, lang, inch),
+            message: match alarm.code {
+                Code::ProgramNotFound => looked_in(alarm, program, source, lang),
+                code => fill(code.cause(lang), alarm, lang, inch),
+            },
             help: fill(alarm.code.help(lang), alarm, lang, inch),
             text: raw.map(|raw| printable(&raw)),
             lang,
@@ -90,6 +102,7 @@ impl Diagnostic {
             number: code.number(),
             warning: code.is_warning(),
             line: place.line,
+            counted: place.line,
             column: place.column,
             end_column: place.end_column.max(place.column + 1),
             word: None,
@@ -102,7 +115,7 @@ impl Diagnostic {
 
     /// The fields of the machine formats, with `file` where the caller wants it.
     pub fn fields(&self, json: &mut Json, with_file: bool) {
-        if with_file {
+        if with_file || self.counted != self.line {
             json.text("file", &self.file);
         }
         json.integer("no", i64::from(self.number));
@@ -198,6 +211,31 @@ fn printable(raw: &[u8]) -> String {
             c => c,
         })
         .collect()
+}
+
+/// The cause of a call that leads nowhere: the files in which the program was looked for. `caller` is the one that calls.
+fn looked_in(alarm: &Alarm, program: &SourceFile, caller: &SourceFile, lang: Lang) -> String {
+    let mut files = format!("`{}`", one_line(&caller.name()));
+    if caller.path() != program.path() {
+        files += pick(lang, " and ", " 和 ");
+        files += &format!("`{}`", one_line(&program.name()));
+    }
+    let number = match alarm.args[0] {
+        Arg::Int(number) => u32::try_from(number).ok(),
+        _ => None,
+    };
+    let own = number.and_then(Whose::file_of);
+    let own = own.and_then(|own| match program.beside(own) {
+        Some(file) => Some(file.name()),
+        None => own.name(),
+    });
+    let own = own.map(|own| one_line(&own)).unwrap_or_default();
+    fill_with(alarm.code.cause(lang), None, |n| match n {
+        0 => Some(figure(alarm.args[0], lang, false)),
+        1 => Some(files.clone()),
+        2 => Some(own.clone()),
+        _ => None,
+    })
 }
 
 /// Replaces `{0}`…`{3}` and `{w}` in a template with the figures of an alarm.

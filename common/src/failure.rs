@@ -180,6 +180,19 @@ pub fn unreadable(why: Both) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, Unreadable(why))
 }
 
+/// The same for another file than the one that is being read; {0} says which.
+#[must_use]
+pub fn unreadable_part(path: &str, error: &io::Error) -> io::Error {
+    let why = reason(error, Doing::Read);
+    let path = one_line(path);
+    unreadable(both!(
+        "its subprogram `{path}`: {en}",
+        "其子程序 `{path}`：{zh}",
+        en = why.en,
+        zh = why.zh
+    ))
+}
+
 /// The system's words without its error number.
 fn reason(error: &io::Error, doing: Doing) -> Both {
     let inner = error.get_ref().and_then(|inner| inner.downcast_ref());

@@ -2,8 +2,8 @@
 //!
 //! Words for people in both languages ([`words`]), for alarms ([`diagnostics`]) and for what goes wrong ([`failure`],
 //! [`mistyped`]); machine files and `--set` ([`params`]); values of the command line ([`values`]); program files as streams
-//! of events ([`source`], [`program`]); the flash of a simulated board ([`state`]); standard output ([`output`], [`json`]);
-//! SIGINT and SIGTERM ([`interrupt`]). Knows no command, and nothing of a board on a bus.
+//! of events ([`source`], [`program`]) and their lines ([`place`]); the flash of a simulated board ([`state`]); standard
+//! output ([`output`], [`json`]); SIGINT and SIGTERM ([`interrupt`]). Knows no command, and nothing of a board on a bus.
 
 pub mod diagnostics;
 pub mod failure;
@@ -14,6 +14,7 @@ pub mod mistyped;
 pub mod number;
 pub mod output;
 pub mod params;
+pub mod place;
 pub mod program;
 pub mod replace;
 pub mod source;

@@ -13,7 +13,9 @@ use leadscrew_language::lines::Source;
 use leadscrew_language::reader::Reader;
 use leadscrew_language::stock::{self, Said, Stock};
 use leadscrew_language::variables::Kept;
+use leadscrew_language::whose::Whose;
 
+use crate::failure::unreadable_part;
 use crate::source::{SourceFile, Text};
 
 /// A program being read.
@@ -118,23 +120,76 @@ pub const fn may_be_allowed(number: u16) -> bool {
     matches!(number, 4800..=4811 | 4980..=4991)
 }
 
-/// A text that is read from any of its bytes.
+/// The files of a program, each read from any of its bytes.
 #[derive(Debug)]
 struct Again {
+    source: SourceFile,
+    /// The one that is read comes first, and the others in the order in which they were read last.
+    open: Vec<Opened>,
+}
+
+/// A file that is open.
+#[derive(Debug)]
+struct Opened {
+    file: Whose,
     text: Text,
     /// The byte that comes next.
     at: u64,
 }
 
+impl Again {
+    /// Files that are open at a time: those of all calls that can be nested, and the program's.
+    const FILES: usize = 17;
+
+    fn open(source: &SourceFile) -> io::Result<Self> {
+        Ok(Self {
+            source: source.clone(),
+            open: vec![Opened {
+                file: Whose::Program,
+                text: source.open()?,
+                at: 0,
+            }],
+        })
+    }
+}
+
 impl Source for Again {
     fn read(&mut self, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
-        if at != self.at {
-            self.text.go_to(at)?;
-            self.at = at;
+        let Some(opened) = self.open.first_mut() else {
+            return Ok(0);
+        };
+        if at != opened.at {
+            opened.text.go_to(at)?;
+            opened.at = at;
         }
-        let count = io::Read::read(&mut self.text, buffer)?;
-        self.at += count as u64;
+        let count = io::Read::read(&mut opened.text, buffer)?;
+        opened.at += count as u64;
         Ok(count)
+    }
+
+    fn turn_to(&mut self, file: Whose) -> io::Result<bool> {
+        if let Some(known) = self.open.iter().position(|opened| opened.file == file) {
+            self.open[..=known].rotate_right(1);
+            return Ok(true);
+        }
+        let Some(source) = self.source.beside(file) else {
+            return Ok(false);
+        };
+        let text = match source.open() {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+            Err(error) => return Err(unreadable_part(&source.name(), &error)),
+        };
+        if self.open.len() >= Self::FILES {
+            // The program's own file stays: a pipe can be opened once.
+            let last = self
+                .open
+                .iter()
+                .rposition(|opened| opened.file != Whose::Program);
+            last.map(|last| self.open.remove(last));
+        }
+        self.open.insert(0, Opened { file, text, at: 0 });
+        Ok(true)
     }
 }
 
@@ -146,10 +201,7 @@ impl<'p> Program<'p> {
         options: Options,
         control: Control,
     ) -> io::Result<Self> {
-        let mut text = Again {
-            text: source.open()?,
-            at: 0,
-        };
+        let mut text = Again::open(source)?;
         let first = FirstLines::read(&mut text)?;
         // No command keeps variables from one run to the next, and none runs a program without an end.
         let rules = Rules {

@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
+use leadscrew_language::whose::Whose;
+
 use crate::failure::{Failure, Outcome, unreadable};
 use crate::line_ends::LineEnds;
 use crate::words::{self, both};
@@ -175,6 +177,14 @@ impl SourceFile {
             pipe: RefCell::default(),
             shown: Cell::new(FIRST),
         }
+    }
+
+    /// Another file of this program: the one that a subprogram may have for itself, beside it [D240]. `None` where the
+    /// program is no file.
+    #[must_use]
+    pub fn beside(&self, file: Whose) -> Option<Self> {
+        let name = file.name().filter(|_| self.text.is_none())?;
+        Some(Self::new(&self.path.with_file_name(name)))
     }
 
     /// The name in messages.

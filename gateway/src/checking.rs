@@ -20,6 +20,7 @@ use crate::hole::Hole;
 use crate::json::Json;
 use crate::length;
 use crate::number;
+use crate::place::SourceLine;
 use crate::plausible::Plausible;
 use crate::program::{Program, may_be_allowed};
 use crate::setup::Setup;
@@ -227,7 +228,7 @@ impl Checker<'_> {
         };
         report.lead_in_too_short |= alarm.code == Code::LeadInLong;
         let mut of_kind = list.iter().filter(|known| known.number == number);
-        if of_kind.clone().any(|known| known.line == line) {
+        if of_kind.clone().any(|known| known.counted == line) {
             return;
         }
         if of_kind.by_ref().count() < LISTED {
@@ -296,7 +297,7 @@ impl Checker<'_> {
     /// Tells what looks wrong, but not on a line that is refused anyway.
     fn doubt(&mut self, alarm: &Alarm, inch: bool) {
         let refused =
-            |known: &Diagnostic| known.line == alarm.span.line && !may_be_allowed(known.number);
+            |known: &Diagnostic| known.counted == alarm.span.line && !may_be_allowed(known.number);
         if !self.report.alarms.iter().any(refused) {
             self.tell(alarm, inch);
         }
@@ -560,7 +561,7 @@ impl Report {
 
 impl CycleReport {
     fn fields(&self, json: &mut Json) {
-        json.integer("line", i64::from(self.line));
+        SourceLine(self.line).fields(json);
         json.text("cycle", self.cycle);
         json.integer("passes", i64::from(self.passes));
         if let Some(speed) = self.tap_speed {
@@ -584,7 +585,7 @@ impl CycleReport {
 
     /// One line for a person.
     pub fn text(&self) -> Both {
-        let (line, cycle) = (self.line, self.cycle);
+        let (line, cycle) = (SourceLine(self.line), self.cycle);
         let time = number::rounded::<6>(self.time_us, 1);
         if let Some(speed) = self.tap_speed {
             let join = self.tap_lead_in_nm.map_or(Both::default(), |lead_in| {

@@ -35,6 +35,6 @@ pub mod trace;
 
 // Named once for the whole crate: `crate::words` here is `leadscrew_common::words`.
 use leadscrew_common::{
-    diagnostics, failure, interrupt, json, number, output, params, program, replace, source, state,
-    values, words,
+    diagnostics, failure, interrupt, json, number, output, params, place, program, replace, source,
+    state, values, words,
 };

@@ -7,6 +7,7 @@ use leadscrew_core::link::{ThreadCertificate, ThreadKind, ThreadRecord, ThreadSt
 
 use crate::json::Json;
 use crate::number;
+use crate::place::SourceLine;
 use crate::synchronism::Synchronism;
 use crate::values::Tolerance;
 use crate::words::{Both, both, pick};
@@ -158,7 +159,12 @@ impl Above {
 
     /// Text: why a tolerance is not met.
     pub fn words(&self, tolerance: Tolerance) -> Both {
-        let named: Vec<String> = self.lines.iter().take(NAMED).map(u32::to_string).collect();
+        let named: Vec<String> = self
+            .lines
+            .iter()
+            .take(NAMED)
+            .map(|line| SourceLine(*line).to_string())
+            .collect();
         let more = self.lines.len().saturating_sub(NAMED);
         let further = match more {
             0 => both!("", ""),
@@ -204,7 +210,7 @@ const fn state(state: ThreadState) -> &'static str {
 fn fields(json: &mut Json, number: u32, record: &ThreadRecord) {
     let tally = &record.tally;
     json.number("n", number);
-    json.number("line", record.line);
+    SourceLine(record.line).fields(json);
     json.text("kind", kind(record.kind));
     json.text("state", state(record.state));
     json.number("passes", tally.passes);
@@ -246,7 +252,7 @@ fn line(number: u32, record: &ThreadRecord) -> Both {
         "{number}: line {line}: {en}{state_en}: worst {worst_en} µm, {rms} µm RMS over {ticks} ticks{late_en}",
         "{number}：第 {line} 行：{zh}{state_zh}：最大 {worst_zh} µm，均方根 {rms} µm，{ticks} 个周期{late_zh}",
         number = number,
-        line = record.line,
+        line = SourceLine(record.line),
         en = what.en,
         zh = what.zh,
         state_en = state.en,

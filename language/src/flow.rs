@@ -1,8 +1,8 @@
 //! Program flow: which block comes next.
 //!
 //! Carries out assignments, jumps, loops and calls; everything else goes to a [`Machine`]. A line without any of these
-//! goes there as a whole, unchanged. Memory is bounded: one window of the text, sixteen calls, three loops in each. A loop
-//! without a motion ends with an alarm. This module must not know what words mean.
+//! goes there as a whole, unchanged. Memory is bounded: one window of the text, whatever files it comes from, sixteen
+//! calls, three loops in each. A loop without a motion ends with an alarm. This module must not know what words mean.
 
 mod block;
 mod calls;
@@ -21,8 +21,9 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use crate::dialect::{Control, Setting, Translator};
 use crate::lines::{Lines, Place, Source};
 use crate::roughing::Cycle;
-use crate::text::{Glance, glance, has_blocks};
+use crate::text::{Glance, glance, has_blocks, span};
 use crate::variables::{Kept, System, Variables};
+use crate::whose::{self, Whose};
 use crate::word::Word;
 use frame::Frame;
 use search::Memo;
@@ -249,6 +250,13 @@ impl<S: Source> Flow<S> {
     }
 
     fn try_step(&mut self, machine: &mut impl Machine) -> Result<(), Trouble> {
+        if let Whose::Subprogram(_) = self.at.file()
+            && self.at.line == self.at.file().last_line()
+        {
+            let place = span(self.at.line, 0, 0);
+            let limit = [Arg::Int(i64::from(whose::LINES - 1))];
+            return Err(Alarm::new(Code::SubprogramLong, place).with(limit).into());
+        }
         // After each block with a motion there may be a modal call.
         let by_lines = self.at.column == 0
             && self.top().modals.is_empty()

@@ -9,7 +9,8 @@
 //!          macros, flow   core::program            contour                        nose
 //! ```
 //!
-//! - [`text`] cuts lines into blocks; [`lines`] reads them from any place of the text.
+//! - [`text`] cuts lines into blocks; [`lines`] reads them from any place of the text, and [`whose`] numbers those of
+//!   several files.
 //! - [`statement`] tells what a block is; [`expression`] and [`word`] calculate in it, with [`variables`].
 //! - [`dialect`] makes of a block of any control one of the G-code system A.
 //! - [`flow`] carries out assignments, jumps, loops and calls, and so decides which block comes next; [`outline`] is what
@@ -28,8 +29,9 @@
 //! This crate has floating point: a macro calculates in it, and so does geometry between exact ends. Each function comes
 //! from one portable library, so the result has the same bits on every machine.
 //!
-//! It must not know sockets, files, boards or commands. Its input are bytes that can be read again from a place, its
-//! output are the calls of the core, with alarms that name line, column, cause and remedy.
+//! It must not know sockets, files, boards or commands. Its input are bytes that can be read again from a place, and the
+//! subprograms that whoever has them hands over by their numbers; its output are the calls of the core, with alarms that
+//! name line, column, cause and remedy.
 
 pub mod arguments;
 pub mod contour;
@@ -56,4 +58,5 @@ pub mod stock;
 pub mod text;
 pub mod value;
 pub mod variables;
+pub mod whose;
 pub mod word;

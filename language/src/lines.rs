@@ -7,6 +7,8 @@ use std::io;
 
 use leadscrew_core::program::MAX_LINE;
 
+use crate::whose::{Whose, line_in_file};
+
 /// A text that can be read again. Its lines end with line feeds.
 pub trait Source {
     /// Reads bytes of the text from byte `at` on into `buffer`, which is not empty; 0 bytes at the end of the text.
@@ -14,6 +16,15 @@ pub trait Source {
     /// # Errors
     /// The text cannot be read there.
     fn read(&mut self, at: u64, buffer: &mut [u8]) -> io::Result<usize>;
+
+    /// Turns to another file of the program: from then on its bytes are read. At first it is that of the program. False
+    /// where there is no such file; the one before then stays.
+    ///
+    /// # Errors
+    /// The file is there, and cannot be read.
+    fn turn_to(&mut self, file: Whose) -> io::Result<bool> {
+        Ok(file == Whose::Program)
+    }
 }
 
 impl Source for &[u8] {
@@ -26,26 +37,38 @@ impl Source for &[u8] {
     }
 }
 
-/// A place in the text.
+/// A place in the text of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Place {
-    /// The line, from 1.
+    /// The line, from 1; it tells the file, too ([`Whose`]).
     pub line: u32,
-    /// The first byte of the line.
+    /// The first byte of the line in its file.
     pub byte: u64,
     /// The byte in the line.
     pub column: usize,
 }
 
 impl Place {
-    /// The front of the text.
-    pub const START: Self = Self {
-        line: 1,
-        byte: 0,
-        column: 0,
-    };
+    /// The front of the program's file.
+    pub const START: Self = Self::start_of(Whose::Program);
 
-    /// True where this place comes earlier in the text.
+    /// The front of a file.
+    #[must_use]
+    pub const fn start_of(file: Whose) -> Self {
+        Self {
+            line: file.first_line(),
+            byte: 0,
+            column: 0,
+        }
+    }
+
+    /// The file it is in.
+    #[must_use]
+    pub const fn file(self) -> Whose {
+        Whose::line(self.line)
+    }
+
+    /// True where this place comes earlier in the text of the same file.
     #[must_use]
     pub const fn is_before(self, other: Self) -> bool {
         self.byte < other.byte || (self.byte == other.byte && self.column < other.column)
@@ -77,6 +100,8 @@ const WINDOW: usize = 1 << 16;
 #[derive(Debug)]
 pub struct Lines<S> {
     source: S,
+    /// The file that is read.
+    file: Whose,
     window: Vec<u8>,
     /// The first byte of the text that is in the window.
     first: u64,
@@ -91,6 +116,7 @@ impl<S: Source> Lines<S> {
     pub fn new(source: S) -> Self {
         Self {
             source,
+            file: Whose::Program,
             window: vec![0; WINDOW],
             first: 0,
             filled: 0,
@@ -98,11 +124,30 @@ impl<S: Source> Lines<S> {
         }
     }
 
+    /// True where this file is there; it is then the one that is read.
+    ///
+    /// # Errors
+    /// The file is there, and cannot be read.
+    pub fn has(&mut self, file: Whose) -> io::Result<bool> {
+        if file == self.file {
+            return Ok(true);
+        }
+        let there = self.source.turn_to(file)?;
+        if there {
+            self.file = file;
+            self.go_to(0);
+        }
+        Ok(there)
+    }
+
     /// The line at a place, from its front; `None` at the end of the text.
     ///
     /// # Errors
     /// The text cannot be read.
     pub fn line(&mut self, at: Place) -> io::Result<Option<Line<'_>>> {
+        if !self.has(at.file())? {
+            return Err(io::ErrorKind::NotFound.into());
+        }
         let mut begin = match at.byte.checked_sub(self.first) {
             Some(begin) if begin <= self.filled as u64 => begin as usize,
             _ => self.go_to(at.byte),
@@ -128,11 +173,14 @@ impl<S: Source> Lines<S> {
         }
         let end = end.min(self.filled);
         let mut text = &self.window[begin..end];
-        if let Some(rest) = text.strip_prefix(MARK).filter(|_| at.line == 1) {
+        if let Some(rest) = text
+            .strip_prefix(MARK)
+            .filter(|_| line_in_file(at.line) == 1)
+        {
             text = rest;
         }
         let next = Place {
-            line: at.line.saturating_add(1),
+            line: (at.line + 1).min(at.file().last_line()),
             byte: next,
             column: 0,
         };

@@ -10,6 +10,7 @@ use leadscrew_core::alarm::Span;
 use crate::lines::{Lines, Place, Source};
 use crate::statement::{Statement, head, statement};
 use crate::text::{Cursor, comment_end, piece};
+use crate::whose::Whose;
 
 /// The begin or the end of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,11 +49,11 @@ pub struct Scanner {
 }
 
 impl Scanner {
-    /// From the front of the text.
+    /// From the front of a file.
     #[must_use]
-    pub const fn of_text() -> Self {
+    pub const fn of(file: Whose) -> Self {
         Self {
-            at: Place::START,
+            at: Place::start_of(file),
             depth: 0,
             started: false,
         }
@@ -161,7 +162,7 @@ mod tests {
     fn blocks_are_seen_from_outside() {
         let text = "%\nO0001 (MAIN)\n(N5 in a\ncomment) N10 #1=0; WHILE[[#1]LT3]DO1\n/N20 G0 X1;;\nEND1\n<O2>\nM99\n%\nN30\n";
         let mut lines = Lines::new(text.as_bytes());
-        let mut scanner = Scanner::of_text();
+        let mut scanner = Scanner::of(Whose::Program);
         let mut found = Vec::new();
         while let Some(block) = scanner.next(&mut lines).unwrap() {
             found.push((block.place.line, block.program, block.sequence, block.mark));

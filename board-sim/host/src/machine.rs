@@ -595,7 +595,10 @@ fn words(alarm: &Alarm, source: Option<&SourceFile>) -> String {
     let diagnostic = Diagnostic::new(alarm, source, Lang::En, false);
     match alarm.span.line {
         0 => diagnostic.message,
-        line => format!("{}:{line}: {}", source.name(), diagnostic.message),
+        _ => {
+            let (file, line) = (diagnostic.file, diagnostic.line);
+            format!("{file}:{line}: {}", diagnostic.message)
+        }
     }
 }
 

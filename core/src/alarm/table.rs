@@ -102,8 +102,8 @@ codes! {
     CallsTooDeep = 77, "calls are nested more than {0} deep", "let a subprogram return before the next one is called; does one call itself?",
         "调用嵌套超过 {0} 层", "请先返回再调用；是否有子程序调用自身？";
     /// No such program in the file; {0} its number.
-    ProgramNotFound = 78, "there is no program O{0} in this file", "write the subprogram into the same file, with O{0} in front and M99 at its end",
-        "本文件中没有程序 O{0}", "请将子程序写入同一文件，开头为 O{0}，结尾为 M99";
+    ProgramNotFound = 78, "there is no program O{0} in {1}, and no file `{2}`", "write the subprogram into the same file, with O{0} in front and M99 at its end, or save it as that file",
+        "{1} 中没有程序 O{0}，也没有文件 `{2}`", "请将子程序写入同一文件，开头为 O{0}，结尾为 M99，或另存为该文件";
     /// A result beyond the range of numbers.
     MacroOverflow = 111, "the result is too large to be a number", "correct the values of this calculation",
         "计算结果过大", "请修改参与计算的值";
@@ -1024,6 +1024,14 @@ codes! {
     EndlessProgram = 4852, "loops of this program have begun again {0} times: it seems to have no end",
         "correct the condition that ends this one; a program that is to repeat itself has M99 at its end",
         "本程序的循环已重复 {0} 次，似乎没有结束", "请修改结束该循环的条件；需要重复执行的程序应在末尾写 M99";
+    /// A program that is not in the file, and whose number is too long for a file of its own; {0} its number.
+    ProgramNotInFile = 4853, "there is no program O{0} in this file", "write the subprogram into the same file, with O{0} in front and M99 at its end; files of their own have numbers up to O9999",
+        "本文件中没有程序 O{0}", "请将子程序写入同一文件，开头为 O{0}，结尾为 M99；单独成文件的程序号最大为 O9999";
+    /// The file of a subprogram begins with another number; {0} the number that was called, {1} the one that it has.
+    ProgramFileOfOther = 4854, "the file of program O{0} holds O{1}, and no O{0}", "write O{0} in front of it, or call it by its own number from a file of that name",
+        "程序 O{0} 的文件中是 O{1}，没有 O{0}", "请在开头写 O{0}，或以文件名所示的程序号调用";
+    /// A subprogram in a file of its own that is too long; {0} the lines that it may have.
+    SubprogramLong = 4855, "a subprogram in a file of its own may have {0} lines", "write it into the file of the program, which may have any length", "单独成文件的子程序最多 {0} 行", "请将它写入主程序文件，该文件长度不限";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",

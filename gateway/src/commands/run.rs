@@ -17,6 +17,7 @@ use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::machine::Observer;
 use crate::output;
+use crate::place::SourceLine;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
@@ -168,7 +169,7 @@ impl Observer for Watcher {
             let message = both!(
                 "line {line}, {time:.1} s machine time",
                 "第 {line} 行，机床时间 {time:.1} s",
-                line = point.line,
+                line = SourceLine(point.line),
                 time = time.as_secs_f64()
             );
             self.bar.set_message(message.get(self.lang).to_owned());

@@ -2,6 +2,7 @@
 
 use super::Row;
 use crate::number::{decimal, integer};
+use crate::place::SourceLine;
 
 /// Appends the header.
 pub(super) fn header(out: &mut Vec<u8>) {
@@ -14,9 +15,14 @@ pub(super) fn header(out: &mut Vec<u8>) {
 /// Appends one line.
 pub(super) fn row(out: &mut Vec<u8>, row: &Row) {
     integer(out, row.n);
-    count(out, Some(row.line));
+    let line = SourceLine(row.line);
+    count(out, Some(line.in_file()));
     // File, O-number and depth of a call belong to subprograms only.
-    out.extend_from_slice(b",,,");
+    out.push(b',');
+    if let Some(file) = line.file() {
+        out.extend_from_slice(file.as_bytes());
+    }
+    out.extend_from_slice(b",,");
     text(out, row.cycle);
     count(out, row.pass);
     count(out, row.start);

@@ -2,6 +2,7 @@
 
 use super::Row;
 use crate::number::{decimal, integer};
+use crate::place::SourceLine;
 
 /// Appends one line.
 #[inline]
@@ -9,7 +10,13 @@ pub(super) fn row(out: &mut Vec<u8>, row: &Row) {
     out.extend_from_slice(b"{\"n\":");
     integer(out, row.n);
     out.extend_from_slice(b",\"line\":");
-    integer(out, u64::from(row.line));
+    let line = SourceLine(row.line);
+    integer(out, u64::from(line.in_file()));
+    if let Some(file) = line.file() {
+        out.extend_from_slice(b",\"file\":\"");
+        out.extend_from_slice(file.as_bytes());
+        out.push(b'"');
+    }
     text(out, b",\"cycle\":\"", row.cycle);
     count(out, b",\"pass\":", row.pass);
     count(out, b",\"start\":", row.start);

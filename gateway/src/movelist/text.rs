@@ -4,6 +4,7 @@ use leadscrew_core::alarm::Lang;
 
 use super::Row;
 use crate::number;
+use crate::place::SourceLine;
 use crate::words::{both, pick};
 
 /// Appends the header.
@@ -23,7 +24,7 @@ pub(super) fn row(lang: Lang, out: &mut Vec<u8>, row: &Row) {
     let mut line = format!(
         "{:>6} {:>5}  {:<5} {:>4} {} {} {} {}",
         row.n,
-        row.line,
+        SourceLine(row.line).to_string(),
         row.cycle.unwrap_or_default(),
         row.pass.map(|n| n.to_string()).unwrap_or_default(),
         column(row.stage.unwrap_or_default(), lang, 9),

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use super::Setpoint;
 use crate::number::{integer, signed};
+use crate::place::SourceLine;
 
 /// The contract's header, up to the further spindles and from there on.
 const HEADER: (&[u8], &[u8]) = (
@@ -74,7 +75,12 @@ impl<W: Write> Csv<W> {
             }
         }
         out.push(b',');
-        integer(out, u64::from(point.line));
+        let line = SourceLine(point.line);
+        if let Some(file) = line.file() {
+            out.extend_from_slice(file.as_bytes());
+            out.push(b':');
+        }
+        integer(out, u64::from(line.in_file()));
         out.push(b',');
         integer(out, point.step);
         out.push(b',');

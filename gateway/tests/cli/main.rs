@@ -112,6 +112,7 @@ mod macros;
 mod plausible;
 mod recovery;
 mod strokes;
+mod subprograms;
 mod taps;
 mod texts;
 mod usage;

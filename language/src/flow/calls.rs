@@ -209,7 +209,7 @@ impl<S: Source> Flow<S> {
         }
     }
 
-    /// Begins a program of this file.
+    /// Begins a program.
     fn enter(
         &mut self,
         called: Span,
@@ -218,12 +218,7 @@ impl<S: Source> Flow<S> {
         arguments: Option<Box<Locals>>,
         modals: Vec<Modal>,
     ) -> Result<(), Trouble> {
-        let Some(start) = self.find_program(number)? else {
-            let figure = [Arg::Int(i64::from(number))];
-            return Err(Alarm::new(Code::ProgramNotFound, called)
-                .with(figure)
-                .into());
-        };
+        let start = self.find_program(number, called)?;
         let frame = Frame {
             number,
             start,

@@ -4,12 +4,13 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use leadscrew_core::alarm::Span;
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 use super::jumps::{Loop, unmatched};
 use super::{Flow, Trouble};
 use crate::lines::{Place, Source};
 use crate::outline::{Mark, Outline, Scanner};
+use crate::whose::Whose;
 
 /// Answers of one kind that are kept.
 const KEPT: usize = 512;
@@ -30,7 +31,7 @@ pub struct Target {
 #[derive(Debug, Default)]
 pub struct Memo {
     labels: HashMap<(Place, u32), Option<Target>>,
-    programs: HashMap<u32, Option<Place>>,
+    programs: HashMap<(Whose, u32), Option<Place>>,
     ends: HashMap<Place, Place>,
 }
 
@@ -100,12 +101,48 @@ impl<S: Source> Flow<S> {
         Ok(None)
     }
 
-    /// The front of a program of this file.
-    pub(super) fn find_program(&mut self, number: u32) -> Result<Option<Place>, Trouble> {
-        if let Some(known) = self.memo.programs.get(&number) {
+    /// The front of a program: in the file that calls it at `called`, in that of the main program, or in a file of its own.
+    pub(super) fn find_program(&mut self, number: u32, called: Span) -> Result<Place, Trouble> {
+        for file in [self.at.file(), Whose::Program] {
+            if let Some(found) = self.find_in(file, number)? {
+                return Ok(found);
+            }
+        }
+        let figure = [Arg::Int(i64::from(number))];
+        let Some(own) = Whose::file_of(number) else {
+            return Err(Alarm::new(Code::ProgramNotInFile, called)
+                .with(figure)
+                .into());
+        };
+        if !self.lines.has(own)? {
+            return Err(Alarm::new(Code::ProgramNotFound, called)
+                .with(figure)
+                .into());
+        }
+        if let Some(found) = self.find_in(own, number)? {
+            return Ok(found);
+        }
+        // A file of its own need not tell its number again, but it may not tell another.
+        match Scanner::of(own).next(&mut self.lines)? {
+            Some(block) => match block.program {
+                Some(other) => {
+                    let figures = [number, other].map(|number| Arg::Int(i64::from(number)));
+                    Err(Alarm::new(Code::ProgramFileOfOther, block.span)
+                        .with(figures)
+                        .into())
+                }
+                None => Ok(block.place),
+            },
+            None => Ok(Place::start_of(own)),
+        }
+    }
+
+    /// The front of a program in this file.
+    fn find_in(&mut self, file: Whose, number: u32) -> Result<Option<Place>, Trouble> {
+        if let Some(known) = self.memo.programs.get(&(file, number)) {
             return Ok(*known);
         }
-        let mut scanner = Scanner::of_text();
+        let mut scanner = Scanner::of(file);
         let mut found = None;
         while let Some(block) = scanner.next(&mut self.lines)? {
             if block.program == Some(number) {
@@ -113,7 +150,7 @@ impl<S: Source> Flow<S> {
                 break;
             }
         }
-        keep(&mut self.memo.programs, number, found);
+        keep(&mut self.memo.programs, (file, number), found);
         Ok(found)
     }
 

@@ -8,6 +8,7 @@ use crate::cli::{Global, OverrideName};
 use crate::failure::{Failure, Outcome};
 use crate::link::Link;
 use crate::output;
+use crate::place::SourceLine;
 use crate::values::{Percent, SetSignal};
 use crate::words::both;
 
@@ -31,13 +32,13 @@ fn tell(global: &Global, link: &Link) -> Outcome {
                 Some(number) => json.integer("alarm", i64::from(number)),
                 None => json.null("alarm"),
             }
-            json.integer("line", i64::from(line.unwrap_or(0)));
+            SourceLine(line.unwrap_or(0)).fields(json);
         });
     }
     let lang = global.lang();
     let state = state_words(status.state, lang);
     let place = match line {
-        Some(line) if line > 0 => both!(", line {line}", "，第 {line} 行"),
+        Some(line) if line > 0 => both!(", line {line}", "，第 {line} 行", line = SourceLine(line)),
         _ => both!("", ""),
     };
     let alarm = match status.alarm {

@@ -14,6 +14,7 @@ use crate::failure::Outcome;
 use crate::link::Link;
 use crate::number;
 use crate::output;
+use crate::place::SourceLine;
 use crate::source::SourceFile;
 use crate::tapping;
 use crate::words::{both, pick};
@@ -42,7 +43,7 @@ pub fn status(global: &Global) -> Outcome {
                 None => json.null("alarm"),
             }
             json.flag("program", status.in_program);
-            json.integer("line", i64::from(status.line));
+            SourceLine(status.line).fields(json);
             json.integer("move", i64::from(status.number));
             json.decimal::<6>("mx", status.position.x.nm().saturating_mul(2));
             json.decimal::<6>("mz", status.position.z.nm());
@@ -111,7 +112,7 @@ fn words(status: &Status, node: u8, lang: Lang) -> String {
         both!(
             ", line {line}, move {number}",
             "，第 {line} 行，第 {number} 段移动",
-            line = status.line,
+            line = SourceLine(status.line),
             number = status.number
         )
     } else {

@@ -20,6 +20,7 @@ use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
 use crate::link::{Link, Traffic};
+use crate::place::SourceLine;
 use crate::source::SourceFile;
 use crate::words::both;
 
@@ -176,7 +177,7 @@ fn note_event(view: &mut View, entry: &Logged) {
         _ => return,
     };
     let place = if line > 0 {
-        both!("line {line}: ", "第 {line} 行：")
+        both!("line {line}: ", "第 {line} 行：", line = SourceLine(line))
             .get(view.lang)
             .to_owned()
     } else {

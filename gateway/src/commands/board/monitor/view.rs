@@ -13,6 +13,7 @@ use ratatui::widgets::{Block, Gauge, Paragraph, Sparkline};
 
 use crate::commands::board::state_words;
 use crate::number;
+use crate::place::SourceLine;
 use crate::words::{both, pick};
 
 /// What is known.
@@ -222,7 +223,7 @@ fn program_lines(view: &View) -> Vec<Line<'static>> {
     let first = both!(
         "line {line}, move {number}",
         "第 {line} 行，第 {number} 段移动",
-        line = place.line,
+        line = SourceLine(place.line),
         number = place.number
     );
     let second = both!(

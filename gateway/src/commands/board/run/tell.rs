@@ -15,6 +15,7 @@ use crate::json::Json;
 use crate::number;
 use crate::origin::Origin;
 use crate::output;
+use crate::place::SourceLine;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::synchronism::Synchronism;
@@ -31,7 +32,7 @@ pub fn verdict(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
         Err(Failure::MachineBecause(both!(
             "the board was reset by somebody else; the program has ended in line {line}",
             "控制板被其它操作者复位；程序在第 {line} 行结束",
-            line = ran.line
+            line = SourceLine(ran.line)
         )))
     } else {
         within(ran, tolerance)

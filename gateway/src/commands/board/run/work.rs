@@ -17,6 +17,7 @@ use crate::failure::{Failure, Outcome};
 use crate::feeder::{Feeder, placed};
 use crate::interrupt;
 use crate::link::{Feed, Link};
+use crate::place::SourceLine;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::threads::Threads;
@@ -399,7 +400,7 @@ impl Runner<'_> {
             let told = both!(
                 "the machine is in feed hold (line {line}): `leadscrew resume` goes on\n",
                 "机床处于进给保持（第 {line} 行）：`leadscrew resume` 可继续\n",
-                line = self.ran.line
+                line = SourceLine(self.ran.line)
             );
             self.bar
                 .suspend(|| diagnostics::say(told.get(self.setup.lang)));
@@ -425,7 +426,7 @@ impl Runner<'_> {
         let message = both!(
             "line {line}, {state}",
             "第 {line} 行，{state}",
-            line = self.ran.line,
+            line = SourceLine(self.ran.line),
             state = state_words(status.state, lang)
         );
         self.bar.set_message(message.get(lang).to_owned());
