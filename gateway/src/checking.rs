@@ -3,7 +3,7 @@
 
 use std::io::{BufRead as _, BufReader};
 
-use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{
     Aux, Call, CallKind, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
     TapCycle, TapRepeat, ThreadCall, ThreadCycle,
@@ -11,8 +11,8 @@ use leadscrew_core::call::{
 use leadscrew_core::cycle::{self, GrooveMoves, Moves};
 use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::program::Event;
-use leadscrew_core::units::Length;
-use leadscrew_language::dialect::{Control, Looks};
+use leadscrew_core::units::{Axis, Length};
+use leadscrew_language::dialect::{Control, Looks, Written, lengths};
 
 use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::{Doing, Failure, Outcome};
@@ -136,7 +136,8 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         at: options.position,
         hole: Hole::new(setup.tap),
         spindle: Spindle::at_start(setup),
-        plausible: Plausible::new(program.stock()),
+        beyond: Vec::new(),
+        plausible: Plausible::new(&setup.params, program.stock()),
         allowed: setup
             .allow
             .iter()
@@ -153,6 +154,7 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
             None => {
                 let mut plausible = std::mem::take(&mut checker.plausible);
                 plausible.end(&mut |alarm| checker.doubt(&alarm, inch));
+                checker.points()?;
                 if let Some(control) = program.assumed() {
                     checker.look(control)?;
                 }
@@ -176,6 +178,8 @@ struct Checker<'a> {
     spindle: Spindle,
     /// Numbers that machine file or program silence.
     allowed: Vec<u16>,
+    /// Alarms of travel on lines in millimetres.
+    beyond: Vec<Alarm>,
     plausible: Plausible,
 }
 
@@ -262,14 +266,70 @@ impl Checker<'_> {
         self.plausible = plausible;
     }
 
-    /// Warns where the text looks as if it was written for another control.
-    fn look(&mut self, set: Control) -> Outcome {
+    /// Warns of a word without a point that leads beyond the travel, where increments would not, if others have points.
+    fn points(&mut self) -> Outcome {
+        if self.beyond.is_empty() {
+            return Ok(());
+        }
+        let text = self.front()?;
+        let lines = || text.split(|byte| *byte == b'\n');
+        if !lines().any(|line| lengths(line).any(|word| word.has_point)) {
+            return Ok(());
+        }
+        let params = &self.setup.params;
+        let step = if params.increment_is_c() {
+            100.0
+        } else {
+            1000.0
+        };
+        for alarm in std::mem::take(&mut self.beyond) {
+            // X is told as a diameter, and its limits are radii.
+            let (axis, to, letters, share) = match alarm.args {
+                [Arg::Letter(b'X'), Arg::Diameter(to), ..] => {
+                    (Axis::X, to.radius(), [b'X', b'U'], 0.5)
+                }
+                [Arg::Letter(b'Z'), Arg::Length(to), ..] => (Axis::Z, to, [b'Z', b'W'], 1.0),
+                _ => continue,
+            };
+            let line = lines()
+                .nth((alarm.span.line as usize).saturating_sub(1))
+                .unwrap_or_default();
+            let is_meant = |word: &Written| !word.has_point && letters.contains(&word.letter);
+            let Some(word) = lengths(line).find(is_meant) else {
+                continue;
+            };
+            let increments = (word.value * step).round() as i64;
+            let less = (word.value * (1e6 - step) * share).round() as i64;
+            let would = to.nm() - less;
+            if params.soft_limit_minus(axis) <= would && would <= params.soft_limit_plus(axis) {
+                let column = |byte: usize| u16::try_from(byte + 1).unwrap_or(u16::MAX);
+                let span = Span {
+                    line: alarm.span.line,
+                    column: column(word.from),
+                    end: column(word.to),
+                };
+                let figure = Arg::Length(Length::from_nm(increments));
+                let told = Alarm::new(Code::PointMissing, span);
+                self.tell(&told.word(word.letter).with([figure]), false);
+            }
+        }
+        Ok(())
+    }
+
+    /// The first bytes of the text, in whole lines.
+    fn front(&self) -> Outcome<Vec<u8>> {
         let unreadable = |error| Failure::file(Doing::Read, self.source.name(), &error);
         let mut text = Vec::new();
         let mut opened = BufReader::new(self.source.open().map_err(unreadable)?);
         while text.len() < LOOKED_AT && opened.read_until(b'\n', &mut text).map_err(unreadable)? > 0
         {
         }
+        Ok(text)
+    }
+
+    /// Warns where the text looks as if it was written for another control.
+    fn look(&mut self, set: Control) -> Outcome {
+        let text = self.front()?;
         let lines = || text.split(|byte| *byte == b'\n');
         let mut looks = Looks::default();
         for (number, line) in (1..).zip(lines()) {
@@ -331,6 +391,9 @@ impl Checker<'_> {
         if let Err(alarm) = within
             && moves.into_iter().any(|step| step.to != self.at)
         {
+            if !inch && self.beyond.len() < LISTED {
+                self.beyond.push(alarm);
+            }
             self.tell(&alarm, inch);
         }
         let time_us = match time {

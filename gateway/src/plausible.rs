@@ -10,7 +10,8 @@ use leadscrew_core::call::{
 };
 use leadscrew_core::cycle::GrooveCount;
 use leadscrew_core::moves::{Move, MoveKind};
-use leadscrew_core::units::{Diameter, Length, StartAngle};
+use leadscrew_core::params::Params;
+use leadscrew_core::units::{Axis, Diameter, Length, StartAngle};
 use leadscrew_language::stock::Stock;
 
 use crate::drawing;
@@ -32,6 +33,10 @@ const THREADS: usize = 256;
 #[derive(Debug, Default)]
 pub struct Plausible {
     rpm: i64,
+    /// Its speed follows the diameter.
+    surface: bool,
+    /// The highest cutting feeds of X and Z, in nanometres a minute; 0 where nothing is known of them.
+    most: [i64; 2],
     /// Where a stock is declared.
     remains: Option<Remains>,
     threads: Vec<Cut>,
@@ -50,9 +55,10 @@ struct Cut {
 }
 
 impl Plausible {
-    /// A program that declares this stock.
-    pub fn new(stock: Option<&Stock>) -> Self {
+    /// A program for this machine that declares this stock.
+    pub fn new(params: &Params, stock: Option<&Stock>) -> Self {
         Self {
+            most: [Axis::X, Axis::Z].map(|axis| params.max_feed(axis).nm_per_min()),
             remains: stock.map(Remains::new),
             ..Self::default()
         }
@@ -116,6 +122,7 @@ impl Plausible {
     pub fn call(&mut self, call: &Call, at: Position, tell: &mut dyn FnMut(Alarm)) {
         match &call.kind {
             CallKind::Spindle(spindle) => {
+                self.surface = spindle.law().is_some();
                 self.rpm = if spindle.turns() {
                     i64::from(spindle.rpm.get()).abs()
                 } else {
@@ -127,13 +134,25 @@ impl Plausible {
                 self.turned_to(at, *to, call.span, tell);
                 if to.c == at.c {
                     self.feed(*feed, call.span, tell);
+                    let way = [to.x - at.x, to.z - at.z].map(|way| way.nm().unsigned_abs());
+                    self.keeps_up(*feed, way, call.span, tell);
                 }
             }
-            CallKind::Arc(arc) => self.feed(arc.feed, call.span, tell),
+            CallKind::Arc(arc) => {
+                self.feed(arc.feed, call.span, tell);
+                // Somewhere near its quadrants either axis goes alone.
+                self.keeps_up(arc.feed, [1, 0], call.span, tell);
+                self.keeps_up(arc.feed, [0, 1], call.span, tell);
+            }
             CallKind::Groove(groove) => {
                 pecks(groove, call.span, tell);
                 self.groove(groove, &call.origin);
                 self.feed(groove.feed, call.span, tell);
+                let way = match groove.axis {
+                    TapAxis::X => [1, 0],
+                    TapAxis::Z => [0, 1],
+                };
+                self.keeps_up(groove.feed, way, call.span, tell);
             }
             CallKind::Thread(thread) => self.thread(thread, call.span, tell),
             CallKind::Tap(tap) => lead(tap.lead.value.rounded(), tap.lead.span, tell),
@@ -247,6 +266,35 @@ impl Plausible {
                 );
             }
             FeedRate::PerTurn(..) => {}
+        }
+    }
+
+    /// A feed per turn that is faster than an axis cuts, at a speed that does not change [D252].
+    fn keeps_up(&self, feed: FeedRate, way: [u64; 2], span: Span, tell: &mut dyn FnMut(Alarm)) {
+        let FeedRate::PerTurn(feed, _) = feed else {
+            return;
+        };
+        let length = (way[0] as f64).hypot(way[1] as f64);
+        if self.rpm == 0 || self.surface || length < 0.5 || feed.nm() <= 0 {
+            return;
+        }
+        let path = way
+            .into_iter()
+            .zip(self.most)
+            .filter(|(way, most)| *way > 0 && *most > 0)
+            .map(|(way, most)| most as f64 * length / way as f64)
+            .fold(f64::INFINITY, f64::min);
+        if (self.rpm * feed.nm()) as f64 > path * (1.0 + 1e-9) {
+            let figures = [
+                Arg::Length(Length::from_nm(feed.nm())),
+                Arg::Int(self.rpm),
+                Arg::Int((path / feed.nm() as f64).floor() as i64),
+            ];
+            tell(
+                Alarm::new(Code::FeedBeyondAxis, span)
+                    .word(b'F')
+                    .with(figures),
+            );
         }
     }
 

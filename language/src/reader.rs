@@ -523,6 +523,9 @@ impl Machine for Acting<'_, '_> {
         core.path.end_contour()?;
         core.interpreter = own;
         let mut done = Done::default();
+        for doubt in collected.doubts() {
+            self.note(doubt);
+        }
         collected.moves(|cut| {
             let way = match cut.element.shape {
                 Shape::Rapid => Way::Rapid,

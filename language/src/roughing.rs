@@ -265,6 +265,41 @@ enum Figures {
     Pattern(Repeats),
 }
 
+/// Deeper cuts are hardly meant.
+const DEEPEST_NM: i64 = 10_000_000;
+
+/// How far a contour reaches below and above the place where the tool begins, in nanometres; both are 0 or more.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    below: i64,
+    above: i64,
+}
+
+impl Reach {
+    fn of(start: Length, ends: impl Iterator<Item = Length>) -> Self {
+        let mut reach = Self { below: 0, above: 0 };
+        for end in ends {
+            let way = end.nm() - start.nm();
+            reach = Self {
+                below: reach.below.max(-way),
+                above: reach.above.max(way),
+            };
+        }
+        reach
+    }
+
+    /// True for an allowance that leads from the tool's side into the part, where the tool has one side.
+    const fn is_against(self, allowance: i64) -> bool {
+        (self.above == 0 && self.below > 0 && allowance < 0)
+            || (self.below == 0 && self.above > 0 && allowance > 0)
+    }
+
+    /// How far the tool stands inside.
+    fn inside(self) -> i64 {
+        self.below.min(self.above)
+    }
+}
+
 /// A contour that is being collected for its cycle.
 #[derive(Clone, Debug)]
 pub struct Collected {
@@ -325,6 +360,53 @@ impl Collected {
         if self.elements.len() <= Contour::MAX {
             self.elements.push(element);
         }
+    }
+
+    /// What looks wrong about the cycle, though it can be cut [D252].
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Alarm> {
+        let (allowance, depth, span) = match &self.figures {
+            Figures::Finish => return Vec::new(),
+            Figures::Rough(_, words) => (words.allowance, Some(words.depth), words.span),
+            Figures::Pattern(words) => (words.allowance, None, words.span),
+        };
+        let ends = || self.elements.iter().map(|element| element.end);
+        let x = Reach::of(self.start.x, ends().map(|end| end.x));
+        let z = Reach::of(self.start.z, ends().map(|end| end.z));
+        let mut doubts = Vec::new();
+        let mut odd = |letter, length, span| {
+            let alarm = Alarm::new(Code::AllowanceOdd, span);
+            doubts.push(alarm.word(letter).with([length]));
+        };
+        if x.is_against(allowance.x.nm()) {
+            odd(b'U', Arg::Diameter(allowance.x), span);
+        }
+        if z.is_against(allowance.z.nm()) {
+            odd(b'W', Arg::Length(allowance.z), span);
+        }
+        let letter = match self.figures {
+            Figures::Rough(Along::X, _) => b'W',
+            _ => b'U',
+        };
+        if let Some(depth) = depth.filter(|depth| depth.value.nm() > DEEPEST_NM) {
+            let written = if depth.span == Span::default() {
+                span
+            } else {
+                depth.span
+            };
+            odd(letter, Arg::Length(depth.value), written);
+        }
+        let further = match self.figures {
+            Figures::Rough(Along::X, _) => z.inside(),
+            Figures::Rough(Along::Z, _) => x.inside(),
+            // A pattern may begin in front of its middle, or beside it, but not in both.
+            _ => x.inside().min(z.inside()),
+        };
+        if further > 0 {
+            let further = Arg::Length(Length::from_nm(further));
+            doubts.push(Alarm::new(Code::StartInContour, span).with([further]));
+        }
+        doubts
     }
 
     /// Hands the moves of the cycle to `each`.

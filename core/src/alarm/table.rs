@@ -1010,6 +1010,9 @@ codes! {
     /// A feed that makes sense in the other of G98 and G99 alone; {0} the feed, {1} S.
     FeedOfOtherMode = 4803, "F {0} at {1} turns a minute makes sense in the other of G98 and G99 alone", "write G98 (per minute) or G99 (per turn) before it, or another F; `(ALLOW 4803)` if it is meant",
         "主轴 {1} r/min 时 F {0} 只在 G98/G99 的另一方式下才合理", "请在前面写 G98（每分）或 G99（每转），或修改 F；确实如此请写 `(ALLOW 4803)`";
+    /// A feed per turn that an axis cannot keep up with; {0} F, {1} the speed, {2} the speed that would do.
+    FeedBeyondAxis = 4806, "F {0} at {1} turns a minute is more than an axis feeds (parameter 1430)", "write a smaller F, or S {2} at most; `(ALLOW 4806)` if it is meant",
+        "主轴 {1} r/min 时 F {0} 超过轴的最高切削进给（参数 1430）", "请减小 F，或使 S 不超过 {2}；确实如此请写 `(ALLOW 4806)`";
     /// C moves with another axis while the spindle turns.
     TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
         "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
@@ -1148,6 +1151,15 @@ codes! {
     /// A rapid through the declared stock; {0} X and {1} Z where it enters.
     RapidInStock = 4987, "this rapid goes into the material at X {0}, Z {1}", "go around it, cut it away first, or correct the comment `(STOCK ..)`; `(ALLOW 4987)` if it is meant",
         "此快速移动在 X {0}、Z {1} 处进入毛坯", "请绕开、先切除，或修改注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4987)`";
+    /// An allowance into the part, or a depth that hardly any tool takes; {w} the word, {0} its length.
+    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm", "outside U is positive and in a bore negative; toward the chuck W is positive; `(ALLOW 4989)` if it is meant",
+        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；确实如此请写 `(ALLOW 4989)`";
+    /// A contour cycle that begins between the lowest and the highest point of its contour; {0} how far below.
+    StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
+        "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";
+    /// A word without a point that leaves the travel as millimetres only; {w} it, {0} what it would be in increments.
+    PointMissing = 4991, "{w} has no point and is read as millimetres here; in increments it would be {0}, and other words of this program have points", "write the point; `(ALLOW 4991)` if it is meant",
+        "{w} 没有小数点，此处按 mm 读取；按最小增量则为 {0}，而本程序其他字带小数点", "请写小数点；确实如此请写 `(ALLOW 4991)`";
 
     // -- 4992–4999 warnings: `language` -----------------------------------------------------------------------------------
     /// M99 in the main program.

@@ -99,6 +99,10 @@ impl List<'_> {
                 None => return Ok(()),
                 Some(Ok(Event::Call(call))) => self.call(&call, program)?,
                 Some(Ok(Event::Warning(warning))) => {
+                    let number = warning.number();
+                    if self.setup.allow.contains(&number) || program.allowed().contains(&number) {
+                        continue;
+                    }
                     self.begin_step(program)?;
                     self.tell(&warning, program.is_inch())?;
                 }

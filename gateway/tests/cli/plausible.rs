@@ -32,6 +32,29 @@ fn cases() -> Vec<(u64, String, String)> {
     let thread = |text: &str| format!("{THREAD}{text}\nM5\nM30\n");
     let groove = |text: &str| format!("G99 G97 M3 S500\nG0 X52 Z-5\nG75 R0.05\n{text}\nM5\nM30\n");
     let lines = |text: &str| format!("G97 M3 S1000\nG0 X50 Z2\n{text}\nM5\nM30\n");
+    // To X50, at the end of the contour.
+    let rough = |start: &str, words: &str, first: &str| {
+        format!(
+            "G97 M3 S500\nG99\n{start}\nG71 U2 R0.5\nGOTO 3\nN1 {first}\nG1 Z-20\nN2 X50\nN3 G71 P1 Q2 {words} F0.2\nM5\nM30\n"
+        )
+    };
+    let face = |start: &str| {
+        format!(
+            "G97 M3 S500\nG99\n{start}\nG72 W2 R0.5\nGOTO 3\nN1 G0 Z-6\nG1 X40\nZ-3\nX20\nN2 Z1\nN3 G72 P1 Q2 W0.1 F0.2\nM5\nM30\n"
+        )
+    };
+    let casting = |start: &str| {
+        format!(
+            "G97 M3 S500\nG99\n{start}\nG73 U3 W1 R3\nGOTO 3\nN1 G0 X20 Z1\nG1 Z-10\nN2 X40 Z-20\nN3 G73 P1 Q2 U0.4 F0.2\nM5\nM30\n"
+        )
+    };
+    let one_block = |depth: &str| {
+        let words = format!("U0.4 W0.1 {depth}");
+        format!(
+            "(DIALECT HAAS)\n{}",
+            rough("G0 X50. Z2.", &words, "G0 X10.")
+        )
+    };
     let stock = |text: &str| format!("(STOCK X60 L100)\n{}", lines(&format!("X62\n{text}")));
     vec![
         // A height in units of 0.0001 mm.
@@ -67,6 +90,44 @@ fn cases() -> Vec<(u64, String, String)> {
             lines("G98 G1 Z-20 C2 F100"),
             lines("G98 G1 Z-20 F100"),
         ),
+        // 8400 mm/min where 8000 is the most, along Z and across it.
+        (
+            4806,
+            lines("G99 S3000 G1 Z-20 F2.8"),
+            lines("G99 S3000 G1 Z-20 F2.6"),
+        ),
+        (
+            4806,
+            lines("G99 S3000 G1 X2 F2.8"),
+            lines("G99 S3000 G1 X2 Z-22 F2.8"),
+        ),
+        (
+            4989,
+            rough("G0 X50 Z2", "U-0.4 W0.1", "G0 X30"),
+            rough("G0 X50 Z2", "U0.4 W0.1", "G0 X30"),
+        ),
+        (
+            4989,
+            rough("G0 X50 Z2", "U0.4 W-0.1", "G0 X30"),
+            rough("G0 X50 Z2", "U0.4 W0", "G0 X30"),
+        ),
+        // A bore from the diameter of the drill.
+        (
+            4989,
+            rough("G0 X50 Z2", "U0.4 W0.1", "G0 X60"),
+            rough("G0 X50 Z2", "U-0.4 W0.1", "G0 X60"),
+        ),
+        // In one block, Δd stands in the line of the cycle; 10 mm is still meant.
+        (4989, one_block("D11."), one_block("D10.")),
+        (
+            4990,
+            rough("G0 X48 Z2", "U0.4 W0.1", "G0 X30"),
+            rough("G0 X50 Z2", "U0.4 W0.1", "G0 X30"),
+        ),
+        (4990, face("G0 X60 Z0"), face("G0 X60 Z2")),
+        (4990, casting("G0 X30 Z0"), casting("G0 X60 Z0")),
+        // Beyond the travel as millimetres, and 5 mm as increments.
+        (4991, lines("G0 Z1.5\nX5000"), lines("G0 Z1.5\nX5.")),
         (
             4987,
             stock("G0 X58 Z-20"),
@@ -174,6 +235,24 @@ fn a_stock_that_cannot_be_read_is_told_with_its_place() {
         text.contains("p.nc:2:2") && text.contains("`(STOCK X60 L100)`"),
         "{text}"
     );
+}
+
+#[test]
+fn increments_are_doubted_only_beside_points_and_beyond_the_travel() {
+    let folder = shop("points");
+    let program = folder.file("p.nc");
+    for (text, told) in [
+        ("G0 X5000 Z1.5\nM30\n", &[(4258, 1), (4991, 1)][..]),
+        ("G0 X5000 Z1\nM30\n", &[(4258, 1)]),
+        ("G0 X5000. Z1.5\nM30\n", &[(4258, 1)]),
+        ("G0 X500 Z1.5\nM30\n", &[]),
+        // Beyond the travel in both readings.
+        ("G0 X590. Z1.5\nU20000\nM30\n", &[(4258, 2)]),
+        ("G0 X590. Z1.5\nU5000\nM30\n", &[(4258, 2), (4991, 2)]),
+    ] {
+        std::fs::write(&program, text).unwrap();
+        assert_eq!(found(&program), told, "{text}");
+    }
 }
 
 #[test]

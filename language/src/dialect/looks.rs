@@ -19,19 +19,23 @@ pub struct Looks {
 }
 
 /// A word: its letter, its number, and how that is written.
-struct Word {
-    letter: u8,
-    value: f64,
-    has_point: bool,
+pub(super) struct Word {
+    pub(super) letter: u8,
+    pub(super) value: f64,
+    pub(super) has_point: bool,
     digits: usize,
+    /// Byte of the letter in its line.
+    pub(super) from: usize,
+    /// Byte behind the number.
+    pub(super) to: usize,
 }
 
 /// The words of a block.
-struct Words(Vec<Word>);
+pub(super) struct Words(pub(super) Vec<Word>);
 
 impl Words {
     /// Reads a line without its comments. What is no plain number is passed over.
-    fn of(text: &[u8]) -> Self {
+    pub(super) fn of(text: &[u8]) -> Self {
         let mut words = Vec::new();
         let (mut at, mut depth) = (0, 0_u32);
         while let Some(byte) = text.get(at) {
@@ -52,6 +56,8 @@ impl Words {
                             value,
                             has_point: number.contains(&b'.'),
                             digits: number.len(),
+                            from: at - 1,
+                            to: at + number.len(),
                         });
                     }
                     at += number.len();

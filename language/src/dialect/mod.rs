@@ -10,6 +10,7 @@ mod codes;
 mod looks;
 mod name;
 pub mod one_line;
+mod points;
 #[cfg(test)]
 mod tests;
 mod translator;
@@ -18,6 +19,7 @@ use leadscrew_core::program::Dialect;
 
 pub use looks::Looks;
 pub use name::{Named, named};
+pub use points::{Written, lengths};
 pub use translator::{Setting, Translator};
 
 /// A family of controls.
