@@ -170,8 +170,11 @@ pub struct WaysOut {
     pub start: Position,
     /// Point A, where the pass's cycle starts and ends. A retract in mid-thread goes there.
     pub home: Position,
-    /// The short axis' coordinate that is clear of both crests, at C and at D; or the start level if that is nearer.
+    /// The short axis' coordinate that is clear of both crests, at C and at D; or the start level if that is nearer. Of a
+    /// stroke (G32): beside its whole line, as far as its run-out goes.
     pub clear: Length,
+    /// False for a stroke without a run-out: nothing says on which side of it the work is.
+    pub has_side: bool,
 }
 
 impl WaysOut {
@@ -184,12 +187,36 @@ impl WaysOut {
             start: plan.start(),
             home,
             clear: Length::ZERO,
+            has_side: true,
         };
         let up = ways.short_of(home);
+        if ways.stays() {
+            let out = plan.beyond_line();
+            let side = out.signum();
+            ways.has_side = side != 0;
+            ways.clear = plan.level_towards(Length::INPUT_LIMIT.times(side)) + out;
+            return ways;
+        }
         let level = plan.level_towards(up);
         let out = (depth + clearance).min((up - level).abs());
         ways.clear = level + out.times((up - level).signum());
         ways
+    }
+
+    /// The pass is a stroke, which begins at A and is not followed by a way back: the tool stays where it ends.
+    #[must_use]
+    pub fn stays(&self) -> bool {
+        self.short_of(self.home) == self.short_of(self.start)
+    }
+
+    /// The short axis' coordinate to which a way out leads: away from the work.
+    #[must_use]
+    pub fn outside(&self) -> Length {
+        if self.stays() {
+            self.clear
+        } else {
+            self.short_of(self.home)
+        }
     }
 
     /// The short axis' coordinate.

@@ -329,13 +329,13 @@ mod tests {
         assert_eq!(
             header_line,
             "n,line,file,o,call,cycle,pass,start,peck,stage,kind,x,z,c,mx,mz,mc,depth,feed,feed_rev,lead,start_deg,rev,\
-             rpm,mode,m,t,ms,i,k,dir\n"
+             rpm,mode,m,t,ms,i,k,dir,lead_change\n"
         );
         let row = text(Format::Csv, &thread());
         assert_eq!(row.matches(',').count(), header_line.matches(',').count());
         assert_eq!(
             row,
-            "12,5,,,,G76,2,1,,rough,thread,60.9088,-60,0,62.9088,-59,0,2.5456,,,6,28.18218,,300,,,,,,,\n"
+            "12,5,,,,G76,2,1,,rough,thread,60.9088,-60,0,62.9088,-59,0,2.5456,,,6,28.18218,,300,,,,,,,,\n"
         );
     }
 }

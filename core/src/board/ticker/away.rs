@@ -100,7 +100,8 @@ impl Ticker {
         let (Some(run), Some(pass)) = (self.executor.thread(), &self.away.pass) else {
             return;
         };
-        if !matches!(run.phase(), Phase::Joining | Phase::Locked) {
+        // A stroke is finished: there is no start level to go back to, and the way back lies in the thread.
+        if pass.ways.stays() || !matches!(run.phase(), Phase::Joining | Phase::Locked) {
             return;
         }
         let target = pass.ways.short_of(pass.ways.home);

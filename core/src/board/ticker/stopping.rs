@@ -49,8 +49,9 @@ impl Ticker {
         ways.set_short(&mut target, ways.clear);
         // Only outwards.
         let way = ways.clear - here;
-        let outwards = ways.short_of(ways.home) - here;
-        (way != Length::ZERO && way.signum() == outwards.signum()).then_some(target)
+        let outwards = ways.outside() - here;
+        let leads_out = way != Length::ZERO && way.signum() == outwards.signum();
+        (leads_out && ways.has_side).then_some(target)
     }
 
     /// What is wrong with the bus is an alarm; drives that nothing reaches any more are let go.

@@ -64,8 +64,9 @@ impl Ticker {
         emit(&mut ends.events, Event::Alarm(*alarm));
     }
 
-    /// A stroke is left along the slope of its run-out until the tool is clear of the crests or at the start level. The way
-    /// out after a stroke goes on until then. Anything else stops on its path. The spindle turns until the axes stand.
+    /// A stroke is left along the slope of its run-out until the tool is clear of the crests or at the start level. The
+    /// way out after a stroke goes on until then. A stroke of G32 or G34 without a run-out has no side to leave to: it
+    /// stops on its path, as anything else does.
     pub(super) fn transition_to_stopping_by_reset(&mut self, ends: &Ends<'_>) {
         self.course.forget_pauses();
         self.away.forget();
@@ -73,7 +74,7 @@ impl Ticker {
         self.state = State::Stopping(Outcome::Reset);
         let current = self.course.current(ends);
         match self.away.pass() {
-            Some(pass) if self.in_thread() => {
+            Some(pass) if self.in_thread() && pass.ways.has_side => {
                 self.executor.retract(current, pass.ways.clear);
                 self.away.clear_crests();
             }

@@ -234,6 +234,16 @@ impl ThreadPlan {
         }
     }
 
+    /// How far the run-out ends beside the line, signed along the short axis; zero without one.
+    #[must_use]
+    pub fn beyond_line(&self) -> Length {
+        if self.run_out.slope == 0 {
+            return Length::ZERO;
+        }
+        let end = if self.long_x { self.end.z } else { self.end.x };
+        end - self.short_start() - whole(self.line(self.length))
+    }
+
     /// Lead-in: the way from the start point to the point from which the axis stands on the exact helix.
     #[must_use]
     pub const fn lead_in(&self) -> Length {
