@@ -17,6 +17,17 @@ use leadscrew_language::whose::Whose;
 use crate::failure::unreadable_part;
 use crate::source::{SourceFile, Text};
 
+/// What a program begins with.
+#[derive(Clone, Debug, Default)]
+pub struct Begin {
+    /// How the core reads it.
+    pub options: Options,
+    /// The control that it was written for, if its first lines do not name another.
+    pub control: Control,
+    /// The variables that outlive a program.
+    pub kept: Kept,
+}
+
 /// A program being read.
 #[derive(Debug)]
 pub struct Program<'p> {
@@ -177,22 +188,21 @@ impl Source for Again {
 }
 
 impl<'p> Program<'p> {
-    /// Opens a file that was written for `control`, if its first lines do not name another.
-    pub fn open(
-        source: &SourceFile,
-        params: &'p Params,
-        options: Options,
-        control: Control,
-    ) -> io::Result<Self> {
+    /// Opens a file.
+    pub fn open(source: &SourceFile, params: &'p Params, begin: Begin) -> io::Result<Self> {
+        let Begin {
+            options,
+            control,
+            kept,
+        } = begin;
         let mut text = Again::open(source)?;
         let first = FirstLines::read(&mut text)?;
-        // No command keeps variables from one run to the next, and none runs a program without an end.
         let rules = Rules {
             control: first.control.unwrap_or(control),
             ..Rules::default()
         };
         Ok(Self {
-            reader: Reader::new(text, params, options, Kept::default(), rules),
+            reader: Reader::new(text, params, options, kept, rules),
             queue: VecDeque::new(),
             steps: 0,
             over: first.alarm.is_some(),
@@ -237,6 +247,11 @@ impl<'p> Program<'p> {
     /// True where the line of the last event, or alarm, ends in inches.
     pub const fn is_inch(&self) -> bool {
         self.reader.interpreter().is_inch()
+    }
+
+    /// The variables that outlive the program, as its last block has left them.
+    pub const fn kept(&self) -> &Kept {
+        self.reader.variables().kept()
     }
 
     /// How many lines were carried out, the line of the last event included: a line that is carried out again counts again.

@@ -124,7 +124,7 @@ pub enum Detail {
 /// Verifies a program.
 pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Report> {
     let options = setup.options();
-    let mut program = Program::open(source, &setup.params, options, setup.control)
+    let mut program = Program::open(source, &setup.params, setup.begin())
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut checker = Checker {
         setup,

@@ -108,6 +108,13 @@ pub struct Global {
     /// File that keeps the simulated board's flash between commands; made where there is none
     #[arg(long, global = true, value_name = "FILE")]
     pub state: Option<PathBuf>,
+    /// File that keeps the variables #500 to #999 from run to run [default: `leadscrew.variables` beside `leadscrew.toml`]
+    ///
+    /// Without a `leadscrew.toml` it is `leadscrew/leadscrew.variables` in the folder for the state of programs
+    /// (`$XDG_STATE_HOME`, else `~/.local/state`). Every command that reads a program reads it; the end of a `run` alone
+    /// writes it, in one step.
+    #[arg(long, global = true, value_name = "FILE")]
+    pub variables: Option<PathBuf>,
     /// An input at the start (repeatable): G61.2, RGTAP, SWS1 to SWS4, RGTSP1 to RGTSP4
     #[arg(long, global = true, value_name = "NAME=0|1")]
     pub signal: Vec<SetSignal>,

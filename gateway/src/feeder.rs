@@ -3,6 +3,7 @@
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::call::{Call, CallKind, Position};
 use leadscrew_core::program::Event;
+use leadscrew_language::variables::Kept;
 
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Doing, Failure, Outcome};
@@ -41,7 +42,7 @@ impl<'a> Feeder<'a> {
         Ok(Self {
             setup,
             source,
-            program: Program::open(source, &setup.params, setup.options(), setup.control)
+            program: Program::open(source, &setup.params, setup.begin())
                 .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?,
             ended: false,
             over: false,
@@ -52,6 +53,12 @@ impl<'a> Feeder<'a> {
     #[must_use]
     pub const fn is_over(&self) -> bool {
         self.over
+    }
+
+    /// The variables that outlive the program, as its last block has left them.
+    #[must_use]
+    pub const fn variables(&self) -> &Kept {
+        self.program.kept()
     }
 
     /// Words for an alarm or a warning of the machine.

@@ -6,6 +6,7 @@ use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::call::Call;
 use leadscrew_core::units::Turns;
+use leadscrew_language::variables::Kept;
 
 use crate::cli::Drive;
 use crate::diagnostics::Diagnostic;
@@ -31,6 +32,8 @@ pub struct Ended {
     pub cut: bool,
     /// The board's measurements of each thread.
     pub threads: Threads,
+    /// The variables that the program has left, where it came to its end.
+    pub variables: Option<Kept>,
 }
 
 /// Watches a run.
@@ -180,6 +183,9 @@ fn carry_out(
         if over {
             break;
         }
+    }
+    if ended.alarms.is_empty() && !ended.interrupted {
+        ended.variables = Some(feeder.variables().clone());
     }
     ended.threads.take(sim.board().device().threads());
     ended.threads.give_up();

@@ -24,11 +24,13 @@ use crate::hole::Hole;
 use crate::origin::Origin;
 use crate::output;
 use crate::params::{self, Loaded};
+use crate::program::Begin;
 use crate::source::SourceFile;
 use crate::state::{StateFile, stored_set};
 use crate::synchronism::Synchronism;
 use crate::threads::Threads;
 use crate::trace::Summary;
+use crate::variables::VariableFile;
 use crate::words::{self, both};
 
 /// The start of a command.
@@ -58,6 +60,8 @@ pub struct Setup<'a> {
     pub allow: Vec<u16>,
     /// The machine file beside the program.
     pub machine: Option<PathBuf>,
+    /// The variables that outlive a program.
+    pub variables: VariableFile,
 }
 
 impl<'a> Setup<'a> {
@@ -124,7 +128,11 @@ impl<'a> Setup<'a> {
             }
             (None, _) => {}
         }
-        let loaded = params::load_over(base, &files, &set, global.lang())?;
+        let mut loaded = params::load_over(base, &files, &set, global.lang())?;
+        let variables = match program {
+            Some(_) => VariableFile::load(global, machine.as_deref(), &mut loaded.diagnostics)?,
+            None => VariableFile::default(),
+        };
         let loaded = told_good_in(global, loaded, answer)?;
         let (dialect, mut allow) = said.unwrap_or_default();
         allow.extend(loaded.allow);
@@ -159,6 +167,7 @@ impl<'a> Setup<'a> {
             control,
             allow,
             machine,
+            variables,
         })
     }
 
@@ -190,6 +199,15 @@ impl<'a> Setup<'a> {
         match self.tap.filter(|record| record.in_hole) {
             Some(record) => record.hole.axis.with(position, record.hole.bottom),
             None => position,
+        }
+    }
+
+    /// What a program begins with.
+    pub fn begin(&self) -> Begin {
+        Begin {
+            options: self.options(),
+            control: self.control,
+            kept: self.variables.values.clone(),
         }
     }
 

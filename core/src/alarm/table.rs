@@ -1007,6 +1007,12 @@ codes! {
         "程序 O{0} 的文件中是 O{1}，没有 O{0}", "请在开头写 O{0}，或以文件名所示的程序号调用";
     /// A subprogram in a file of its own that is too long; {0} the lines that it may have.
     SubprogramLong = 4855, "a subprogram in a file of its own may have {0} lines", "write it into the file of the program, which may have any length", "单独成文件的子程序最多 {0} 行", "请将它写入主程序文件，该文件长度不限";
+    /// A line of the file of variables that is none; {0} the line.
+    VariableEntry = 4856, "`{0}` is no value of a variable that is kept", "write `#500 = 1.5` with a number from #500 to #999, or remove the line; `--variables` names another file",
+        "“{0}”不是保持型变量的值", "请写如 `#500 = 1.5`（#500 至 #999），或删去该行；`--variables` 可指定另一个文件";
+    /// A variable that the file of variables has twice; {0} its number, {1} the first line.
+    VariableEntryTwice = 4857, "#{0} is here a second time, after line {1}", "remove one of the two lines",
+        "#{0} 重复，首次出现在第 {1} 行", "请删去其中一行";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",

@@ -84,6 +84,7 @@ pub fn carry_out(
             .map_or_else(|| log.finish().map(drop), Err)
             .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
     }
+    let variables = execution.keep_variables()?;
     let verdict = execution.conclude(&watcher.summary, tolerance);
     if !setup.global.json {
         let word = match verdict {
@@ -112,6 +113,11 @@ pub fn carry_out(
         text.push('\n');
         if let Some(file) = setup.machine() {
             text.push_str(pick(setup.lang, "machine ", "机床 "));
+            text.push_str(&file);
+            text.push('\n');
+        }
+        if let Some(file) = variables {
+            text.push_str(pick(setup.lang, "variables ", "变量 "));
             text.push_str(&file);
             text.push('\n');
         }

@@ -115,3 +115,4 @@ mod subprograms;
 mod taps;
 mod texts;
 mod usage;
+mod variables;

@@ -94,6 +94,9 @@ pub fn run(
         tell::lost(&setup, &ran, &lost)?;
         return Err(lost);
     }
+    if let Some(values) = &ran.variables {
+        setup.variables.save(values, setup.lang)?;
+    }
     let verdict = tell::verdict(&ran, tolerance);
     if global.json {
         tell::result(&setup, &report, &ran, &origin, verdict.is_ok())?;

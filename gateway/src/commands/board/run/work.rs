@@ -11,6 +11,8 @@ use leadscrew_core::call::Position;
 use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
 
 use super::super::state_words;
+use leadscrew_language::variables::Kept;
+
 use crate::cli::Global;
 use crate::diagnostics::{self, Diagnostic, alarm_words};
 use crate::failure::{Failure, Outcome};
@@ -53,6 +55,8 @@ pub struct Ran {
     /// The drives have been enabled again.
     ready: bool,
     pub interrupted: bool,
+    /// The variables that the program has left, where it came to its end.
+    pub variables: Option<Kept>,
 }
 
 /// Runs a program on a board that was checked for it with this `status`. Returns the result also where the board was lost.
@@ -269,6 +273,9 @@ impl Runner<'_> {
             self.pace.read(new, line, locked);
         }
         if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
+            if self.ran.finished && !self.ran.reset && self.ran.alarms.is_empty() {
+                self.ran.variables = Some(feeder.variables().clone());
+            }
             return self.conclude(feed);
         }
         Ok(false)
