@@ -2,6 +2,7 @@
 //! before any motion.
 
 use std::io::{BufRead as _, BufReader};
+use std::num::NonZeroU32;
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::call::{
@@ -214,6 +215,13 @@ impl Spindle {
 impl Checker<'_> {
     /// Keeps an alarm or a warning that is new on its line, and counts those beyond the list.
     fn tell(&mut self, alarm: &Alarm, inch: bool) {
+        let again = Alarm::new(Code::MainBeginsAgain, alarm.span);
+        let alarm = match (alarm.code, self.setup.passes) {
+            (Code::MainRepeats, Some(NonZeroU32::MAX)) => &again,
+            // It ends after as many passes as are wanted.
+            (Code::MainRepeats, Some(_)) => return,
+            _ => alarm,
+        };
         let (number, line) = (alarm.number(), alarm.span.line);
         if self.allowed.contains(&number) {
             return;

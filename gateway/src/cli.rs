@@ -2,6 +2,7 @@
 
 mod examples;
 
+use std::num::NonZeroU32;
 use std::path::PathBuf;
 
 use clap::builder::Styles;
@@ -404,11 +405,14 @@ pub struct Record {
 }
 
 /// `run`.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Default)]
 pub struct Run {
     /// Program
     #[arg(value_name = "PROG")]
     pub program: PathBuf,
+    /// End after this many passes of a main program that M99 begins again [default: no end]
+    #[arg(long, value_name = "N")]
+    pub passes: Option<NonZeroU32>,
     /// Write the bus traffic as a candump log
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,

@@ -32,7 +32,7 @@ pub struct Ended {
     pub cut: bool,
     /// The board's measurements of each thread.
     pub threads: Threads,
-    /// The variables that the program has left, where it came to its end.
+    /// The variables that the program has left, or its last pass that came to its end.
     pub variables: Option<Kept>,
 }
 
@@ -175,17 +175,19 @@ fn carry_out(
                 _ => {}
             }
         }
-        let over = if stopping {
-            at_rest(sim)
-        } else {
-            feeder.is_over() && waiting.is_none() && !sim.is_busy()
-        };
-        if over {
-            break;
+        if stopping {
+            if at_rest(sim) {
+                break;
+            }
+        } else if feeder.is_over() && waiting.is_none() && !sim.is_busy() {
+            // Mistakes that the text has after all end it, too.
+            if ended.alarms.is_empty() {
+                ended.variables = Some(feeder.variables().clone());
+            }
+            if !feeder.next_pass() {
+                break;
+            }
         }
-    }
-    if ended.alarms.is_empty() && !ended.interrupted {
-        ended.variables = Some(feeder.variables().clone());
     }
     ended.threads.take(sim.board().device().threads());
     ended.threads.give_up();

@@ -1,5 +1,6 @@
 //! The start of every command: the machine's parameters, the language, and the use of colour.
 
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::Flash;
@@ -62,6 +63,8 @@ pub struct Setup<'a> {
     pub machine: Option<PathBuf>,
     /// The variables that outlive a program.
     pub variables: VariableFile,
+    /// How often the machine carries out a main program that begins itself again; `None`: once.
+    pub passes: Option<NonZeroU32>,
 }
 
 impl<'a> Setup<'a> {
@@ -168,6 +171,7 @@ impl<'a> Setup<'a> {
             allow,
             machine,
             variables,
+            passes: None,
         })
     }
 
@@ -202,12 +206,13 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// What a program begins with.
+    /// What a program begins with that is carried out once.
     pub fn begin(&self) -> Begin {
         Begin {
             options: self.options(),
             control: self.control,
             kept: self.variables.values.clone(),
+            passes: None,
         }
     }
 

@@ -1136,6 +1136,10 @@ codes! {
     NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set parameters 9201 to 9216 (radius) and 9301 to 9316 (tip direction) for this tool, and call the tool before it",
         "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请为该刀具设定参数 9201…9216（半径）和 9301…9316（刀尖方向），并先调用刀具";
 
+    /// M99 in the main program, in a run.
+    MainBeginsAgain = 4995, "M99 begins the main program again and again", "Ctrl-C brings the machine to a stop, and `--passes 20` ends the run after 20 passes; write M30 where the program is to end",
+        "M99 使主程序不断重新开始", "按 Ctrl-C 可使机床停止，`--passes 20` 使其运行 20 遍后结束；程序结束处请写 M30";
+
     /// A text that looks as if it was written for another control; {0} that one, {1} the one that is set.
     LooksLike = 4994, "this looks like a program for {0}, and it is read as one for {1}", "write `--dialect {0}`, `(DIALECT {0})` in front of the program, or `dialect = \"{0}\"` in its machine file",
         "这像是 {0} 的程序，而当前按 {1} 读取", "请用 `--dialect {0}`，或在程序开头写 `(DIALECT {0})`，或在机床文件中写 `dialect = \"{0}\"`";

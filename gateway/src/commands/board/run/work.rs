@@ -55,7 +55,7 @@ pub struct Ran {
     /// The drives have been enabled again.
     ready: bool,
     pub interrupted: bool,
-    /// The variables that the program has left, where it came to its end.
+    /// The variables that the program has left, or its last pass that came to its end.
     pub variables: Option<Kept>,
 }
 
@@ -79,6 +79,7 @@ pub fn carry_out(
         pace: Pace::new(),
         last_event: status.newest_event,
         late: status.late,
+        before: 0,
         checked: status,
         held: false,
         bar,
@@ -129,6 +130,8 @@ struct Runner<'a> {
     last_event: u32,
     /// Late setpoints before the run.
     late: u32,
+    /// Moves of the passes before this one.
+    before: u64,
     bar: ProgressBar,
     /// The hold has been reported.
     held: bool,
@@ -275,6 +278,14 @@ impl Runner<'_> {
         if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
             if self.ran.finished && !self.ran.reset && self.ran.alarms.is_empty() {
                 self.ran.variables = Some(feeder.variables().clone());
+                if feeder.next_pass() {
+                    // Each pass is a program of its own for the board.
+                    (*feed, *started) = (Feed::new(program_number()), false);
+                    self.ran.finished = false;
+                    // The number that was seen last is one of the pass before.
+                    (self.before, self.link.seen.place) = (self.ran.moves, None);
+                    return Ok(false);
+                }
             }
             return self.conclude(feed);
         }
@@ -419,7 +430,7 @@ impl Runner<'_> {
     fn look(&mut self) {
         let seen = &self.link.seen;
         if let Some(place) = seen.place {
-            self.ran.moves = self.ran.moves.max(u64::from(place.number));
+            self.ran.moves = self.ran.moves.max(self.before + u64::from(place.number));
             if place.line > 0 {
                 self.ran.line = place.line;
             }
@@ -456,7 +467,7 @@ impl Runner<'_> {
     fn note(&mut self, entry: &Logged, feeder: &Feeder) {
         match entry.event {
             Event::Started { number, line } => {
-                self.ran.moves = self.ran.moves.max(u64::from(number));
+                self.ran.moves = self.ran.moves.max(self.before + u64::from(number));
                 self.ran.line = line;
             }
             Event::Alarm(alarm) => {
