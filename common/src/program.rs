@@ -3,6 +3,7 @@
 
 use std::collections::VecDeque;
 use std::io;
+use std::num::NonZeroU32;
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::params::Params;
@@ -18,6 +19,19 @@ use leadscrew_language::whose::Whose;
 use crate::failure::unreadable_part;
 use crate::source::{SourceFile, Text};
 
+/// What a program begins with.
+#[derive(Clone, Debug, Default)]
+pub struct Begin {
+    /// How the core reads it.
+    pub options: Options,
+    /// The control that it was written for, if its first lines do not name another.
+    pub control: Control,
+    /// The variables that outlive a program.
+    pub kept: Kept,
+    /// How often a main program is carried out that begins itself again; `None`: once, with a note that says so.
+    pub passes: Option<NonZeroU32>,
+}
+
 /// A program being read.
 #[derive(Debug)]
 pub struct Program<'p> {
@@ -26,6 +40,8 @@ pub struct Program<'p> {
     queue: VecDeque<Event>,
     /// Steps so far.
     steps: u64,
+    /// The pass that the reader of events knows of.
+    pass: u32,
     /// The alarm after the events in the queue.
     alarm: Option<Alarm>,
     /// Nothing is read at all.
@@ -194,24 +210,26 @@ impl Source for Again {
 }
 
 impl<'p> Program<'p> {
-    /// Opens a file that was written for `control`, if its first lines do not name another.
-    pub fn open(
-        source: &SourceFile,
-        params: &'p Params,
-        options: Options,
-        control: Control,
-    ) -> io::Result<Self> {
+    /// Opens a file.
+    pub fn open(source: &SourceFile, params: &'p Params, begin: Begin) -> io::Result<Self> {
+        let Begin {
+            options,
+            control,
+            kept,
+            passes,
+        } = begin;
         let mut text = Again::open(source)?;
         let first = FirstLines::read(&mut text)?;
-        // No command keeps variables from one run to the next, and none runs a program without an end.
         let rules = Rules {
             control: first.control.unwrap_or(control),
+            passes: passes.map_or(1, NonZeroU32::get),
             ..Rules::default()
         };
         Ok(Self {
-            reader: Reader::new(text, params, options, Kept::default(), rules),
+            reader: Reader::new(text, params, options, kept, rules),
             queue: first.warning.map(Event::Warning).into_iter().collect(),
             steps: 0,
+            pass: 1,
             over: first.alarm.is_some(),
             alarm: first.alarm,
             allowed: first.allowed,
@@ -235,7 +253,8 @@ impl<'p> Program<'p> {
         &self.allowed
     }
 
-    /// The next event, or the alarm that ends the program; `None` after the last.
+    /// The next event, or the alarm that ends the program; `None` after the last. Between two passes of the main program
+    /// there is nothing until [`begin_pass`](Self::begin_pass).
     pub fn next_event(&mut self) -> io::Result<Option<Result<Event, Alarm>>> {
         loop {
             if let Some(event) = self.queue.pop_front() {
@@ -244,7 +263,7 @@ impl<'p> Program<'p> {
             if let Some(alarm) = self.alarm.take() {
                 return Ok(Some(Err(alarm)));
             }
-            if self.over || self.reader.is_over() {
+            if self.over || self.reader.is_over() || self.is_between_passes() {
                 return Ok(None);
             }
             self.steps += 1;
@@ -260,6 +279,21 @@ impl<'p> Program<'p> {
     /// True where the line of the last event, or alarm, ends in inches.
     pub const fn is_inch(&self) -> bool {
         self.reader.interpreter().is_inch()
+    }
+
+    /// A pass of the main program is over, and another one follows.
+    pub const fn is_between_passes(&self) -> bool {
+        self.pass != self.reader.pass()
+    }
+
+    /// Goes on with the next pass.
+    pub const fn begin_pass(&mut self) {
+        self.pass = self.reader.pass();
+    }
+
+    /// The variables that outlive the program, as its last block has left them.
+    pub const fn kept(&self) -> &Kept {
+        self.reader.variables().kept()
     }
 
     /// How many lines were carried out, the line of the last event included: a line that is carried out again counts again.

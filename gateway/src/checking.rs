@@ -2,6 +2,7 @@
 //! before any motion.
 
 use std::io::{BufRead as _, BufReader};
+use std::num::NonZeroU32;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{
@@ -126,7 +127,7 @@ pub enum Detail {
 /// Verifies a program.
 pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Report> {
     let options = setup.options();
-    let mut program = Program::open(source, &setup.params, options, setup.control)
+    let mut program = Program::open(source, &setup.params, setup.begin())
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut checker = Checker {
         setup,
@@ -220,6 +221,13 @@ impl Spindle {
 impl Checker<'_> {
     /// Keeps an alarm or a warning that is new on its line, and counts those beyond the list.
     fn tell(&mut self, alarm: &Alarm, inch: bool) {
+        let again = Alarm::new(Code::MainBeginsAgain, alarm.span);
+        let alarm = match (alarm.code, self.setup.passes) {
+            (Code::MainRepeats, Some(NonZeroU32::MAX)) => &again,
+            // It ends after as many passes as are wanted.
+            (Code::MainRepeats, Some(_)) => return,
+            _ => alarm,
+        };
         let (number, line) = (alarm.number(), alarm.span.line);
         if self.allowed.contains(&number) {
             return;

@@ -2,6 +2,7 @@
 
 mod examples;
 
+use std::num::NonZeroU32;
 use std::path::PathBuf;
 
 use clap::builder::Styles;
@@ -108,6 +109,13 @@ pub struct Global {
     /// File that keeps the simulated board's flash between commands; made where there is none
     #[arg(long, global = true, value_name = "FILE")]
     pub state: Option<PathBuf>,
+    /// File that keeps the variables #500 to #999 from run to run [default: `leadscrew.variables` beside `leadscrew.toml`]
+    ///
+    /// Without a `leadscrew.toml` it is `leadscrew/leadscrew.variables` in the folder for the state of programs
+    /// (`$XDG_STATE_HOME`, else `~/.local/state`). Every command that reads a program reads it; the end of a `run` alone
+    /// writes it, in one step.
+    #[arg(long, global = true, value_name = "FILE")]
+    pub variables: Option<PathBuf>,
     /// An input at the start (repeatable): G61.2, RGTAP, SWS1 to SWS4, RGTSP1 to RGTSP4
     #[arg(long, global = true, value_name = "NAME=0|1")]
     pub signal: Vec<SetSignal>,
@@ -400,11 +408,14 @@ pub struct Record {
 }
 
 /// `run`.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Default)]
 pub struct Run {
     /// Program
     #[arg(value_name = "PROG")]
     pub program: PathBuf,
+    /// End after this many passes of a main program that M99 begins again [default: no end]
+    #[arg(long, value_name = "N")]
+    pub passes: Option<NonZeroU32>,
     /// Write the bus traffic as a candump log
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,

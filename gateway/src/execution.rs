@@ -72,6 +72,17 @@ impl<'a> Execution<'a> {
         Ok(())
     }
 
+    /// Keeps the variables of a program that came to its end; gives the file where it was written.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn keep_variables(&self) -> Outcome<Option<String>> {
+        match &self.ended.variables {
+            Some(values) => self.setup.variables.save(values, self.setup.lang),
+            None => Ok(None),
+        }
+    }
+
     /// True where the user has ended the run.
     pub fn is_interrupted(&self) -> bool {
         self.ended.interrupted

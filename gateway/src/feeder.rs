@@ -3,10 +3,11 @@
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::call::{Call, CallKind, Position};
 use leadscrew_core::program::Event;
+use leadscrew_language::variables::Kept;
 
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Doing, Failure, Outcome};
-use crate::program::Program;
+use crate::program::{Begin, Program};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 
@@ -38,20 +39,41 @@ impl<'a> Feeder<'a> {
     /// # Errors
     /// A file that cannot be read.
     pub fn new(setup: &'a Setup, source: &'a SourceFile) -> Outcome<Self> {
+        let begin = Begin {
+            passes: setup.passes,
+            ..setup.begin()
+        };
         Ok(Self {
             setup,
             source,
-            program: Program::open(source, &setup.params, setup.options(), setup.control)
+            program: Program::open(source, &setup.params, begin)
                 .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?,
             ended: false,
             over: false,
         })
     }
 
-    /// True where there is no further call.
+    /// Begins the next pass of a main program that repeats itself. Its calls are a program of their own, so that the
+    /// machine has carried out one pass before the next begins. False where none follows.
+    pub const fn next_pass(&mut self) -> bool {
+        let follows = self.program.is_between_passes();
+        if follows {
+            self.program.begin_pass();
+            (self.ended, self.over) = (false, false);
+        }
+        follows
+    }
+
+    /// True where there is no further call of this pass.
     #[must_use]
     pub const fn is_over(&self) -> bool {
         self.over
+    }
+
+    /// The variables that outlive the program, as its last block has left them.
+    #[must_use]
+    pub const fn variables(&self) -> &Kept {
+        self.program.kept()
     }
 
     /// Words for an alarm or a warning of the machine.

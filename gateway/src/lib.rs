@@ -32,6 +32,7 @@ pub mod synchronism;
 pub mod tapping;
 pub mod threads;
 pub mod trace;
+pub mod variables;
 
 // Named once for the whole crate: `crate::words` here is `leadscrew_common::words`.
 use leadscrew_common::{

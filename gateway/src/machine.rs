@@ -6,6 +6,7 @@ use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::call::Call;
 use leadscrew_core::units::Turns;
+use leadscrew_language::variables::Kept;
 
 use crate::cli::Drive;
 use crate::diagnostics::Diagnostic;
@@ -31,6 +32,8 @@ pub struct Ended {
     pub cut: bool,
     /// The board's measurements of each thread.
     pub threads: Threads,
+    /// The variables that the program has left, or its last pass that came to its end.
+    pub variables: Option<Kept>,
 }
 
 /// Watches a run.
@@ -172,13 +175,18 @@ fn carry_out(
                 _ => {}
             }
         }
-        let over = if stopping {
-            at_rest(sim)
-        } else {
-            feeder.is_over() && waiting.is_none() && !sim.is_busy()
-        };
-        if over {
-            break;
+        if stopping {
+            if at_rest(sim) {
+                break;
+            }
+        } else if feeder.is_over() && waiting.is_none() && !sim.is_busy() {
+            // Mistakes that the text has after all end it, too.
+            if ended.alarms.is_empty() {
+                ended.variables = Some(feeder.variables().clone());
+            }
+            if !feeder.next_pass() {
+                break;
+            }
         }
     }
     ended.threads.take(sim.board().device().threads());

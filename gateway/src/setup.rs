@@ -1,5 +1,6 @@
 //! The start of every command: the machine's parameters, the language, and the use of colour.
 
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::Flash;
@@ -24,11 +25,13 @@ use crate::hole::Hole;
 use crate::origin::Origin;
 use crate::output;
 use crate::params::{self, Loaded};
+use crate::program::Begin;
 use crate::source::SourceFile;
 use crate::state::{StateFile, stored_set};
 use crate::synchronism::Synchronism;
 use crate::threads::Threads;
 use crate::trace::Summary;
+use crate::variables::VariableFile;
 use crate::words::{self, both};
 
 /// The start of a command.
@@ -58,6 +61,10 @@ pub struct Setup<'a> {
     pub allow: Vec<u16>,
     /// The machine file beside the program.
     pub machine: Option<PathBuf>,
+    /// The variables that outlive a program.
+    pub variables: VariableFile,
+    /// How often the machine carries out a main program that begins itself again; `None`: once.
+    pub passes: Option<NonZeroU32>,
 }
 
 impl<'a> Setup<'a> {
@@ -124,7 +131,11 @@ impl<'a> Setup<'a> {
             }
             (None, _) => {}
         }
-        let loaded = params::load_over(base, &files, &set, global.lang())?;
+        let mut loaded = params::load_over(base, &files, &set, global.lang())?;
+        let variables = match program {
+            Some(_) => VariableFile::load(global, machine.as_deref(), &mut loaded.diagnostics)?,
+            None => VariableFile::default(),
+        };
         let loaded = told_good_in(global, loaded, answer)?;
         let (dialect, mut allow) = said.unwrap_or_default();
         allow.extend(loaded.allow);
@@ -159,6 +170,8 @@ impl<'a> Setup<'a> {
             control,
             allow,
             machine,
+            variables,
+            passes: None,
         })
     }
 
@@ -190,6 +203,16 @@ impl<'a> Setup<'a> {
         match self.tap.filter(|record| record.in_hole) {
             Some(record) => record.hole.axis.with(position, record.hole.bottom),
             None => position,
+        }
+    }
+
+    /// What a program begins with that is carried out once.
+    pub fn begin(&self) -> Begin {
+        Begin {
+            options: self.options(),
+            control: self.control,
+            kept: self.variables.values.clone(),
+            passes: None,
         }
     }
 

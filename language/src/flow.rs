@@ -105,11 +105,12 @@ pub struct Rules {
     pub control: Control,
     /// Blocks with `/` in front are passed over.
     pub skip: bool,
-    /// M99 in the main program begins it again; otherwise it ends there, with a note.
-    pub repeat: bool,
+    /// How often the main program is carried out where its M99 begins it again, or leads back: from 1 on. It ends with a
+    /// note where M99 would begin one more pass.
+    pub passes: u32,
     /// Statements that a loop may carry out without a motion.
     pub budget: u32,
-    /// How often the loops of a program may begin again, whatever they move.
+    /// How often the loops of a pass may begin again, whatever they move.
     pub turns: u32,
 }
 
@@ -118,7 +119,7 @@ impl Default for Rules {
         Self {
             control: Control::default(),
             skip: false,
-            repeat: false,
+            passes: 1,
             budget: 1_000_000,
             turns: 1_000_000,
         }
@@ -168,8 +169,10 @@ pub struct Flow<S> {
     in_contour: bool,
     /// Statements since the last motion.
     idle: u32,
-    /// How often a loop has begun again.
+    /// How often a loop has begun again in this pass.
     turns: u32,
+    /// The pass of the main program.
+    pass: u32,
     memo: Memo,
     /// The line of a block that is carried out alone, its front blanked, and its words.
     text: Vec<u8>,
@@ -195,6 +198,7 @@ impl<S: Source> Flow<S> {
             in_contour: false,
             idle: 0,
             turns: 0,
+            pass: 1,
             memo: Memo::default(),
             text: Vec::new(),
             blanked: Vec::new(),
@@ -218,6 +222,12 @@ impl<S: Source> Flow<S> {
     #[must_use]
     pub const fn line(&self) -> u32 {
         self.last.line
+    }
+
+    /// The pass of the main program, from 1.
+    #[must_use]
+    pub const fn pass(&self) -> u32 {
+        self.pass
     }
 
     /// The text of the line of the latest step.

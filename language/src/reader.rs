@@ -135,6 +135,12 @@ impl<'p, S: Source> Reader<'p, S> {
         self.flow.line()
     }
 
+    /// The pass of the main program, from 1.
+    #[must_use]
+    pub const fn pass(&self) -> u32 {
+        self.flow.pass()
+    }
+
     /// The text of the line of the latest step.
     ///
     /// # Errors

@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use leadscrew_common::failure::{Doing, Failure, Outcome};
-use leadscrew_common::program::Program;
+use leadscrew_common::program::{Begin, Program};
 use leadscrew_common::source::SourceFile;
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::Board;
 use leadscrew_core::call::{Call, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
-use leadscrew_language::dialect::Control;
 
 /// The source of a board's calls.
 pub struct Feeder {
@@ -26,11 +25,14 @@ impl Feeder {
         let source = SourceFile::new(path);
         // Leaked once for the life of the process.
         let params: &'static Params = Box::leak(Box::new(params.clone()));
-        let options = Options {
-            position,
-            ..Options::default()
+        let begin = Begin {
+            options: Options {
+                position,
+                ..Options::default()
+            },
+            ..Begin::default()
         };
-        let program = Program::open(&source, params, options, Control::default())
+        let program = Program::open(&source, params, begin)
             .map_err(|error| Failure::file(Doing::Read, path.display(), &error))?;
         Ok(Self {
             source,

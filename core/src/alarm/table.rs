@@ -1035,6 +1035,12 @@ codes! {
         "程序 O{0} 的文件中是 O{1}，没有 O{0}", "请在开头写 O{0}，或以文件名所示的程序号调用";
     /// A subprogram in a file of its own that is too long; {0} the lines that it may have.
     SubprogramLong = 4855, "a subprogram in a file of its own may have {0} lines", "write it into the file of the program, which may have any length", "单独成文件的子程序最多 {0} 行", "请将它写入主程序文件，该文件长度不限";
+    /// A line of the file of variables that is none; {0} the line.
+    VariableEntry = 4856, "`{0}` is no value of a variable that is kept", "write `#500 = 1.5` with a number from #500 to #999, or remove the line; `--variables` names another file",
+        "“{0}”不是保持型变量的值", "请写如 `#500 = 1.5`（#500 至 #999），或删去该行；`--variables` 可指定另一个文件";
+    /// A variable that the file of variables has twice; {0} its number, {1} the first line.
+    VariableEntryTwice = 4857, "#{0} is here a second time, after line {1}", "remove one of the two lines",
+        "#{0} 重复，首次出现在第 {1} 行", "请删去其中一行";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",
@@ -1169,6 +1175,10 @@ codes! {
     /// G41 or G42 with a tool whose radius is zero; {0} the number of the offset.
     NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set parameters 9201 to 9216 (radius) and 9301 to 9316 (tip direction) for this tool, and call the tool before it",
         "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请为该刀具设定参数 9201…9216（半径）和 9301…9316（刀尖方向），并先调用刀具";
+
+    /// M99 in the main program, in a run.
+    MainBeginsAgain = 4996, "M99 begins the main program again and again", "Ctrl-C brings the machine to a stop, and `--passes 20` ends the run after 20 passes; write M30 where the program is to end",
+        "M99 使主程序不断重新开始", "按 Ctrl-C 可使机床停止，`--passes 20` 使其运行 20 遍后结束；程序结束处请写 M30";
 
     /// A text that looks as if it was written for another control; {0} that one, {1} the one that is set.
     LooksLike = 4994, "this looks like a program for {0}, and it is read as one for {1}", "write `--dialect {0}`, `(DIALECT {0})` in front of the program, or `dialect = \"{0}\"` in its machine file",

@@ -41,7 +41,7 @@ pub fn list(setup: &Setup, source: &SourceFile, format: Option<Format>) -> Outco
         }
     };
     let options = setup.options();
-    let mut program = Program::open(source, &setup.params, options, setup.control)
+    let mut program = Program::open(source, &setup.params, setup.begin())
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut list = List {
         setup,

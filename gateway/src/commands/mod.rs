@@ -8,7 +8,7 @@ mod params;
 mod plot;
 mod record;
 mod retract;
-mod run;
+pub mod run;
 mod simulate;
 mod status;
 mod unavailable;

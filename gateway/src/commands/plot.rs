@@ -130,8 +130,7 @@ fn title(program: &Path) -> String {
 fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
     let options = setup.options();
     let unreadable = |error| Failure::file(Doing::Read, source.name(), &error);
-    let mut program =
-        Program::open(source, &setup.params, options, setup.control).map_err(unreadable)?;
+    let mut program = Program::open(source, &setup.params, setup.begin()).map_err(unreadable)?;
     let mut drawing = Drawing::new(&options.position);
     let mut at = options.position;
     let mut hole = Hole::new(setup.tap);

@@ -6,7 +6,7 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_store::{Region, Store};
 
 use super::{board, expand, run};
-use crate::cli::{Drive, Global};
+use crate::cli::{Global, Run};
 use crate::diagnostics;
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -47,7 +47,7 @@ pub fn retract(global: &Global, wish: Wish) -> Outcome {
         let answer = Answer::Moves { jsonl: false };
         return show(global, &Setup::new(global, None, answer)?, &source);
     }
-    run::carry_out(global, &source, None, &Drive::default(), None)
+    run::carry_out(global, &source, &Run::default())
 }
 
 /// The same with a board on a real bus.
@@ -74,7 +74,7 @@ fn on_board(global: &Global, wish: Wish) -> Outcome {
         return show(global, &setup, &source);
     }
     drop(link);
-    board::run(global, &source, &Drive::default(), None)
+    board::run(global, &source, &Run::default())
 }
 
 /// The program that does it, in the unit of the hole.

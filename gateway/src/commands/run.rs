@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal as _};
-use std::path::Path;
+use std::num::NonZeroU32;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -12,7 +12,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::{FdFrame, Frame};
 
 use super::board;
-use crate::cli::{Drive, Global, Run};
+use crate::cli::{Global, Run};
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::machine::Observer;
@@ -21,7 +21,6 @@ use crate::place::SourceLine;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
-use crate::values::Tolerance;
 use crate::words::{both, pick};
 
 /// Runs a program.
@@ -34,26 +33,23 @@ pub fn run(global: &Global, args: &Run) -> Outcome {
                 "`run --record` 记录的是模拟总线；真实总线请在另一个终端用 `leadscrew record`"
             )));
         }
-        return board::run(global, &source, &args.drive, args.tolerance);
+        return board::run(global, &source, args);
     }
-    carry_out(
-        global,
-        &source,
-        args.record.as_deref(),
-        &args.drive,
-        args.tolerance,
-    )
+    carry_out(global, &source, args)
+}
+
+/// How often a program is carried out that begins itself again: without an end, if nothing else is said.
+#[must_use]
+pub fn passes(args: &Run) -> NonZeroU32 {
+    args.passes.unwrap_or(NonZeroU32::MAX)
 }
 
 /// Runs any text on the simulated machine.
-pub fn carry_out(
-    global: &Global,
-    source: &SourceFile,
-    record: Option<&Path>,
-    drive: &Drive,
-    tolerance: Option<Tolerance>,
-) -> Outcome {
-    let setup = &Setup::with_drive(global, drive, source)?;
+pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
+    let (drive, record) = (&args.drive, args.record.as_deref());
+    let mut setup = Setup::with_drive(global, drive, source)?;
+    setup.passes = Some(passes(args));
+    let setup = &setup;
     if let Some(path) = record {
         source.protect(path)?;
     }
@@ -84,7 +80,8 @@ pub fn carry_out(
             .map_or_else(|| log.finish().map(drop), Err)
             .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
     }
-    let verdict = execution.conclude(&watcher.summary, tolerance);
+    let variables = execution.keep_variables()?;
+    let verdict = execution.conclude(&watcher.summary, args.tolerance);
     if !setup.global.json {
         let word = match verdict {
             Ok(()) => pick(setup.lang, "done", "完成"),
@@ -112,6 +109,11 @@ pub fn carry_out(
         text.push('\n');
         if let Some(file) = setup.machine() {
             text.push_str(pick(setup.lang, "machine ", "机床 "));
+            text.push_str(&file);
+            text.push('\n');
+        }
+        if let Some(file) = variables {
+            text.push_str(pick(setup.lang, "variables ", "变量 "));
             text.push_str(&file);
             text.push('\n');
         }

@@ -23,6 +23,10 @@ pub struct Summary {
     limits: [Limits; 3],
     ticks: u64,
     moves: u64,
+    /// Those of the passes before this one.
+    before: u64,
+    /// The number of the last move, and whether the machine has stood since.
+    step: (u64, bool),
     last: Option<(i64, i64)>,
     path_nm: f64,
     /// By the true angle of the spindle.
@@ -61,6 +65,8 @@ impl Summary {
             limits: Axis::ALL.map(|axis| Limits::of(params, axis)),
             ticks: 0,
             moves: 0,
+            before: 0,
+            step: (0, false),
             last: None,
             path_nm: 0.0,
             errors: Synchronism::default(),
@@ -74,7 +80,7 @@ impl Summary {
     /// Takes in the next tick; gives the speeds of X, Z and C in nanometres per tick.
     pub fn push(&mut self, point: &Setpoint) -> [i64; 3] {
         self.ticks = point.tick;
-        self.moves = self.moves.max(point.step);
+        self.count(point.step);
         if let Some((x, z)) = self.last.replace((point.x_nm, point.z_nm)) {
             // Per tick far below 2⁵³ nm, so nothing is lost in the conversion.
             self.path_nm += ((point.x_nm - x) as f64).hypot((point.z_nm - z) as f64);
@@ -87,6 +93,20 @@ impl Summary {
         self.taps.push(point.tap);
         self.hash.push(point);
         self.peaks.push(point)
+    }
+
+    /// Counts a move. The passes of a program that repeats itself each number their moves from the front.
+    fn count(&mut self, step: u64) {
+        let (last, stood) = self.step;
+        if step == 0 {
+            self.step.1 = true;
+            return;
+        }
+        if step < last || (stood && step == last) {
+            self.before += last;
+        }
+        self.step = (step, false);
+        self.moves = self.before + step;
     }
 
     /// The lines in which the true error is above `tolerance`, and the largest of all.

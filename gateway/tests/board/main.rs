@@ -5,6 +5,7 @@ mod long;
 mod long_program;
 mod nmt;
 mod params;
+mod passes;
 mod server;
 mod terminal;
 mod turns;

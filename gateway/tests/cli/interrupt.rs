@@ -182,3 +182,46 @@ fn what_comes_out_of_a_pipe_is_run_as_it_was_checked() {
         stderr(&output)
     );
 }
+
+#[test]
+fn a_program_that_repeats_itself_ends_by_a_signal_and_keeps_the_passes_it_has_made() {
+    let folder = Folder::new("interrupt-passes");
+    let program = folder.file("p.nc");
+    let text = "O1\n#500=#500+1\nG0 X50 Z5\n#501=#500\nG0 X40\nM99\n";
+    std::fs::write(&program, text).unwrap();
+    let mut child = listening(&["run", &program, "--json"], Stdio::null());
+    std::thread::sleep(Duration::from_millis(300));
+    kill(Pid::from_raw(child.id() as i32), Signal::SIGINT).unwrap();
+    let (mut out, mut told) = (String::new(), String::new());
+    child
+        .stdout
+        .take()
+        .unwrap()
+        .read_to_string(&mut out)
+        .unwrap();
+    child
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut told)
+        .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{out}{told}");
+    let result: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(result["warnings"][0]["no"], 4996, "{out}");
+    let kept = std::fs::read_to_string(folder.file("leadscrew.variables")).unwrap();
+    let count = |name: &str| {
+        let value = kept
+            .lines()
+            .find_map(|line| line.strip_prefix(name))
+            .unwrap();
+        value.parse::<f64>().unwrap()
+    };
+    // Whole passes: what the gateway has read ahead of the machine is not kept.
+    let passes = count("#500 = ");
+    assert!(passes > 1.0 && passes == count("#501 = "), "{kept}");
+    let moves = result["moves"].as_f64().unwrap();
+    assert!(
+        (2.0 * passes..=2.0 * passes + 2.0).contains(&moves),
+        "{moves} {passes}"
+    );
+}

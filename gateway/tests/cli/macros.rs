@@ -187,5 +187,84 @@ fn the_main_program_is_read_once_with_a_note() {
         (&warnings[0]["no"], &warnings[0]["line"]),
         (&4992.into(), &4.into())
     );
-    assert_eq!(code(&leadscrew(&["run", &program])), 0);
+}
+
+/// Starts of the moves of a run, from its trace.
+fn steps(result: &str) -> u64 {
+    let result: Value = serde_json::from_str(result).unwrap();
+    result["moves"].as_u64().unwrap()
+}
+
+#[test]
+fn a_run_repeats_the_main_program_as_often_as_it_is_told_to() {
+    let folder = Folder::new("passes");
+    let program = folder.file("p.nc");
+    let text = "O1\n#500=#500+1\nG0 X50 Z5\nG1 X[40-#500] F100 G98 M3 S500\nM99\n";
+    std::fs::write(&program, text).unwrap();
+    let kept = || std::fs::read_to_string(folder.file("leadscrew.variables")).unwrap();
+    for (passes, count) in [("1", 1), ("3", 4)] {
+        let output = leadscrew(&["run", &program, "--passes", passes, "--json"]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        assert_eq!(stderr(&output), "");
+        assert!(
+            kept().ends_with(&format!("#500 = {count}.0\n")),
+            "{}",
+            kept()
+        );
+    }
+    // The moves of the passes are those of a program that has them one after another.
+    let once = |passes: &str, text: &str, name: &str| {
+        let program = folder.file(name);
+        std::fs::write(&program, text).unwrap();
+        let own = folder.file(&format!("{name}.variables"));
+        let output = leadscrew(&[
+            "run",
+            &program,
+            "--passes",
+            passes,
+            "--json",
+            "--variables",
+            &own,
+        ]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        steps(&stdout(&output))
+    };
+    let body = text.trim_start_matches("O1\n").trim_end_matches("M99\n");
+    assert_eq!(
+        once("3", text, "again.nc"),
+        once("1", &format!("{body}{body}{body}M99\n"), "thrice.nc")
+    );
+    // A way back to a block is a pass, too, and M30 ends it whatever is left.
+    let ends = "O1\nN5 #500=#500+1\nG0 X[50+#500]\nIF[#500GE4]GOTO 9\nM99 P5\nN9 M30\n";
+    assert_eq!(once("9", ends, "ends.nc"), 4 + 1);
+    let output = leadscrew(&["run", &program, "--passes", "0"]);
+    assert_eq!(code(&output), 2);
+}
+
+#[test]
+fn the_commands_that_only_look_stop_at_the_second_pass_and_say_so() {
+    let folder = Folder::new("second");
+    let program = folder.file("p.nc");
+    for (text, line, moves) in [
+        ("O1\nG0 X50 Z5\nG0 X40\nM99\n", 4, 2),
+        ("O1\nG0 X50 Z5\nN5 G0 X40\nM99 P5\n", 4, 2),
+        ("O1\nG0 X50 Z5\nM99 P7\nG0 X30\nN7 G0 X40\nM99\n", 6, 2),
+    ] {
+        std::fs::write(&program, text).unwrap();
+        let place = format!("{program}:{line}:1\n");
+        for command in ["check", "expand", "simulate"] {
+            let output = leadscrew(&[command, &program]);
+            assert_eq!(code(&output), 0, "{command}: {}", stderr(&output));
+            let told = stderr(&output);
+            assert!(
+                told.contains(
+                    "warning[4992]: M99 begins the main program again: it is read once here\n"
+                ),
+                "{command}: {told}"
+            );
+            assert!(told.contains(&place), "{command}: {told}");
+        }
+        let output = leadscrew(&["simulate", &program, "--json"]);
+        assert_eq!(steps(&stdout(&output)), moves);
+    }
 }

@@ -116,3 +116,4 @@ mod subprograms;
 mod taps;
 mod texts;
 mod usage;
+mod variables;

@@ -60,14 +60,21 @@ impl<S: Source> Flow<S> {
         let here = self.at;
         if let Some((number, span)) = to {
             self.jump(i64::from(number), span)?;
-            if !self.at.is_before(here) || self.rules.repeat {
+            // A jump ahead goes on in the same pass.
+            if !self.at.is_before(here) {
                 return Ok(());
             }
-        } else if self.rules.repeat {
+        }
+        if self.pass < self.rules.passes {
             self.mind_budget(word.span)?;
-            let main = self.top_mut();
-            main.loops.clear();
-            self.at = main.entry;
+            self.pass += 1;
+            // What one pass may do, the next one may, too.
+            self.turns = 0;
+            if to.is_none() {
+                let main = self.top_mut();
+                main.loops.clear();
+                self.at = main.entry;
+            }
             return Ok(());
         }
         machine.note(word.alarm(Code::MainRepeats));

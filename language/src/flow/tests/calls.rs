@@ -58,7 +58,7 @@ fn the_main_program_is_read_once_or_again() {
         (1, vec![4992], None)
     );
     let again = Rules {
-        repeat: true,
+        passes: u32::MAX,
         ..Rules::default()
     };
     let text = "%\nO1\n#1=#1+1\nX#1\nIF[#1GE3]GOTO9\nM99\nN9M30\n%";
@@ -68,6 +68,29 @@ fn the_main_program_is_read_once_or_again() {
         machine.heard,
         ["1:%", "2:O1", "4:X1", "4:X2", "4:X3", "7:N9M30"]
     );
+    // A number of passes; a way back to a block is one more, and loops of one pass do not count in the next.
+    let twice = Rules {
+        passes: 2,
+        turns: 3,
+        ..Rules::default()
+    };
+    for (text, heard) in [
+        ("X1\nM99", "X1 X1"),
+        ("X1\nN5 X2\nM99 P5", "X1 N5 X2 N5 X2"),
+        ("X1\nM99 P5\nX2\nN5 X3\nM99", "X1 N5 X3 X1 N5 X3"),
+        (
+            "#1=0\nWHILE[#1LT3]DO1\n#1=#1+1\nX1\nEND1\nM99",
+            "X1 X1 X1 X1 X1 X1",
+        ),
+    ] {
+        let (machine, alarm) = run_with(text, twice);
+        let blocks = machine
+            .heard
+            .iter()
+            .map(|block| block.split_once(':').unwrap().1);
+        assert_eq!(blocks.collect::<Vec<_>>().join(" "), heard, "{text}");
+        assert_eq!((machine.notes, alarm), (vec![4992], None), "{text}");
+    }
 }
 
 #[test]

@@ -12,7 +12,8 @@ use leadscrew_core::units::Rpm;
 pub use self::tell::no_figures;
 use self::work::Ran;
 use super::Machine;
-use crate::cli::{Drive, Global};
+use crate::cli::{Drive, Global, Run};
+use crate::commands::run::passes;
 use crate::diagnostics;
 use crate::execution::tell_report;
 use crate::failure::{Doing, Failure, Outcome};
@@ -20,7 +21,6 @@ use crate::interrupt::{self, UnderWay};
 use crate::origin::Origin;
 use crate::setup::{Answer, Setup, alone_in};
 use crate::source::SourceFile;
-use crate::values::Tolerance;
 use crate::words::both;
 
 /// Refuses an option that only a simulated machine can do.
@@ -42,13 +42,8 @@ fn refuse(global: &Global, drive: &Drive) -> Outcome {
 }
 
 /// Runs a program on a board.
-pub fn run(
-    global: &Global,
-    source: &SourceFile,
-    drive: &Drive,
-    tolerance: Option<Tolerance>,
-) -> Outcome {
-    refuse(global, drive)?;
+pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
+    refuse(global, &args.drive)?;
     // A mistyped name needs no board.
     source
         .open()
@@ -67,6 +62,7 @@ pub fn run(
     let mut link = machine.link;
     let status = link.status()?;
     work::ready(&status, &link, global)?;
+    setup.passes = Some(passes(args));
     setup.position = Some(status.position);
     setup.turning = status.command != Rpm::STOPPED;
     setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
@@ -94,7 +90,10 @@ pub fn run(
         tell::lost(&setup, &ran, &lost)?;
         return Err(lost);
     }
-    let verdict = tell::verdict(&ran, tolerance);
+    if let Some(values) = &ran.variables {
+        setup.variables.save(values, setup.lang)?;
+    }
+    let verdict = tell::verdict(&ran, args.tolerance);
     if global.json {
         tell::result(&setup, &report, &ran, &origin, verdict.is_ok())?;
     } else {

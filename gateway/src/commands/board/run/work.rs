@@ -11,6 +11,8 @@ use leadscrew_core::call::Position;
 use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
 
 use super::super::state_words;
+use leadscrew_language::variables::Kept;
+
 use crate::cli::Global;
 use crate::diagnostics::{self, Diagnostic, alarm_words};
 use crate::failure::{Failure, Outcome};
@@ -53,6 +55,8 @@ pub struct Ran {
     /// The drives have been enabled again.
     ready: bool,
     pub interrupted: bool,
+    /// The variables that the program has left, or its last pass that came to its end.
+    pub variables: Option<Kept>,
 }
 
 /// Runs a program on a board that was checked for it with this `status`. Returns the result also where the board was lost.
@@ -75,6 +79,7 @@ pub fn carry_out(
         pace: Pace::new(),
         last_event: status.newest_event,
         late: status.late,
+        before: 0,
         checked: status,
         held: false,
         bar,
@@ -125,6 +130,8 @@ struct Runner<'a> {
     last_event: u32,
     /// Late setpoints before the run.
     late: u32,
+    /// Moves of the passes before this one.
+    before: u64,
     bar: ProgressBar,
     /// The hold has been reported.
     held: bool,
@@ -269,6 +276,17 @@ impl Runner<'_> {
             self.pace.read(new, line, locked);
         }
         if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
+            if self.ran.finished && !self.ran.reset && self.ran.alarms.is_empty() {
+                self.ran.variables = Some(feeder.variables().clone());
+                if feeder.next_pass() {
+                    // Each pass is a program of its own for the board.
+                    (*feed, *started) = (Feed::new(program_number()), false);
+                    self.ran.finished = false;
+                    // The number that was seen last is one of the pass before.
+                    (self.before, self.link.seen.place) = (self.ran.moves, None);
+                    return Ok(false);
+                }
+            }
             return self.conclude(feed);
         }
         Ok(false)
@@ -412,7 +430,7 @@ impl Runner<'_> {
     fn look(&mut self) {
         let seen = &self.link.seen;
         if let Some(place) = seen.place {
-            self.ran.moves = self.ran.moves.max(u64::from(place.number));
+            self.ran.moves = self.ran.moves.max(self.before + u64::from(place.number));
             if place.line > 0 {
                 self.ran.line = place.line;
             }
@@ -449,7 +467,7 @@ impl Runner<'_> {
     fn note(&mut self, entry: &Logged, feeder: &Feeder) {
         match entry.event {
             Event::Started { number, line } => {
-                self.ran.moves = self.ran.moves.max(u64::from(number));
+                self.ran.moves = self.ran.moves.max(self.before + u64::from(number));
                 self.ran.line = line;
             }
             Event::Alarm(alarm) => {
