@@ -51,7 +51,7 @@ pub fn language(data: &[u8]) {
     };
     let rules = Rules {
         control,
-        repeat: choice & 8 != 0,
+        passes: if choice & 8 == 0 { 1 } else { u32::MAX },
         budget: BUDGET,
         turns: STEPS / 2,
         ..Rules::default()
