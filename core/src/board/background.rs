@@ -46,6 +46,8 @@ pub struct Background {
     begun: bool,
     /// Of the reports that the device has not seen: SYNC periods, and the last error.
     elapsed: u32,
+    /// All SYNC periods so far; it wraps.
+    now: u32,
     measured: Option<Measured>,
     orders: Orders,
     /// The set in force is not on its way to the tick yet: an earlier one is.
@@ -95,6 +97,7 @@ impl Background {
             snapshot,
             begun: false,
             elapsed: 0,
+            now: 0,
             measured: None,
             orders: Orders::default(),
             setup_waits: false,
@@ -244,6 +247,7 @@ impl<'a> BackgroundSide<'a> {
             state.snapshot = report.snapshot;
             state.begun = report.begun;
             state.elapsed = state.elapsed.saturating_add(report.elapsed);
+            state.now = state.now.wrapping_add(report.elapsed);
             state.measured = report.measured;
             state.has_begun_anew |= state.orders.hear(report.orders);
             state.device.set_late(report.late);
@@ -374,6 +378,7 @@ impl<'a> BackgroundSide<'a> {
             begun: state.begun,
             signals: operator.signals,
             tap: state.journal.newest.as_ref(),
+            now: state.now,
         };
         let (_, mut calls) = state.calls.split();
         let (worked, warning) = state

@@ -6,6 +6,7 @@
 //! Knows nothing of ticks, drives or frames.
 
 mod hole;
+mod joined;
 mod open;
 mod pass;
 mod route;
@@ -13,6 +14,7 @@ mod route;
 use heapless::Vec;
 
 use self::hole::{ends_hole, is_tap};
+use self::joined::Joined;
 use self::open::before;
 use self::route::plan_route;
 use super::guard::Guard;
@@ -43,6 +45,8 @@ pub struct Settings<'a> {
     pub signals: Signals,
     /// The newest entry of the tap journal.
     pub tap: Option<&'a TapRecord>,
+    /// The time, in ticks; it wraps.
+    pub now: u32,
 }
 
 /// The first stroke of a tap whose strokes are being collected.
@@ -87,6 +91,8 @@ pub struct Planner {
     planned: Vec<Segment, 4>,
     complete: bool,
     failed: bool,
+    /// Cuts that wait to be joined, and how they leave.
+    joined: Joined,
     guard: Guard,
     /// For the tap journal: S of the call under expansion, and other values of the program.
     infeed: CentiRpm,
@@ -124,6 +130,7 @@ impl Planner {
             planned: Vec::new(),
             complete: false,
             failed: false,
+            joined: Joined::new(),
             guard: Guard::open(),
             infeed: CentiRpm::new(0),
             notes: TapNotes::METRIC,
@@ -131,11 +138,49 @@ impl Planner {
     }
 
     /// Drops everything. The machine stands at `position`, and segments planned from now on carry `epoch`.
+    // Field by field: a whole new planner would be copied through the stack.
     pub fn begin_anew(&mut self, position: Position, epoch: Epoch) {
-        // Segments planned from now on are new, so the number goes on.
-        let number = self.cut.number;
-        *self = Self::starting(position, epoch);
-        self.cut.number = number;
+        let Self {
+            moves,
+            epoch: own_epoch,
+            // Segments planned from now on are new, so its number goes on.
+            cut,
+            percent,
+            hole_signals,
+            ending,
+            position: own_position,
+            home,
+            number,
+            pass,
+            pass_start,
+            pass_number,
+            plan,
+            tap,
+            float_number,
+            hole_ends,
+            planned,
+            complete,
+            failed,
+            joined,
+            guard,
+            infeed,
+            notes,
+        } = self;
+        (*moves, *plan, *tap, *float_number, *ending) = (None, None, None, None, None);
+        *own_epoch = epoch;
+        *cut = Cut {
+            number: cut.number,
+            ..Cut::NONE
+        };
+        (*percent, *number, *pass_number) = (100, 0, 0);
+        *hole_signals = Signals::POWER_UP;
+        (*own_position, *home, *pass_start) = (position, position, position);
+        pass.clear();
+        planned.clear();
+        (*hole_ends, *complete, *failed) = (false, false, false);
+        joined.begin_anew();
+        *guard = Guard::open();
+        (*infeed, *notes) = (CentiRpm::new(0), TapNotes::METRIC);
     }
 
     /// Obeys the tick's message: drops everything, including calls that wait, or plans a way that is not in the program.
@@ -168,7 +213,10 @@ impl Planner {
     /// True while a call is not fully planned and queued.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.moves.is_some() || !self.planned.is_empty() || self.ending.is_some()
+        self.moves.is_some()
+            || !self.planned.is_empty()
+            || self.ending.is_some()
+            || !self.joined.is_empty()
     }
 
     /// Does one piece of work. False where no work can be done now. Returns a warning of the call that was just opened.
@@ -179,7 +227,14 @@ impl Planner {
         settings: &Settings<'_>,
     ) -> (bool, Option<Alarm>) {
         if self.complete {
+            // What has waited longer goes first.
+            if !self.joined.is_empty() {
+                return (self.joined.close(segments, settings), None);
+            }
             return (self.hand_over(segments), None);
+        }
+        if self.joined.must_leave() {
+            return (self.joined.leave(segments, settings), None);
         }
         if self.failed {
             return (false, None);
@@ -194,23 +249,19 @@ impl Planner {
             self.number = 0;
             return (true, None);
         }
-        if calls
-            .peek()
-            .is_some_and(|call| segments.filled() > before(call, settings))
-        {
+        let Some(call) = calls.peek() else {
+            return (self.joined.wait(segments, settings), None);
+        };
+        if !self.joined.is_empty() && !joined::goes_on(call) {
+            return (self.joined.close(segments, settings), None);
+        }
+        if segments.filled() > before(call, settings) {
             return (false, None);
         }
         // The start of a return is known once all earlier segments are done.
-        if calls
-            .peek()
-            .is_some_and(|call| matches!(call.kind, CallKind::TapReturn(_)))
-            && segments.filled() > 0
-        {
+        if matches!(call.kind, CallKind::TapReturn(_)) && segments.filled() > 0 {
             return (false, None);
         }
-        let Some(call) = calls.peek() else {
-            return (false, None);
-        };
         let mut warning = None;
         let opened = self.open(call, settings, &mut warning);
         drop_oldest(calls);
@@ -266,6 +317,7 @@ impl Planner {
         if segments.room() < self.planned.len() || (needs_plan && !segments.takes_plan()) {
             return false;
         }
+        self.joined.interrupt();
         // The queue has room, so the answer is always yes.
         if needs_plan && let Some(plan) = &self.plan {
             self.failed |= !segments.put_plan(plan);
@@ -287,16 +339,20 @@ impl Planner {
         self.complete = true;
     }
 
-    #[inline(never)]
-    fn put(&mut self, number: u32, span: Span, stops: Stops, action: Action) {
-        let segment = Segment {
+    const fn segment(&self, number: u32, span: Span, stops: Stops, action: Action) -> Segment {
+        Segment {
             number,
             span,
             epoch: self.epoch,
             cut: self.cut,
             stops,
             action,
-        };
+        }
+    }
+
+    #[inline(never)]
+    fn put(&mut self, number: u32, span: Span, stops: Stops, action: Action) {
+        let segment = self.segment(number, span, stops, action);
         // Four places: a pass, its completion, its retract and one to spare.
         if self.planned.push(segment).is_err() {
             self.failed = true;
@@ -364,7 +420,13 @@ impl Planner {
     ) -> Result<(), Alarm> {
         let timed = plan::timed(self.position, next, settings.limits)?;
         self.position = next.to;
-        if let Some(timed) = timed {
+        let Some(timed) = timed else {
+            return Ok(());
+        };
+        if next.tag.is_none() && self.joined.takes(&timed, settings) {
+            let segment = self.segment(self.number, next.span, stops, Action::Timed(timed));
+            self.failed |= !self.joined.push(&segment, settings);
+        } else {
             self.queue(next.span, stops, Action::Timed(timed));
         }
         Ok(())

@@ -4,17 +4,23 @@
 //! the queue have one. So there are two queues in the same order: one of segments and one of [plans](Plan) [D139]. A plan
 //! is put in before its segment and removed together with it: if the oldest segment is [`Action::Planned`], the oldest plan
 //! belongs to it.
+//!
+//! The way of joined cuts is a third queue, of [stretches](Stretch). The tick takes them ahead of the tool, so a stretch
+//! leaves its queue before its segment leaves its own. A segment is put in before its stretches.
 
 use heapless::spsc::{Consumer, Producer, Queue};
 
 use crate::call::Call;
 use crate::link::Event;
-use crate::motion::{Action, Plan, Segment, Task};
+use crate::motion::{Action, Plan, STRETCHES_OF_A_CUT, Segment, Stretch, Task};
 
 /// Calls in the queue of a board. One place of a ring stays empty.
 pub const CALLS: usize = 4;
-/// Segments: those planned ahead, the one under way, and the place that stays empty.
-pub const SEGMENTS: usize = 9;
+/// Segments: those planned ahead, the one under way, and the place that stays empty. Where many short cuts are joined, all
+/// those between the profile's input and the tool are here.
+pub const SEGMENTS: usize = 32;
+/// Stretches of joined cuts. Most cuts have one to three.
+pub const STRETCHES: usize = 64;
 /// Plans: the one under way, the next, and the place that stays empty. A stroke begins only when the segment after it is in
 /// the queue. For strokes of a thread without a move between them, this is the next stroke.
 pub const PLANS: usize = 3;
@@ -47,18 +53,21 @@ pub type EventIn<'a> = Producer<'a, Event>;
 pub struct Segments {
     segments: Queue<Segment, SEGMENTS>,
     plans: Queue<Plan, PLANS>,
+    stretches: Queue<Stretch, STRETCHES>,
 }
 
 /// The background's end of the segments.
 pub struct SegmentIn<'a> {
     segments: Producer<'a, Segment>,
     plans: Producer<'a, Plan>,
+    stretches: Producer<'a, Stretch>,
 }
 
 /// The tick's end of the segments.
 pub struct SegmentOut<'a> {
     segments: Consumer<'a, Segment>,
     plans: Consumer<'a, Plan>,
+    stretches: Consumer<'a, Stretch>,
 }
 
 impl Segments {
@@ -68,6 +77,7 @@ impl Segments {
         Self {
             segments: Queue::new(),
             plans: Queue::new(),
+            stretches: Queue::new(),
         }
     }
 
@@ -75,14 +85,17 @@ impl Segments {
     pub fn split(&mut self) -> (SegmentIn<'_>, SegmentOut<'_>) {
         let (segments_in, segments_out) = self.segments.split();
         let (plans_in, plans_out) = self.plans.split();
+        let (stretches_in, stretches_out) = self.stretches.split();
         (
             SegmentIn {
                 segments: segments_in,
                 plans: plans_in,
+                stretches: stretches_in,
             },
             SegmentOut {
                 segments: segments_out,
                 plans: plans_out,
+                stretches: stretches_out,
             },
         )
     }
@@ -118,6 +131,18 @@ impl SegmentIn<'_> {
     #[must_use]
     pub fn takes_plan(&self) -> bool {
         room(&self.plans) > 0
+    }
+
+    /// True where there is room for the stretches of a cut.
+    #[must_use]
+    pub fn takes_cut(&self) -> bool {
+        room(&self.stretches) >= STRETCHES_OF_A_CUT
+    }
+
+    /// Appends a stretch. It belongs to the last segment. False where there is no room.
+    #[must_use]
+    pub fn put_stretch(&mut self, stretch: &Stretch) -> bool {
+        put(&mut self.stretches, *stretch).is_ok()
     }
 
     /// Number of segments.
@@ -159,14 +184,26 @@ impl SegmentOut<'_> {
         }
     }
 
+    /// The oldest stretch.
+    #[must_use]
+    pub fn stretch(&self) -> Option<&Stretch> {
+        self.stretches.peek()
+    }
+
+    /// Removes the oldest stretch.
+    pub fn drop_stretch(&mut self) {
+        drop_oldest(&mut self.stretches);
+    }
+
     /// The oldest segment without its plan.
     #[must_use]
     pub fn head(&self) -> Option<&Segment> {
         self.segments.peek()
     }
 
-    /// Removes all segments and all plans. Nobody may append meanwhile.
+    /// Removes all segments, plans and stretches. Nobody may append meanwhile.
     pub fn clear(&mut self) {
+        while take(&mut self.stretches).is_some() {}
         while take(&mut self.segments).is_some() {}
         while take(&mut self.plans).is_some() {}
     }

@@ -35,7 +35,7 @@ mod withheld;
 use heapless::Vec;
 
 use self::away::Away;
-use self::course::Course;
+use self::course::{Course, Source};
 use self::journal::Journal;
 use self::setup::Given;
 pub use self::setup::Setup;
@@ -55,9 +55,10 @@ use crate::bus::Setpoints;
 use crate::call::Position;
 use crate::journal::TapRecord;
 use crate::link::Event;
-use crate::motion::{Conditions, Epoch, Executor, Setpoint};
+use crate::motion::{Conditions, Epoch, Executor, Setpoint, Task};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
+use crate::units::Length;
 
 /// A message of the tick to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -204,7 +205,7 @@ impl Ticker {
         self.observe(sample, ends);
         self.watch_drives(ends);
         self.obey(ends);
-        self.course.drop_stale(ends);
+        self.course.drop_stale(self.executor.is_free(), ends);
         self.away.drop_stale(ends);
         let instant = self.take_up(ends);
 
@@ -240,6 +241,7 @@ impl Ticker {
     }
 
     fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_>) {
+        let is_joined = self.executor.is_joined();
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.given.ahead_x,
@@ -251,10 +253,43 @@ impl Ticker {
             more: self.executor.is_waiting()
                 && self.course.is_in_program_segment()
                 && ends.segments.has_second(),
+            single: self.operator.single_block,
+            stretch: if is_joined {
+                self.course.stretch(ends)
+            } else {
+                None
+            },
         };
         let current = self.course.current(ends);
         if let Err(alarm) = self.executor.tick(&conditions, current, setpoint) {
             self.raise(&alarm, ends);
+        }
+        if is_joined {
+            if self.executor.has_taken() {
+                ends.segments.drop_stretch();
+            }
+            if self.executor.has_crossed() {
+                self.cross(setpoint, ends);
+            }
+        }
+    }
+
+    /// The tool has passed the end of a joined cut: the next one is under way.
+    #[inline(never)]
+    fn cross(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_>) {
+        let over = self.course.current(ends).and_then(Task::timed);
+        let length = over.map_or(Length::ZERO, |timed| timed.length);
+        let is_whole = !matches!(self.state, State::Stopping(_));
+        self.course.release(false, is_whole, ends);
+        self.course.take_from(Source::Program);
+        let next = self.course.current(ends);
+        self.executor.cross(length, next, setpoint);
+        if next.is_some() {
+            let started = Event::Started {
+                number: setpoint.number,
+                line: setpoint.line,
+            };
+            emit(&mut ends.events, started);
         }
     }
 

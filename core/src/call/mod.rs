@@ -88,6 +88,9 @@ pub enum CallKind {
     /// The text is over without M30 or M02: no move, and no call follows. The program that feeds the board makes this
     /// call, not the interpreter: only the reader of the text knows that nothing more comes.
     Over,
+    /// How cuts go on from now on, until the program ends. True (G61): each ends in a stop. False (G64, at power-on too):
+    /// cuts that follow one another are joined, and pass their corners without a stop.
+    ExactStop(bool),
 }
 
 /// Cutting speed on the path.

@@ -43,9 +43,11 @@ fn single(next: &mut Move, call: &Call, context: &Context<'_>) -> Result<bool, A
     let at = next.to;
     next.kind = match &call.kind {
         CallKind::Rapid(to) | CallKind::Line(to, _) if *to == at => return Ok(false),
-        CallKind::Over | CallKind::Thread(_) | CallKind::Groove(_) | CallKind::Tap(_) => {
-            return Ok(false);
-        }
+        CallKind::Over
+        | CallKind::ExactStop(_)
+        | CallKind::Thread(_)
+        | CallKind::Groove(_)
+        | CallKind::Tap(_) => return Ok(false),
         CallKind::TapReturn(out) => return way_out(next, out, context),
         CallKind::Rapid(to) => {
             next.to = *to;
@@ -110,7 +112,8 @@ impl Moves {
             | CallKind::Aux(_)
             | CallKind::TapReturn(_)
             | CallKind::End(_)
-            | CallKind::Over => {
+            | CallKind::Over
+            | CallKind::ExactStop(_) => {
                 let mut next = Move {
                     span,
                     to: context.at,

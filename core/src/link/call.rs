@@ -139,6 +139,7 @@ choices! {
         9 => TapReturn(_),
         10 => End(_),
         11 => Over,
+        12 => ExactStop(_),
         else Self::Over
     }
     FeedRate {

@@ -1,6 +1,7 @@
 //! Circular paths in X–Z, driven by one distance: the direction from the centre turns, and the radius may change a
 //! little.
 
+use super::path::Heading;
 use super::rate::Travel;
 use crate::call::Position;
 use crate::units::{Direction, Length, mul_div, mul_high, narrow_div, plane};
@@ -161,6 +162,23 @@ impl Arc {
             radius,
             stretch: stretch.max(1 << 32),
         }
+    }
+
+    /// The directions at its beginning and its end.
+    pub(super) fn headings(&self) -> [Heading; 2] {
+        let length = (self.length.nm() as u64).max(1);
+        // The growth of the radius, over the length.
+        let doubt = mul_div(self.growth.unsigned_abs(), 1 << 10, length);
+        [self.from, self.to].map(|place| {
+            let x = place.x.nm().wrapping_sub(self.centre_x);
+            let z = place.z.nm().wrapping_sub(self.centre_z);
+            // At a right angle to the radius, on the side to which the arc turns.
+            if self.sweep < 0 {
+                Heading::of(z.wrapping_neg(), x, doubt)
+            } else {
+                Heading::of(z, x.wrapping_neg(), doubt)
+            }
+        })
     }
 
     /// The position at `travel`, rounded to the nearest nm. From the length on this is the end.

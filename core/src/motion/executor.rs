@@ -7,8 +7,10 @@
 //! the same segment in every tick; the executor itself keeps only the state that changes [D104].
 
 mod float;
+mod joined;
 mod pass;
 
+use super::flow::Stretch;
 use super::plan::{Scaling, Timed};
 use super::rate::Rate;
 use super::run::Run;
@@ -39,6 +41,21 @@ pub struct Conditions<'a> {
     /// True when the segment after the stroke (its retract) is in the queue, so that the stroke may begin. Only matters
     /// while a pass [waits](Executor::is_waiting).
     pub more: bool,
+    /// Single block is on.
+    pub single: bool,
+    /// The next stretch of joined cuts. Once it [was taken](Executor::has_taken), the caller removes it from its queue.
+    pub stretch: Option<&'a Stretch>,
+}
+
+impl Conditions<'_> {
+    /// What operator and spindle multiply a programmed rate by.
+    fn rate(&self, scaling: Scaling) -> Rate {
+        match scaling {
+            Scaling::Rapid => self.rapid,
+            Scaling::Feed => self.feed,
+            Scaling::Turns(commanded) => self.feed.times(turning(self.observer.speed(), commanded)),
+        }
+    }
 }
 
 /// The condition of the spindle for a stroke, and the longest wait for it.
@@ -130,6 +147,8 @@ pub enum Law {
 enum Active {
     Free,
     Timed,
+    /// Cuts that are joined.
+    Joined,
     /// A pass waits for the spindle before it begins.
     Waiting(Waited),
     Thread(ThreadRun),
@@ -160,6 +179,10 @@ pub struct Executor {
     settled: u8,
     /// True when a stroke of a tap has ended in this tick.
     turned: bool,
+    /// True when the next stretch was taken in this tick.
+    taken: bool,
+    /// True when the tool has passed the end of a joined cut in this tick.
+    crossed: bool,
     run: Run,
 }
 
@@ -196,6 +219,8 @@ impl Executor {
             astray: 0,
             settled: 0,
             turned: false,
+            taken: false,
+            crossed: false,
         }
     }
 
@@ -215,6 +240,8 @@ impl Executor {
             astray,
             settled,
             turned,
+            taken,
+            crossed,
         } = self;
         run.begin_anew();
         *active = Active::Free;
@@ -224,6 +251,7 @@ impl Executor {
         (*number, *span, *stops) = (0, Self::NOWHERE, Stops::NONE);
         *expected = arrival;
         (*aborting, *astray, *settled, *turned) = (false, 0, 0, false);
+        (*taken, *crossed) = (false, false);
     }
 
     /// Sets the position at which the machine stands. Has an effect only while nothing is under way.
@@ -264,6 +292,12 @@ impl Executor {
     #[must_use]
     pub const fn is_waiting(&self) -> bool {
         matches!(self.active, Active::Waiting(_))
+    }
+
+    /// True while joined cuts are under way.
+    #[must_use]
+    pub const fn is_joined(&self) -> bool {
+        matches!(self.active, Active::Joined)
     }
 
     /// True while a rigid tap is under way.
@@ -316,7 +350,12 @@ impl Executor {
         self.stops = segment.stops;
         self.aborting = false;
         match (&segment.action, task.plan) {
-            (Action::Timed(timed), _) if self.run.begin(timed) => self.active = Active::Timed,
+            (Action::Timed(timed), _) if self.run.begin(timed) => {
+                self.active = match timed.rounding {
+                    None => Active::Timed,
+                    Some(_) => Active::Joined,
+                };
+            }
             (Action::Planned, Some(Plan::Thread(_))) => {
                 (self.settled, self.astray) = (0, 0);
                 self.active = Active::Waiting(Waited::default());
@@ -350,7 +389,7 @@ impl Executor {
         self.aborting = true;
         match (&mut self.active, current.and_then(Task::pass)) {
             (Active::Free, _) => {}
-            (Active::Timed, _) => self.run.abandon(),
+            (Active::Timed | Active::Joined, _) => self.run.abandon(),
             (Active::Thread(run), Some(pass)) => run.stop(&pass.plan),
             (Active::Tap(tap), _) => {
                 if tap.stop(&mut self.run) {
@@ -421,6 +460,10 @@ impl Executor {
                 self.move_on(now, timed, setpoint);
                 Ok(())
             }
+            (Active::Joined, Action::Timed(timed), _) => {
+                self.flow_on(now, timed, setpoint);
+                Ok(())
+            }
             (Active::Tap(_), _, Some(Plan::Tap(tap))) => {
                 self.tap_on(now, tap, setpoint);
                 Ok(())
@@ -489,15 +532,9 @@ impl Executor {
         let rate = if hold {
             Rate::HOLD
         } else {
-            match timed.scaling {
-                Scaling::Rapid => now.rapid,
-                Scaling::Feed => now.feed,
-                Scaling::Turns(commanded) => {
-                    now.feed.times(turning(now.observer.speed(), commanded))
-                }
-            }
+            now.rate(timed.scaling)
         };
-        let step = self.run.tick(rate, timed, None);
+        let step = self.run.tick(rate, timed);
         self.position = step.position;
         if step.done {
             self.active = Active::Free;

@@ -6,9 +6,11 @@ use super::arc::Bend;
 use super::ease::Bounds;
 use super::line::Line;
 use super::rate::PathRate;
+use super::rounding::{MEAN_MAX, Mean};
 use crate::params::Params;
 use crate::units::{
-    Acceleration, Axis, Feed, Jerk, div_wide, mul_div, mul_wide, narrow_div, product, root_wide,
+    Acceleration, Axis, Feed, Jerk, Length, div_wide, mul_div, mul_wide, narrow_div, product,
+    root_wide,
 };
 
 /// Tells whether a move is a rapid or a cutting move; these have different top speeds.
@@ -49,6 +51,26 @@ pub struct Limits {
     x: AxisLimits,
     z: AxisLimits,
     c: AxisLimits,
+    corner: Option<Corner>,
+}
+
+/// How corners between joined cuts are rounded, on a machine and for its tolerance.
+///
+/// Two means of m ticks spread a step of the velocity, v·Δu, over 2·m ticks in the shape of a triangle. The acceleration is
+/// then at most v·Δu/m, the jerk v·Δu/m², and the tool passes the corner at a distance of m·v·Δu/6. For several turns,
+/// count Θ as all that turns within m ticks: the means make v·Θ/m and v·Θ/m² of it at most. The distance is at most 5/4 of
+/// the one of a single corner: turns in the middle m ticks count in full, those in m/2 ticks before and after by an eighth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Corner {
+    /// m.
+    pub(super) mean: Mean,
+    /// The largest v·Δu, in 1/256 nm per tick.
+    pub(super) turning: u64,
+    /// What joined cuts leave for acceleration along the path, and for its jerk.
+    pub(super) along: PathLimits,
+    /// The fewest ticks of the first mean of the profile: with them, the jerk of an acceleration that is turned in a corner
+    /// is a quarter of the limit at most. (Where no input is above v, the acceleration is at most v/n1.)
+    pub(super) least_ramp: u64,
 }
 
 impl Limits {
@@ -66,12 +88,19 @@ impl Limits {
                 tick_us,
             )
         };
+        let (x, z, c) = (axis(Axis::X), axis(Axis::Z), axis(Axis::C));
         Self {
             tick_us,
-            x: axis(Axis::X),
-            z: axis(Axis::Z),
-            c: axis(Axis::C),
+            x,
+            z,
+            c,
+            corner: Corner::new(&x, &z, params.corner_tolerance()),
         }
+    }
+
+    /// How corners are rounded; `None` where every cut ends in an exact stop.
+    pub(super) const fn corner(&self) -> Option<&Corner> {
+        self.corner.as_ref()
     }
 
     /// The tick in microseconds.
@@ -164,6 +193,43 @@ impl Limits {
             acceleration: along,
             jerk: jerk.saturating_sub(turning).saturating_sub(crossing),
         }
+    }
+}
+
+impl Corner {
+    /// For the weaker of the two axes in everything. A corner has half of the jerk and half of the acceleration.
+    fn new(x: &AxisLimits, z: &AxisLimits, tolerance: Length) -> Option<Self> {
+        let tolerance = u64::try_from(tolerance.nm()).ok().filter(|nm| *nm > 0)?;
+        let acceleration = x.acceleration.min(z.acceleration);
+        let jerk = x.jerk.min(z.jerk);
+        let quarter = jerk / 4;
+        // 2⁻³² nm to 1/256 nm.
+        let turning = |m: u64| {
+            let by_jerk = mul_div(quarter.saturating_mul(2), m.saturating_mul(m), 1 << 24);
+            let by_acceleration = mul_div(acceleration / 2, m, 1 << 24);
+            // Six, over 5/4.
+            let by_tolerance = mul_div(tolerance << 8, 24, m.saturating_mul(5));
+            by_jerk.min(by_acceleration).min(by_tolerance)
+        };
+        let (mut mean, mut most) = (1, 0);
+        for m in 1..=MEAN_MAX {
+            let turning = turning(u64::from(m));
+            if turning > most {
+                (mean, most) = (m, turning);
+            }
+        }
+        // Jerk of a turned acceleration: v/n1 · Δu/m.
+        let across = mul_div(quarter, u64::from(mean), 1 << 24).max(1);
+        (most > 0).then(|| Self {
+            mean: Mean::new(mean),
+            turning: most,
+            along: PathLimits {
+                speed: x.cutting.min(z.cutting),
+                acceleration: acceleration / 2,
+                jerk: quarter,
+            },
+            least_ramp: most.div_ceil(across),
+        })
     }
 }
 

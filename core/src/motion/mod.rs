@@ -9,18 +9,24 @@
 //! into a position. Feed hold, override and abort are rates; they need no new plan. The tick is constant work on
 //! integers, without a division.
 //!
+//! Cuts that follow one another under G64 are joined: [`Lookahead`] plans how fast each corner is passed, the profile goes
+//! on from one path to the next, and two means round the corner.
+//!
 //! This module knows nothing of program text, the insides of cycles, or the bus.
 
 mod arc;
 mod ease;
 mod executor;
+mod flow;
 mod lead;
 mod limits;
 mod line;
+mod lookahead;
 mod path;
 pub mod plan;
 mod profile;
 mod rate;
+mod rounding;
 mod run;
 mod segment;
 mod shape;
@@ -30,12 +36,15 @@ mod wide;
 
 pub use arc::{ARC_TOLERANCE, Arc, ArcError};
 pub use executor::{Arrival, Conditions, Executor, Law, Motion, Setpoint};
+pub use flow::Stretch;
 pub use limits::{Limits, Pace};
 pub use line::Line;
+pub use lookahead::{Due, Lookahead, STRETCHES_OF_A_CUT};
 pub use path::Path;
 pub use plan::{Scaling, Timed};
 pub use profile::{CAPACITY, Profile, Progress, Ramp};
 pub use rate::{PathRate, Rate, Travel};
+pub use rounding::Mean;
 pub use run::{Run, Step};
 pub use segment::{Action, Cut, Epoch, Pass, Plan, Segment, Stops, Task, WaysOut};
 pub use tap::{FloatPlan, FloatPoint, FloatRun, FloatTick, float_ticks};

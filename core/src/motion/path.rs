@@ -4,7 +4,51 @@ use super::arc::Arc;
 use super::line::Line;
 use super::rate::Travel;
 use crate::call::Position;
-use crate::units::Length;
+use crate::units::{Length, mul_div, plane, root};
+
+/// The direction of a path at one of its ends: X and Z of a vector of length 1, in 2⁻³⁰.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Heading {
+    x: i64,
+    z: i64,
+    /// The most by which the true direction differs.
+    doubt: u64,
+}
+
+impl Heading {
+    /// No direction.
+    pub(super) const NONE: Self = Self {
+        x: 0,
+        z: 0,
+        doubt: 0,
+    };
+
+    /// The direction of the vector (`x`, `z`), in nm.
+    pub(super) fn of(x: i64, z: i64, doubt: u64) -> Self {
+        let length = plane::length_up(x.unsigned_abs(), z.unsigned_abs()).max(1);
+        let part = |way: i64| {
+            let part = mul_div(way.unsigned_abs(), 1 << 30, length) as i64;
+            if way < 0 { part.wrapping_neg() } else { part }
+        };
+        Self {
+            x: part(x),
+            z: part(z),
+            // A short vector has a rough length.
+            doubt: doubt.saturating_add(mul_div(2, 1 << 30, length)),
+        }
+    }
+
+    /// The length of the difference between both directions, in 2⁻³⁰, rounded up.
+    pub(super) fn turn_from(&self, before: &Self) -> u64 {
+        let (x, z) = (self.x.abs_diff(before.x), self.z.abs_diff(before.z));
+        // Both are at most 2³¹.
+        let square = x.wrapping_mul(x).wrapping_add(z.wrapping_mul(z));
+        root(square)
+            .saturating_add(2)
+            .saturating_add(self.doubt)
+            .saturating_add(before.doubt)
+    }
+}
 
 /// A path in space, driven by the distance covered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +66,18 @@ impl Path {
         match self {
             Self::Line(line) => line.length(),
             Self::Arc(arc) => arc.length(),
+        }
+    }
+
+    /// The directions of X and Z at its beginning and its end.
+    pub(super) fn headings(&self) -> [Heading; 2] {
+        match self {
+            Self::Line(line) => {
+                let (from, to) = (line.start(), line.end());
+                let heading = Heading::of((to.x - from.x).nm(), (to.z - from.z).nm(), 0);
+                [heading, heading]
+            }
+            Self::Arc(arc) => arc.headings(),
         }
     }
 

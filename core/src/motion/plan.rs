@@ -8,6 +8,7 @@ use super::line::Line;
 use super::path::Path;
 use super::profile::{CAPACITY, Ramp};
 use super::rate::{PathRate, Rate};
+use super::rounding::Mean;
 use super::shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{FeedRate, Position};
@@ -28,9 +29,9 @@ pub struct Timed {
     pub nominal: PathRate,
     /// The ramp: the two means and the largest rate.
     pub ramp: Ramp,
-    /// Rate at which the motion may hand over to the next motion. Zero asks for an exact stop; the planner always asks
-    /// for one.
-    pub exit: PathRate,
+    /// The motion is joined to others: its corners are rounded by these means, its way comes as stretches, and only the
+    /// stretches know where it stops. `None`: it begins and ends in an exact stop.
+    pub rounding: Option<Mean>,
     /// What the tick multiplies the rate by.
     pub scaling: Scaling,
 }
@@ -160,7 +161,7 @@ fn planned(
         length,
         nominal,
         ramp,
-        exit: PathRate::ZERO,
+        rounding: None,
         scaling: Scaling::of(feed),
     })
 }

@@ -47,6 +47,12 @@
 //! The profile cannot get stuck. At level zero the filter drains; at rest M is zero; and from rest every remaining
 //! length has a level. The code keeps M as the maxima of two stretches of N ticks, so M may remember up to 2·N ticks.
 //! This only delays a rise.
+//!
+//! # Without the governor
+//!
+//! A motion that is [begun open](Profile::begin_open) gets its input from outside, any input from 0 to v in any tick. Then
+//! only |K| ≤ 2·v holds: the speed is within v, the acceleration within v/n1, and the jerk within 2·v/(n1·n2). The ramp of
+//! such a motion has to be long enough for that. No length has to be known ahead, so further pieces may come at any time.
 
 use super::rate::{PathRate, Rate, Travel};
 use crate::units::{Divisor, Length};
@@ -214,17 +220,19 @@ impl Profile {
         true
     }
 
-    /// Joins a further piece of `length` to the motion under way, with the same ramp and without a stop: travel goes on
-    /// counting. `nominal` holds from now on, also for the rest of the piece before. Returns false and changes nothing
-    /// if the motion was abandoned or none was begun.
+    /// Starts a motion from rest that gets its input by [`put_in`](Self::put_in). Returns false and changes nothing while
+    /// the last motion is not done.
     #[must_use]
-    pub const fn extend(&mut self, length: Length, nominal: PathRate) -> bool {
-        if self.abandoned {
-            return false;
-        }
-        self.left = self.left.saturating_add(to_units(length));
-        self.nominal = nominal;
-        true
+    pub(super) const fn begin_open(&mut self, ramp: Ramp) -> bool {
+        self.begin(Length::ZERO, PathRate::ZERO, ramp)
+    }
+
+    /// One tick of an open motion with this input, at most the cap. Returns the distance from the start of the motion.
+    pub(super) fn put_in(&mut self, input: PathRate) -> Travel {
+        let older = self.older();
+        let input = input.raw().min(self.ramp.cap.raw());
+        self.store(input);
+        self.advance(input, older)
     }
 
     /// Gives up the rest of the motion. The motion stops as on a feed hold and is then done, wherever it stands. The
@@ -258,13 +266,8 @@ impl Profile {
     /// One tick at `rate`. Constant work, no division.
     pub fn tick(&mut self, rate: Rate) -> Progress {
         let cap = i64::from(self.ramp.cap.raw());
-        let (n1, n2) = (self.ramp.n1, self.ramp.n2);
-        let sum = n1.wrapping_add(n2);
-        // Four numbers below 2³²: no overflow here or below.
-        let c = self
-            .past(n1)
-            .wrapping_add(self.past(n2))
-            .wrapping_sub(self.past(sum));
+        let window = self.ramp.n1.wrapping_add(self.ramp.n2);
+        let c = self.older();
         let lowest = c.wrapping_sub(cap).max(0) as u32;
         let highest = c.wrapping_add(cap).min(cap) as u32;
 
@@ -284,23 +287,40 @@ impl Profile {
             self.level = 0;
         }
         self.left = self.left.wrapping_sub(u64::from(input));
-        self.put(input, sum);
-
-        // |A| ≤ n2·cap < 2⁴³ and 0 ≤ V ≤ n1·n2·cap < 2⁵².
-        self.accel = self.accel.wrapping_add(i64::from(input)).wrapping_sub(c);
-        self.speed = self.speed.wrapping_add(self.accel);
-        let dividend = ((self.speed as u64) << 8).wrapping_add(u64::from(self.remainder));
-        let (step, remainder) = self.ramp.area.divide(dividend);
-        self.travel = self.travel.wrapping_add(step);
-        self.remainder = remainder;
+        self.store(input);
+        self.watch_peak(input, window);
+        let travel = self.advance(input, c);
 
         if self.abandoned && self.at_rest() {
             self.left = 0;
         }
         Progress {
-            travel: Travel::from_raw(self.travel),
+            travel,
             done: self.left == 0 && self.at_rest(),
         }
+    }
+
+    /// u(t−n1) + u(t−n2) − u(t−n1−n2), three numbers below 2³².
+    fn older(&self) -> i64 {
+        let (n1, n2) = (self.ramp.n1, self.ramp.n2);
+        self.past(n1)
+            .wrapping_add(self.past(n2))
+            .wrapping_sub(self.past(n1.wrapping_add(n2)))
+    }
+
+    /// Takes an input into the means; `older` is what leaves them.
+    fn advance(&mut self, input: u32, older: i64) -> Travel {
+        // |A| ≤ n2·cap < 2⁴³ and 0 ≤ V ≤ n1·n2·cap < 2⁵².
+        self.accel = self
+            .accel
+            .wrapping_add(i64::from(input))
+            .wrapping_sub(older);
+        self.speed = self.speed.wrapping_add(self.accel);
+        let dividend = ((self.speed as u64) << 8).wrapping_add(u64::from(self.remainder));
+        let (step, remainder) = self.ramp.area.divide(dividend);
+        self.travel = self.travel.wrapping_add(step);
+        self.remainder = remainder;
+        Travel::from_raw(self.travel)
     }
 
     /// Rule 2 of the governor, for a wanted rate above the level: raises the level as far as the length allows.
@@ -327,13 +347,15 @@ impl Profile {
         i64::from(self.ring.get(slot).copied().unwrap_or(0))
     }
 
-    fn put(&mut self, input: u32, window: u16) {
+    fn store(&mut self, input: u32) {
         if let Some(slot) = self.ring.get_mut(self.head & MASK) {
             *slot = input;
         }
         self.head = self.head.wrapping_add(1) & MASK;
         self.filled = self.filled.wrapping_add(1).min(CAPACITY);
+    }
 
+    fn watch_peak(&mut self, input: u32, window: u16) {
         self.peak = self.peak.max(input);
         self.peak_ticks = self.peak_ticks.wrapping_add(1);
         if self.peak_ticks >= window {

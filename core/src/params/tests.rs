@@ -361,6 +361,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xFA00_A73F),
     // L of a corner: 181.0. Drilling: 5101.2, 5114.
     (2, 0x31E9_AA8F),
+    // The tolerance of a corner: 9033.
+    (2, 0x080D_790C),
 ];
 
 #[test]

@@ -1,7 +1,7 @@
 //! What a block does: modes, coordinate systems, tool offsets, dwell, and which cycle reads its words.
 //!
 //! Power-on: G00 G18 G21 G40 G54 G64 G80 G97 G98, no feed, spindle standing, no shift, no tool offset. G17–G19 matter to
-//! arcs alone; G40, G61, G64 and G80 are accepted and change nothing, since nothing they would end exists.
+//! arcs alone; G40 and G80 are accepted and change nothing, since nothing they would end exists.
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::call::{SurfaceSpeed, TapAxis};
@@ -69,6 +69,8 @@ pub(super) struct State<'p> {
     pub(super) tapping: Tapping,
     /// The latest motion is a stroke of G32 or G34.
     pub(super) stroked: bool,
+    /// G61.
+    exact_stop: bool,
     /// O of the program, if it has one.
     pub(super) program: Option<u32>,
     /// N of the latest block that has one.
@@ -93,6 +95,7 @@ impl<'p> State<'p> {
             turning: TurningWords::default(),
             tapping: Tapping::new(),
             stroked: false,
+            exact_stop: false,
             program: None,
             sequence: None,
             ended: false,
@@ -109,6 +112,9 @@ impl<'p> State<'p> {
         self.started = true;
         if block.has_no_lead() {
             return Ok(());
+        }
+        if block.has_groups(Group::Path.bit()) {
+            self.path_mode(block, plan);
         }
         let from = self.modal.position.x;
         if self.tapping.concerns(block) {
@@ -268,6 +274,17 @@ impl<'p> State<'p> {
                 self.modal.per_turn = per_turn;
                 self.modal.feed = ModalFeed::None;
                 self.tapping.forget_feed();
+            }
+        }
+    }
+
+    /// G61 and G64.
+    fn path_mode(&mut self, block: &Block, plan: &mut Plan) {
+        if let Some(word) = block.g(Group::Path) {
+            let exact = word.value.mantissa() == 61;
+            if exact != self.exact_stop {
+                self.exact_stop = exact;
+                plan.exact_stop(word.span, exact);
             }
         }
     }

@@ -20,8 +20,8 @@ pub enum Event {
 /// Warnings a block can raise.
 const WARNINGS: usize = 2;
 
-/// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, M24–M27, rigid mode, T, G04; the
-/// motion, or several straight moves; M05, M09, M00 M01 M02 M30.
+/// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, M24–M27, rigid mode, T, G04; G61
+/// G64; the motion, or several straight moves; M05, M09, M00 M01 M02 M30.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pending: u16,
@@ -33,6 +33,7 @@ pub(crate) struct Plan {
     rigid: (Span, SpindleCall),
     tool: (Span, u16),
     dwell: (Span, Millis),
+    exact_stop: (Span, bool),
     motion: (Span, CallKind),
     path: Path,
     spindle_stop: Span,
@@ -92,11 +93,12 @@ const TAP_SPINDLE: u16 = 1 << 4;
 const RIGID: u16 = 1 << 5;
 const TOOL: u16 = 1 << 6;
 const DWELL: u16 = 1 << 7;
-const MOTION: u16 = 1 << 8;
-const PATH: u16 = 1 << 9;
-const SPINDLE_STOP: u16 = 1 << 10;
-const COOLANT_OFF: u16 = 1 << 11;
-const FLOW: u16 = 1 << 12;
+const EXACT_STOP: u16 = 1 << 8;
+const MOTION: u16 = 1 << 9;
+const PATH: u16 = 1 << 10;
+const SPINDLE_STOP: u16 = 1 << 11;
+const COOLANT_OFF: u16 = 1 << 12;
+const FLOW: u16 = 1 << 13;
 
 impl Plan {
     pub(crate) const fn new() -> Self {
@@ -116,6 +118,7 @@ impl Plan {
             rigid: (NOWHERE, SpindleCall::STOPPED),
             tool: (NOWHERE, 0),
             dwell: (NOWHERE, Millis::new(0)),
+            exact_stop: (NOWHERE, false),
             motion: (NOWHERE, CallKind::End(0)),
             path: Path::EMPTY,
             spindle_stop: NOWHERE,
@@ -178,6 +181,11 @@ impl Plan {
         self.dwell = (span, time);
     }
 
+    pub(crate) fn exact_stop(&mut self, span: Span, exact: bool) {
+        self.pending |= EXACT_STOP;
+        self.exact_stop = (span, exact);
+    }
+
     #[inline]
     pub(crate) fn motion(&mut self, span: Span, kind: CallKind) {
         self.pending |= MOTION;
@@ -238,6 +246,7 @@ impl Plan {
             RIGID => (self.rigid.0, CallKind::Spindle(self.rigid.1)),
             TOOL => (self.tool.0, CallKind::Aux(Aux::T(self.tool.1))),
             DWELL => (self.dwell.0, CallKind::Dwell(self.dwell.1)),
+            EXACT_STOP => (self.exact_stop.0, CallKind::ExactStop(self.exact_stop.1)),
             PATH => {
                 let (kind, more) = self.path.next()?;
                 if more {

@@ -102,6 +102,7 @@ fn examples() -> Vec<String> {
 }
 
 mod check;
+mod corners;
 mod dialects;
 mod expand;
 mod interrupt;

@@ -1,5 +1,6 @@
 //! Time-driven motion at random: machines, moves and operators, every setpoint against every limit.
 
+mod contours;
 mod machine;
 mod operator;
 mod random;

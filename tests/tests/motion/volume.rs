@@ -46,7 +46,7 @@ fn no_setpoint_exceeds_a_limit_and_every_move_ends_on_its_target() {
                         run.abandon();
                         gave_up = true;
                     }
-                    let step = run.tick(rate, &planned, None);
+                    let step = run.tick(rate, &planned);
                     tick += 1;
                     if let Err(excess) = watch.setpoint(step.position, pace) {
                         panic!(

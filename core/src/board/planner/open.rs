@@ -32,6 +32,7 @@ impl Planner {
             CallKind::Tap(tap) => {
                 self.prepare_tap(tap, signals, call.span, settings, warning)?;
             }
+            CallKind::ExactStop(exact) => self.joined.set_exact(*exact),
             _ => cycle::tap_spindle(call, signals, settings.params)?,
         }
         self.expand(call, signals, settings)?;
@@ -51,6 +52,7 @@ impl Planner {
         self.percent = settings.spindle_percent;
         if let CallKind::End(_) | CallKind::Over = call.kind {
             self.ending = Some(call.span);
+            self.joined.set_exact(false);
         }
         Ok(())
     }

@@ -4,7 +4,7 @@
 
 use super::super::queue::take;
 use super::Ends;
-use crate::motion::{Cut, Epoch, Segment, Stops, Task};
+use crate::motion::{Cut, Epoch, Segment, Stops, Stretch, Task};
 
 /// Which queue the segment under way is in. It stays at the head of its queue until it is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -91,12 +91,24 @@ impl Course {
         self.epoch
     }
 
-    /// Drops a segment that does not count any more. One segment per tick.
-    pub(super) fn drop_stale(&self, ends: &mut Ends<'_>) {
+    /// Drops a segment that does not count any more, one in a tick; where nothing is under way (`stands`), a stretch too.
+    pub(super) fn drop_stale(&self, stands: bool, ends: &mut Ends<'_>) {
         let epoch = ends.segments.head().map(|oldest| oldest.epoch);
         if epoch.is_some_and(|epoch| epoch != self.epoch) {
             ends.segments.take();
         }
+        if stands
+            && let Some(oldest) = ends.segments.stretch()
+            && oldest.epoch != self.epoch
+        {
+            ends.segments.drop_stretch();
+        }
+    }
+
+    /// The next stretch of joined cuts, if it counts.
+    pub(super) fn stretch<'a>(&self, ends: &'a Ends<'_>) -> Option<&'a Stretch> {
+        let epoch = self.epoch;
+        ends.segments.stretch().filter(|next| next.epoch == epoch)
     }
 
     /// The oldest segment of the program, if it counts.

@@ -170,7 +170,6 @@ fn abandoned_while_moving_stops_and_leaves_nothing() {
     }
     assert!(!profile.begin(Length::from_nm(1), PathRate::from_raw(256), ramp));
     profile.abandon();
-    assert!(!profile.extend(Length::from_nm(5), PathRate::from_raw(256)));
     for _ in 0..8 {
         assert!(!profile.tick(Rate::FULL).done);
     }

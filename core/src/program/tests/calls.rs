@@ -38,10 +38,23 @@ fn absolute_and_incremental_words_mix() {
 fn blocks_that_change_modal_state_alone_make_no_call() {
     assert_eq!(
         calls(
-            "G21 G40 G54 G64 G80 G97 G98\nN10\nG01 F100\nG17\nG19\nG18\nG61\nG50 S2000\nT\n"
+            "G21 G40 G54 G64 G80 G97 G98\nN10\nG01 F100\nG17\nG19\nG18\nG50 S2000\nT\n"
                 .trim_end_matches("T\n")
         ),
         []
+    );
+}
+
+#[test]
+fn g61_and_g64_are_calls_where_they_change_anything_before_the_motion_of_their_block() {
+    assert_eq!(
+        kinds("G64\nG61 G0 X2.\nG61\nG64\nG0 X4."),
+        [
+            CallKind::ExactStop(true),
+            CallKind::Rapid(at(20_000, 0)),
+            CallKind::ExactStop(false),
+            CallKind::Rapid(at(40_000, 0)),
+        ]
     );
 }
 

@@ -79,6 +79,22 @@ pub const SURFACE: Program = Program {
     kind: tap_kind,
 };
 
+/// Cuts that are joined, at constant surface speed: a line, and an arc that goes on in its direction.
+pub const JOINED: Program = Program {
+    text: "O0008\n\
+        G99 G50 S2500\n\
+        G96 S150 M3 G0 X40 Z2\n\
+        G1 Z-20 F0.3\n\
+        G2 X50 Z-25 R5\n\
+        G1 X60\n\
+        M30\n",
+    spindles: 1,
+    deep: false,
+    stop: None,
+    kinds: &["/to-joined", "/joined-line", "/joined-arc"],
+    kind: tap_kind,
+};
+
 /// An ordinary tap: the axis follows the measured spindle through stop and reversal.
 pub const ORDINARY_TAP: Program = Program {
     text: "O0006\n\

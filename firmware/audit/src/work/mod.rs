@@ -88,6 +88,7 @@ pub fn all(counter: &mut impl Counter) {
         board::TAPS,
         board::DEEP_TAP,
         board::SURFACE,
+        board::JOINED,
         board::STOP_IN_THREAD,
         board::STOP_IN_TAP,
     ] {

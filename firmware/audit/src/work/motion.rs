@@ -100,7 +100,7 @@ impl Work for TimedMove {
     }
 
     fn step(&self, (run, timed): &mut (Run, Timed), number: usize) -> Step {
-        run.tick(override_at(number), timed, None)
+        run.tick(override_at(number), timed)
     }
 }
 

@@ -210,7 +210,16 @@ impl Case {
             let reach = if is_outside { 4.0 } else { 1.5 } * self.radius();
             (1..near.len()).any(|j| j != i && j != i + 1 && near[j].distance(near[i].end) < reach)
         });
+        // An arc that is narrower than the nose by some nanometres: less than what contacts are compared by.
+        let is_narrow = near[1..].iter().any(|stroke| {
+            stroke.arc.is_some_and(|(centre, swept)| {
+                let from_centre = |at: (f64, f64)| (at.0 - centre.0).hypot(at.1 - centre.1);
+                let radius = from_centre(stroke.start).min(from_centre(stroke.end));
+                (swept > 0.0) == (self.side == Side::Left) && radius < self.radius()
+            })
+        });
         is_beside
+            || is_narrow
             || (1..near.len()).any(|i| {
                 let is_blocked = |share: f64, others: &dyn Fn(usize) -> bool| {
                     let contact = self.contact(&near[i], share);

@@ -67,7 +67,6 @@ fn profile() {
     let mut profile = Profile::new();
     while any() {
         sink(profile.begin(any(), any(), any()));
-        sink(profile.extend(any(), any()));
         sink(profile.tick(any()));
         sink((profile.speed(), profile.remaining(), profile.at_rest()));
         if any() {
@@ -81,11 +80,10 @@ fn run() {
     let mut run = Run::new();
     let limits: Limits = any();
     let timed = || plan::timed(any::<Position>(), &any::<Move>(), &limits);
-    while let (Ok(Some(current)), Ok(Some(next))) = (timed(), timed()) {
+    while let Ok(Some(current)) = timed() {
         sink(current.duration_ticks());
         sink(run.begin(&current));
-        sink(run.join(&current, &next));
-        sink(run.tick(any(), &current, any::<bool>().then_some(&next)));
+        sink(run.tick(any(), &current));
         if any() {
             run.abandon();
         }

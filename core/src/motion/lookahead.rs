@@ -1,0 +1,628 @@
+//! Plans how fast joined cuts are passed (G64). Background work.
+//!
+//! Cuts wait here in a window until enough of the way after them is known. Then one after the other leaves, with the
+//! [stretches](Stretch) of its way: each has the largest rate that the corners and bends near to it allow.
+//!
+//! # What a corner allows
+//!
+//! Two means of m ticks round the way ([`Corner`]). Over any m ticks the direction may turn by Θ with v·Θ at most
+//! [`Corner::turning`]: then the tool stays within the tolerance, and the axes within their limits. Θ counts each corner
+//! as the difference of the two directions, and each arc by its angle. A corner with others close to it is passed as slowly
+//! as all of them together need.
+//!
+//! A corner that would have to be passed at less than half the feed is a stop: to slow down so far takes longer than to
+//! stop.
+//!
+//! # Where a rate has to hold
+//!
+//! The profile's speed is a mean of its inputs over n1 + n2 ticks, and the corner is spread over 2·m ticks. So that no
+//! speed above v comes out near a corner, no input above v may be put in for `zone` = n1 + n2 + 2·m ticks before and after
+//! the corner, that is on `zone`·v of the way. For a stop this is nothing: the input may end at any rate.
+//!
+//! # What is not known yet
+//!
+//! A cut that has left cannot be slowed down any more, and a corner of any kind may follow at the end of what is known. If
+//! the calls come slowly, the rate is at most the distance to that end, over `zone`: the machine slows down, to a rate at
+//! which it could turn round. If the window is full, the rate is not less than half the feed. A slower corner that follows
+//! too soon after that is a stop.
+//!
+//! This module knows planned cuts and the machine's limits. It knows nothing of calls, queues or overrides.
+
+use heapless::{Deque, Vec};
+
+use super::flow::Stretch;
+use super::limits::{Corner, Limits};
+use super::path::{Heading, Path};
+use super::plan::{Scaling, Timed};
+use super::profile::Ramp;
+use super::rate::PathRate;
+use super::segment::{Action, Segment};
+use crate::units::{div_wide, mul_div, product, root, root_wide};
+
+/// Cuts in the window.
+const WINDOW: usize = 24;
+/// Slow places before or after a cut that are kept apart; more are taken together.
+const BOUNDS: usize = 3;
+/// The most stretches of a cut: the slow places before it and after it, and what is between.
+pub const STRETCHES_OF_A_CUT: usize = 2 * BOUNDS + 1;
+
+/// Rates are in 1/256 nm per tick here, ways in 1/256 nm, turns in 2⁻³⁰.
+const TURN_BITS: u32 = 30;
+
+/// A cut that waits.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    segment: Segment,
+    /// The way.
+    length: u64,
+    nominal: u64,
+    /// The largest rate inside the cut.
+    top: u64,
+    /// How far the direction turns where it begins: the corner, and the arcs on both sides of it.
+    turn: u64,
+    /// The largest rate at its beginning, once that is known.
+    passes: Option<u64>,
+    /// It begins after a stop. Once true, this stays true.
+    stop: bool,
+    /// Half the feed here: it is not begun slower than this without a stop.
+    least: u64,
+}
+
+/// The cuts that are under way without a stop.
+#[derive(Clone, Copy, Debug)]
+struct Chain {
+    ramp: Ramp,
+    /// No ramp can be faster.
+    is_fastest: bool,
+}
+
+/// A rate on the next part of the way, as long as `reach`. In a slow place no input is above it; where a cut has left, an
+/// input up to it may be there.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    top: u64,
+    reach: u64,
+}
+
+impl Bound {
+    const NONE: Self = Self { top: 0, reach: 0 };
+}
+
+type Bounds = Vec<Bound, BOUNDS>;
+
+/// A cut that leaves, and the stretches of its way; none if it begins and ends in an exact stop.
+#[derive(Clone, Debug)]
+pub struct Due {
+    /// The cut.
+    pub segment: Option<Segment>,
+    /// Its way.
+    pub stretches: Vec<Stretch, STRETCHES_OF_A_CUT>,
+}
+
+impl Due {
+    /// No cut.
+    pub const NONE: Self = Self {
+        segment: None,
+        stretches: Vec::new(),
+    };
+}
+
+/// The window.
+#[derive(Debug)]
+pub struct Lookahead {
+    window: Deque<Piece, WINDOW>,
+    chain: Option<Chain>,
+    /// Slow places behind the first cut of the window.
+    behind: Bounds,
+    /// What has left may be faster than a corner allows that is known too late: up to this rate, for corners within this
+    /// distance.
+    rash: Bound,
+    /// Where the newest cut goes at its end, and how far an arc turns before.
+    heading: Heading,
+    turns: u64,
+    /// The newest cut's feed.
+    nominal: u64,
+}
+
+impl Default for Lookahead {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Lookahead {
+    /// Empty.
+    #[must_use]
+    // [D146]
+    #[inline(always)]
+    pub const fn new() -> Self {
+        Self {
+            window: Deque::new(),
+            chain: None,
+            behind: Vec::new(),
+            rash: Bound::NONE,
+            heading: Heading::NONE,
+            turns: 0,
+            nominal: 0,
+        }
+    }
+
+    /// Drops everything.
+    pub fn clear(&mut self) {
+        while self.window.pop_front().is_some() {}
+        self.chain = None;
+        self.behind.clear();
+        self.rash = Bound::NONE;
+    }
+
+    /// What comes next begins with a stop, or is no cut. No cut may wait.
+    pub const fn interrupt(&mut self) {
+        self.chain = None;
+    }
+
+    /// True where no cut waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.window.is_empty()
+    }
+
+    /// True where the oldest cut has to leave before another one comes.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.window.is_full()
+    }
+
+    /// True for a cut that may be joined to others: it moves X or Z, and C stands.
+    #[must_use]
+    pub fn joins(timed: &Timed, limits: &Limits) -> bool {
+        limits.corner().is_some()
+            && timed.scaling != Scaling::Rapid
+            && timed.length.nm() > 0
+            && timed.path.start().c == timed.path.end().c
+    }
+
+    /// Takes a cut that [`joins`](Self::joins) at the end of the window. False where it is full, or where the segment is no
+    /// such cut.
+    #[must_use]
+    pub fn push(&mut self, segment: &Segment, limits: &Limits) -> bool {
+        let (Some(corner), Action::Timed(timed)) = (limits.corner(), &segment.action) else {
+            return false;
+        };
+        let length = units(timed);
+        let window = window(corner);
+        let mut top = corner.along.speed.raw().into();
+        // A tick passes no more than one end of a cut.
+        top = length.min(top);
+        let mut turns = 0;
+        if let Path::Arc(arc) = &timed.path {
+            let bend = arc.bend();
+            // v · (v · m / R) is at most `turning`, and a tick turns by an eighth of a radian at most.
+            let square = product(corner.turning << 8, bend.radius);
+            let square = div_wide(square, window);
+            let even = root_wide(square).min(bend.radius.saturating_mul(32));
+            top = top.min(mul_div(even, 1 << 32, bend.stretch)).max(1);
+            let way = length.min(top.saturating_mul(window));
+            turns = mul_div(way, 1 << (TURN_BITS - 8), bend.radius);
+        }
+        let top = top.max(1);
+        let nominal = u64::from(timed.nominal.raw());
+        let [first, last] = timed.path.headings();
+        let begins_anew = self.window.is_empty() && self.chain.is_none();
+        let corner_turn = if begins_anew {
+            // What was before ended in a stop.
+            0
+        } else {
+            first.turn_from(&self.heading).saturating_add(self.turns)
+        };
+        let turn = corner_turn.saturating_add(turns);
+        let least = nominal.max(self.nominal) / 2;
+        let piece = Piece {
+            segment: *segment,
+            length,
+            nominal,
+            top,
+            turn,
+            passes: None,
+            stop: !self.window.is_empty() && allowed(corner, turn) < least,
+            least,
+        };
+        if self.window.push_back(piece).is_err() {
+            return false;
+        }
+        (self.heading, self.turns, self.nominal) = (last, turns, nominal);
+        true
+    }
+
+    /// Takes out the oldest cut. `closed`: what comes after the window begins with a stop. Otherwise the way goes on, and
+    /// how is not known. False where no cut waits.
+    #[inline(never)]
+    pub fn pop(&mut self, limits: &Limits, closed: bool, due: &mut Due) -> bool {
+        due.stretches.clear();
+        due.segment = None;
+        let (Some(corner), Some(first)) = (limits.corner(), self.window.front().copied()) else {
+            return false;
+        };
+        let horizon = Horizon {
+            closed,
+            // Calls come fast enough: there is no room for more.
+            full: self.is_full(),
+        };
+        due.segment = Some(first.segment);
+        if let Some(chain) = self.chain
+            && self.stops_at(0, 0, corner, &chain, closed)
+        {
+            self.chain = None;
+        }
+        let anew = self.chain.is_none();
+        if anew {
+            self.begin_anew(corner, closed);
+        }
+        if let Some(chain) = self.chain {
+            self.way_of(&first, anew, corner, &chain, &horizon, due);
+        }
+        self.window.pop_front();
+        if closed && self.window.is_empty() {
+            self.interrupt();
+        }
+        true
+    }
+
+    /// The first cut begins after a stop: others may be joined to it.
+    fn begin_anew(&mut self, corner: &Corner, closed: bool) {
+        self.behind.clear();
+        self.rash = Bound::NONE;
+        if let Some(first) = self.window.front_mut() {
+            // No corner is before it.
+            first.passes = None;
+            first.turn = own_turn(first, corner);
+        }
+        let chain = self.chain_from_first(corner);
+        self.chain = chain.filter(|chain| {
+            let is_alone = if self.window.len() == 1 {
+                closed
+            } else {
+                self.stops_at(1, 0, corner, chain, closed)
+            };
+            !is_alone
+        });
+    }
+
+    /// Plans the way of the first cut, and keeps what the next ones have to know of it.
+    fn way_of(
+        &mut self,
+        first: &Piece,
+        anew: bool,
+        corner: &Corner,
+        chain: &Chain,
+        horizon: &Horizon,
+        due: &mut Due,
+    ) {
+        let cap = u64::from(chain.ramp.cap().raw());
+        let zone = chain.zone(corner);
+        let passes = self.passes(0, corner, cap, horizon.closed).rate;
+        // The way of m ticks belongs to the corner, and the zone comes after that.
+        let after = zone.saturating_add(window(corner));
+        hold(&mut self.behind, cap, passes, passes.saturating_mul(after));
+        let mut ahead = Bounds::new();
+        self.look(first, corner, chain, horizon, &mut ahead);
+        cut_up(first, anew, cap, &self.behind, &ahead, &mut due.stretches);
+        if let Some(Segment {
+            action: Action::Timed(timed),
+            ..
+        }) = &mut due.segment
+        {
+            timed.ramp = chain.ramp;
+            timed.rounding = Some(corner.mean);
+        }
+        for bound in &mut self.behind {
+            bound.reach = bound.reach.saturating_sub(first.length);
+        }
+        self.behind.retain(|bound| bound.reach > 0);
+        hold(
+            &mut self.behind,
+            cap,
+            first.top,
+            first.top.saturating_mul(zone),
+        );
+    }
+
+    /// True where the cut at `index` begins with a stop; it begins `distance` after what has left.
+    #[inline(never)]
+    fn stops_at(
+        &mut self,
+        index: usize,
+        distance: u64,
+        corner: &Corner,
+        chain: &Chain,
+        closed: bool,
+    ) -> bool {
+        let cap = u64::from(chain.ramp.cap().raw());
+        let passes = self.passes(index, corner, cap, closed);
+        let rash = self.rash;
+        let Some(piece) = self.window.iter_mut().nth(index) else {
+            return true;
+        };
+        let slowest = passes.rate.min(piece.top);
+        let too_late = slowest < rash.top
+            && distance < rash.reach.min(slowest.saturating_mul(chain.zone(corner)));
+        piece.stop |= too_late
+            || (passes.known && passes.rate < piece.least.min(cap))
+            || (piece.nominal > cap && !chain.is_fastest);
+        piece.stop
+    }
+
+    /// The ramp of cuts that are joined from the first of the window on: for one and a half times their fastest feed.
+    fn chain_from_first(&self, corner: &Corner) -> Option<Chain> {
+        let first = self.window.front()?.nominal;
+        let feed = self
+            .window
+            .iter()
+            .skip(1)
+            .take_while(|piece| !piece.stop)
+            .map(|piece| piece.nominal)
+            .fold(first, u64::max);
+        let fastest = u64::from(corner.along.speed.raw());
+        let mut cap = feed.saturating_add(feed / 2).min(fastest).max(2);
+        let mut is_fastest = cap == fastest;
+        loop {
+            if let Some(ramp) = ramp(cap, corner) {
+                return Some(Chain { ramp, is_fastest });
+            }
+            // Slower, the ramp is shorter.
+            is_fastest = true;
+            cap = cap.saturating_sub(cap / 8);
+            if cap < 16 {
+                return None;
+            }
+        }
+    }
+
+    /// The largest rate where the cut at `index` begins, with all that turns within the next m ticks.
+    #[inline(never)]
+    fn passes(&mut self, index: usize, corner: &Corner, cap: u64, closed: bool) -> Passes {
+        if let Some(rate) = self.window.iter().nth(index).and_then(|piece| piece.passes) {
+            return Passes { rate, known: true };
+        }
+        let window = window(corner);
+        let (mut turned, mut distance) = (0_u64, 0_u64);
+        let mut rate = cap;
+        // What comes after the pieces that are counted begins with a stop, or is too far away to count.
+        let mut known = closed;
+        for (place, piece) in self.window.iter().enumerate().skip(index) {
+            if place > index && piece.stop {
+                known = true;
+                break;
+            }
+            turned = turned.saturating_add(piece.turn);
+            let now = allowed(corner, turned).min(cap);
+            // Slow enough for its turn not to be among them.
+            let without = per(distance, window).saturating_sub(1);
+            distance = distance.saturating_add(piece.length);
+            rate = now.max(without.min(rate));
+            if now < without || rate.saturating_mul(window) <= distance {
+                known = true;
+                break;
+            }
+        }
+        if !known {
+            // A corner may follow.
+            rate = rate.min(per(distance, window).saturating_sub(1));
+        }
+        let rate = rate.max(1);
+        if known && let Some(piece) = self.window.iter_mut().nth(index) {
+            piece.passes = Some(rate);
+        }
+        Passes { rate, known }
+    }
+
+    /// The slow places that reach back into the first cut from behind its end.
+    fn look(
+        &mut self,
+        first: &Piece,
+        corner: &Corner,
+        chain: &Chain,
+        horizon: &Horizon,
+        ahead: &mut Bounds,
+    ) {
+        let cap = u64::from(chain.ramp.cap().raw());
+        let zone = chain.zone(corner);
+        let farthest = cap.saturating_mul(zone);
+        self.rash.reach = self.rash.reach.saturating_sub(first.length);
+        let mut distance = 0_u64;
+        let mut index = 1;
+        while let Some(piece) = self.window.iter().nth(index) {
+            if distance >= farthest {
+                return;
+            }
+            let (top, length) = (piece.top, piece.length);
+            if self.stops_at(index, distance, corner, chain, horizon.closed) {
+                return;
+            }
+            let passes = self.passes(index, corner, cap, horizon.closed);
+            if !passes.known {
+                break;
+            }
+            for slow in [top.min(passes.rate), passes.rate] {
+                let reach = slow.saturating_mul(zone).saturating_sub(distance);
+                hold(ahead, cap, slow, reach);
+            }
+            distance = distance.saturating_add(length);
+            index = index.saturating_add(1);
+        }
+        if index == self.window.len() && horizon.closed {
+            return;
+        }
+        // At a distance d before the end of what is known, the rate is at most d / zone.
+        let least = if horizon.full { first.nominal / 2 } else { 0 };
+        let floor = least.max(corner.turning / 2);
+        let mut from = distance;
+        while from < farthest {
+            let to = from.saturating_mul(2).max(zone);
+            let rate = per(from, zone).max(floor).max(1);
+            hold(ahead, cap, rate, to.saturating_sub(distance));
+            from = to;
+        }
+        let reach = floor.saturating_mul(zone);
+        if reach > distance {
+            self.rash.top = self.rash.top.max(floor);
+            self.rash.reach = self.rash.reach.max(reach);
+        } else if self.rash.reach == 0 {
+            self.rash = Bound::NONE;
+        }
+    }
+}
+
+/// How much is known.
+#[derive(Clone, Copy, Debug)]
+struct Horizon {
+    /// After the window there is a stop.
+    closed: bool,
+    /// The window has no room for more.
+    full: bool,
+}
+
+/// The largest rate where a cut begins.
+#[derive(Clone, Copy, Debug)]
+struct Passes {
+    rate: u64,
+    /// What comes later makes it neither larger nor smaller.
+    known: bool,
+}
+
+impl Chain {
+    /// Ticks before and after a corner in which its rate has to hold.
+    fn zone(&self, corner: &Corner) -> u64 {
+        u64::from(self.ramp.ticks()).saturating_add(window(corner).saturating_mul(2))
+    }
+}
+
+/// The largest rate at which the direction may turn by `turn`.
+fn allowed(corner: &Corner, turn: u64) -> u64 {
+    corner
+        .turning
+        .saturating_mul(1 << TURN_BITS)
+        .checked_div(turn)
+        .unwrap_or(u64::MAX)
+}
+
+/// The turn of a cut's beginning that is its own: an arc's.
+fn own_turn(piece: &Piece, corner: &Corner) -> u64 {
+    let Action::Timed(Timed {
+        path: Path::Arc(arc),
+        ..
+    }) = &piece.segment.action
+    else {
+        return 0;
+    };
+    let way = piece.length.min(piece.top.saturating_mul(window(corner)));
+    mul_div(way, 1 << (TURN_BITS - 8), arc.bend().radius)
+}
+
+/// The ticks of a mean, in which all turns are counted together.
+fn window(corner: &Corner) -> u64 {
+    u64::from(corner.mean.ticks())
+}
+
+/// The rate at which a way takes so many ticks.
+const fn per(way: u64, ticks: u64) -> u64 {
+    match way.checked_div(ticks) {
+        Some(rate) => rate,
+        None => u64::MAX,
+    }
+}
+
+/// The way of a cut.
+const fn units(timed: &Timed) -> u64 {
+    (timed.length.nm().unsigned_abs()) << 8
+}
+
+/// The shortest ramp to `cap` whose input may change in any way.
+fn ramp(cap: u64, corner: &Corner) -> Option<Ramp> {
+    let figure = |limit: u64| limit.max(1);
+    // cap / n1 is the acceleration, 2 · cap / (n1·n2) the jerk; limits are in 2⁻³² nm.
+    let area = (cap << 25).div_ceil(figure(corner.along.jerk));
+    let n1 = root(area)
+        .saturating_add(1)
+        .max((cap << 24).div_ceil(figure(corner.along.acceleration)))
+        .max(corner.least_ramp)
+        .max(1);
+    let n2 = area.div_ceil(n1).max(1);
+    let cap = PathRate::from_raw(u32::try_from(cap).ok()?);
+    Ramp::new(cap, u16::try_from(n1).ok()?, u16::try_from(n2).ok()?)
+}
+
+/// Adds a slow place, if it is slower than `cap`. The list goes from the slowest to the fastest, and from the shortest to
+/// the longest; what another one contains is left out.
+#[inline(never)]
+fn hold(bounds: &mut Bounds, cap: u64, top: u64, reach: u64) {
+    if reach == 0
+        || top >= cap
+        || bounds
+            .iter()
+            .any(|other| other.top <= top && other.reach >= reach)
+    {
+        return;
+    }
+    bounds.retain(|other| other.top < top || other.reach > reach);
+    let mut fastest = Bound { top, reach };
+    for place in bounds.iter_mut() {
+        if place.top > fastest.top {
+            core::mem::swap(place, &mut fastest);
+        }
+    }
+    if let Err(fastest) = bounds.push(fastest)
+        && let Some(next) = bounds.last_mut()
+    {
+        // The two fastest become one: the rate of the slower on the way of the longer.
+        next.reach = next.reach.max(fastest.reach);
+    }
+}
+
+/// Cuts the way of `piece` up, at slow places `behind` its beginning and `ahead` of its end.
+fn cut_up(
+    piece: &Piece,
+    anew: bool,
+    cap: u64,
+    behind: &Bounds,
+    ahead: &Bounds,
+    stretches: &mut Vec<Stretch, STRETCHES_OF_A_CUT>,
+) {
+    let Action::Timed(timed) = &piece.segment.action else {
+        return;
+    };
+    let mut at = 0;
+    while at < piece.length && !stretches.is_full() {
+        let mut top = piece.top.min(cap);
+        let mut next = piece.length;
+        for bound in behind {
+            if bound.reach > at {
+                top = top.min(bound.top);
+                next = next.min(bound.reach);
+            }
+        }
+        for bound in ahead {
+            let begins = piece.length.saturating_sub(bound.reach);
+            if begins > at {
+                next = next.min(begins);
+            } else {
+                top = top.min(bound.top);
+            }
+        }
+        let stretch = Stretch {
+            length: next.saturating_sub(at),
+            top: PathRate::from_raw(u32::try_from(top.max(2)).unwrap_or(u32::MAX)),
+            nominal: timed.nominal,
+            scaling: timed.scaling,
+            anew: anew && at == 0,
+            ends_block: next == piece.length,
+            epoch: piece.segment.epoch,
+        };
+        // There is room.
+        let _ = stretches.push(stretch);
+        at = next;
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::arithmetic_side_effects, clippy::float_arithmetic)]
+mod tests;
