@@ -28,7 +28,8 @@ fn parameters_are_those_that_were_pushed() {
     board.wait_for("it is ready", idle);
     assert_eq!(
         board.bad(&["params", "diff"], 1),
-        "1420.X  rapid_rate.X               12000 mm/min  → 11000 mm/min\n\
+        "1004.1  increment_is_c             0             → 1\n\
+         1420.X  rapid_rate.X               12000 mm/min  → 11000 mm/min\n\
          9007    spindle_tolerance_percent  15 %          → 14 %\n"
     );
 }

@@ -228,7 +228,12 @@ impl Case {
                 };
                 // All of it, or a part because of what is not next to it.
                 let all = shares().all(|share| is_blocked(share, &|_| true));
-                let part = shares().any(|share| is_blocked(share, &|j| j.abs_diff(i) != 1));
+                // A long motion that another one crosses is blocked on little of its way: four looks on each radius.
+                let looks = (4.0 * near[i].length() / self.radius()).clamp(0.0, 20_000.0) as u32;
+                let part = (0..=looks.max(SAMPLES)).any(|look| {
+                    let share = f64::from(look) / f64::from(looks.max(SAMPLES));
+                    is_blocked(share, &|j| j.abs_diff(i) != 1)
+                });
                 all || part || (i < last && !self.meets(&near[i], &near[i + 1]))
             })
     }
