@@ -198,7 +198,7 @@ fn power_that_goes_in_a_write_leaves_the_old_set_or_the_new_one() {
 fn a_program_that_stalls_is_waited_for_outside_the_thread_and_goes_on() {
     // More than waits in the machine at any time.
     let once = WORK.trim_end_matches("M30\n");
-    let text = format!("{once}{once}{WORK}");
+    let text = format!("{}{WORK}", once.repeat(5));
     let (code, calm) = alone(&text, &[]);
     assert_eq!(code, Some(0), "{calm}");
     for (from, to) in [(0, 15_000), (1_000, 15_000)] {
