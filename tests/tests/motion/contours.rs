@@ -363,15 +363,16 @@ fn random_contour(random: &mut Random, limits: &Limits) -> Vec<Timed> {
     // 3 to 1000 ticks for a usual cut, as far as the machine can.
     let tick = f64::from(limits.tick_us()) * 1e-6;
     let per_tick = 60.0 / tick;
-    let mut feed =
+    let usual =
         (size / random.decades(3.0, 1_000.0) as f64 * per_tick).clamp(60_000.0, 1e12) as i64;
+    let mut feed = usual;
     while (cuts.len() as i64) < number {
         if random.one_in(12) {
-            feed = (feed / 3 + random.below(feed)).max(60_000);
+            feed = usual / 4 + random.below(2 * usual);
         }
         let length = if random.one_in(10) {
             // Short against the others.
-            random.decades(2.0, 1e6) as f64
+            random.decades(2.0, size) as f64
         } else {
             size * (0.5 + random.below(1_000) as f64 / 1_000.0)
         };
