@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::num::NonZeroU32;
 
-use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
 use leadscrew_language::dialect::{Control, Named, named};
@@ -13,6 +13,7 @@ use leadscrew_language::flow::{Rules, Trouble};
 use leadscrew_language::lines::Source;
 use leadscrew_language::reader::Reader;
 use leadscrew_language::stock::{self, Said, Stock};
+use leadscrew_language::text::span;
 use leadscrew_language::variables::Kept;
 use leadscrew_language::whose::Whose;
 
@@ -89,7 +90,7 @@ impl FirstLines {
         match named(text) {
             Named::Control(control) => (self.control, self.named) = (Some(control), true),
             Named::Unknown { from, to } => {
-                let alarm = Alarm::new(Code::DialectUnknown, place(line, from, to));
+                let alarm = Alarm::new(Code::DialectUnknown, span(line, from, to));
                 self.alarm.get_or_insert(alarm);
             }
             Named::Nothing => {}
@@ -97,22 +98,12 @@ impl FirstLines {
         match stock::said(text) {
             Said::Stock(stock) => _ = self.stock.get_or_insert(stock),
             Said::Unreadable { from, to } => {
-                let warning = Alarm::new(Code::StockUnreadable, place(line, from, to));
+                let warning = Alarm::new(Code::StockUnreadable, span(line, from, to));
                 self.warning.get_or_insert(warning);
             }
             Said::Nothing => {}
         }
         self.allowed.extend(allowed(text));
-    }
-}
-
-/// Bytes of a line.
-fn place(line: u32, from: usize, to: usize) -> Span {
-    let column = |byte: usize| u16::try_from(byte + 1).unwrap_or(u16::MAX);
-    Span {
-        line,
-        column: column(from),
-        end: column(to),
     }
 }
 

@@ -14,6 +14,7 @@ use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::program::Event;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_language::dialect::{Control, Looks, Written, lengths};
+use leadscrew_language::text::span;
 
 use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::{Doing, Failure, Outcome};
@@ -310,12 +311,7 @@ impl Checker<'_> {
             let less = (word.value * (1e6 - step) * share).round() as i64;
             let would = to.nm() - less;
             if params.soft_limit_minus(axis) <= would && would <= params.soft_limit_plus(axis) {
-                let column = |byte: usize| u16::try_from(byte + 1).unwrap_or(u16::MAX);
-                let span = Span {
-                    line: alarm.span.line,
-                    column: column(word.from),
-                    end: column(word.to),
-                };
+                let span = span(alarm.span.line, word.from, word.to);
                 let figure = Arg::Length(Length::from_nm(increments));
                 let told = Alarm::new(Code::PointMissing, span);
                 self.tell(&told.word(word.letter).with([figure]), false);

@@ -535,11 +535,17 @@ impl Executor {
             now.rate(timed.scaling)
         };
         let step = self.run.tick(rate, timed);
-        self.position = step.position;
-        if step.done {
+        self.moved(hold, step.done, setpoint);
+    }
+
+    /// The run has made its tick.
+    #[inline]
+    fn moved(&mut self, hold: bool, done: bool, setpoint: &mut Setpoint) {
+        self.position = self.run.position();
+        if done {
             self.active = Active::Free;
         }
-        let motion = if hold && self.run.at_rest() && !step.done {
+        let motion = if hold && self.run.at_rest() && !done {
             Motion::Hold
         } else {
             Motion::Run

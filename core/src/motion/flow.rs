@@ -30,6 +30,28 @@ pub struct Stretch {
     pub epoch: Epoch,
 }
 
+impl Stretch {
+    /// No way at all, within a block.
+    const NONE: Self = Self {
+        length: 0,
+        top: PathRate::ZERO,
+        nominal: PathRate::ZERO,
+        scaling: Scaling::Feed,
+        anew: false,
+        ends_block: false,
+        epoch: Epoch::FIRST,
+    };
+
+    /// What is put in in a tick; `rate` makes the factor of a scaling.
+    fn rate(&self, rate: impl Fn(Scaling) -> Rate) -> u64 {
+        rate(self.scaling)
+            .of(self.nominal)
+            .min(self.top)
+            .raw()
+            .into()
+    }
+}
+
 /// The input of the profile in one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Input {
@@ -42,13 +64,9 @@ pub(super) struct Input {
 /// The stretch in force.
 #[derive(Clone, Debug)]
 pub(super) struct Flow {
-    top: PathRate,
-    nominal: PathRate,
-    scaling: Scaling,
-    /// What has not been put in yet, in 1/256 nm.
+    now: Stretch,
+    /// What of it has not been put in yet, in 1/256 nm.
     left: u64,
-    /// The block ends after it.
-    ends_block: bool,
     /// No stretch has been taken yet.
     fresh: bool,
     /// Nothing follows: there is a stop, single block stops here, or the rest was given up.
@@ -61,11 +79,8 @@ impl Flow {
     #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
-            top: PathRate::ZERO,
-            nominal: PathRate::ZERO,
-            scaling: Scaling::Feed,
+            now: Stretch::NONE,
             left: 0,
-            ends_block: false,
             fresh: false,
             ended: true,
         }
@@ -73,9 +88,9 @@ impl Flow {
 
     /// A motion begins; its first stretch is the next one that comes.
     pub(super) const fn begin(&mut self) {
+        self.now = Stretch::NONE;
         self.left = 0;
-        (self.ends_block, self.ended) = (false, false);
-        self.fresh = true;
+        (self.fresh, self.ended) = (true, false);
     }
 
     /// Gives up the rest.
@@ -87,7 +102,7 @@ impl Flow {
     /// True where nothing is left to put in, and nothing follows or is known to follow: the motion may end when the tool
     /// has come to rest.
     pub(super) const fn may_end(&self) -> bool {
-        self.left == 0 && (self.ended || self.ends_block)
+        self.left == 0 && (self.ended || self.now.ends_block)
     }
 
     /// The input of this tick. `next` is the next stretch, if it is known. `rate` makes the factor of a scaling; `single`:
@@ -99,14 +114,14 @@ impl Flow {
         rate: impl Fn(Scaling) -> Rate,
     ) -> Input {
         let mut taken = self.left == 0 && self.take(next, single);
-        let wanted = u64::from(rate(self.scaling).of(self.nominal).min(self.top).raw());
+        let wanted = self.now.rate(&rate);
         let mut input = wanted.min(self.left);
         self.left = self.left.wrapping_sub(input);
         // The rest of the tick is of the next stretch, at the slower of the two rates.
         if input < wanted && !taken && self.take(next, single) {
             taken = true;
-            let further = u64::from(rate(self.scaling).of(self.nominal).min(self.top).raw());
-            let more = further.min(wanted).saturating_sub(input).min(self.left);
+            let more = self.now.rate(&rate).min(wanted);
+            let more = more.saturating_sub(input).min(self.left);
             self.left = self.left.wrapping_sub(more);
             input = input.wrapping_add(more);
         }
@@ -119,15 +134,12 @@ impl Flow {
 
     /// Goes on to the next stretch. False where there is none, or none may begin.
     fn take(&mut self, next: Option<&Stretch>, single: bool) -> bool {
-        self.ended |= self.ends_block && single;
+        self.ended |= self.now.ends_block && single;
         self.ended |= !self.fresh && next.is_some_and(|next| next.anew);
         let Some(next) = next.filter(|_| !self.ended) else {
             return false;
         };
-        self.top = next.top;
-        self.nominal = next.nominal;
-        self.scaling = next.scaling;
-        self.ends_block = next.ends_block;
+        self.now = *next;
         self.fresh = false;
         self.left = next.length;
         true

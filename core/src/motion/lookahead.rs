@@ -34,7 +34,7 @@ use super::flow::Stretch;
 use super::limits::{Corner, Limits};
 use super::path::{Heading, Path};
 use super::plan::{Scaling, Timed};
-use super::profile::Ramp;
+use super::profile::{Ramp, to_units};
 use super::rate::PathRate;
 use super::segment::{Action, Segment};
 use crate::units::{div_wide, mul_div, product, root, root_wide};
@@ -188,12 +188,11 @@ impl Lookahead {
         let (Some(corner), Action::Timed(timed)) = (limits.corner(), &segment.action) else {
             return false;
         };
-        let length = units(timed);
+        let length = to_units(timed.length);
         let window = window(corner);
         let mut top = corner.along.speed.raw().into();
         // A tick passes no more than one end of a cut.
         top = length.min(top);
-        let mut turns = 0;
         if let Path::Arc(arc) = &timed.path {
             let bend = arc.bend();
             // v · (v · m / R) is at most `turning`, and a tick turns by an eighth of a radian at most.
@@ -201,8 +200,6 @@ impl Lookahead {
             let square = div_wide(square, window);
             let even = root_wide(square).min(bend.radius.saturating_mul(32));
             top = top.min(mul_div(even, 1 << 32, bend.stretch)).max(1);
-            let way = length.min(top.saturating_mul(window));
-            turns = mul_div(way, 1 << (TURN_BITS - 8), bend.radius);
         }
         let top = top.max(1);
         let nominal = u64::from(timed.nominal.raw());
@@ -214,18 +211,19 @@ impl Lookahead {
         } else {
             first.turn_from(&self.heading).saturating_add(self.turns)
         };
-        let turn = corner_turn.saturating_add(turns);
-        let least = nominal.max(self.nominal) / 2;
-        let piece = Piece {
+        let mut piece = Piece {
             segment: *segment,
             length,
             nominal,
             top,
-            turn,
+            turn: 0,
             passes: None,
-            stop: !self.window.is_empty() && allowed(corner, turn) < least,
-            least,
+            stop: false,
+            least: nominal.max(self.nominal) / 2,
         };
+        let turns = own_turn(&piece, corner);
+        piece.turn = corner_turn.saturating_add(turns);
+        piece.stop = !self.window.is_empty() && allowed(corner, piece.turn) < piece.least;
         if self.window.push_back(piece).is_err() {
             return false;
         }
@@ -529,11 +527,6 @@ const fn per(way: u64, ticks: u64) -> u64 {
         Some(rate) => rate,
         None => u64::MAX,
     }
-}
-
-/// The way of a cut.
-const fn units(timed: &Timed) -> u64 {
-    (timed.length.nm().unsigned_abs()) << 8
 }
 
 /// The shortest ramp to `cap` whose input may change in any way.

@@ -92,12 +92,6 @@ impl Ramp {
         })
     }
 
-    /// True if `other` is the same ramp.
-    #[must_use]
-    pub const fn is(&self, other: &Self) -> bool {
-        self.cap.raw() == other.cap.raw() && self.n1 == other.n1 && self.n2 == other.n2
-    }
-
     /// The largest rate.
     #[must_use]
     pub const fn cap(&self) -> PathRate {
@@ -373,7 +367,7 @@ impl Profile {
 }
 
 /// Converts nanometres to the unit of the input.
-const fn to_units(length: Length) -> u64 {
+pub(super) const fn to_units(length: Length) -> u64 {
     if length.nm() < 0 {
         0
     } else {

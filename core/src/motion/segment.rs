@@ -13,6 +13,9 @@ use crate::units::{Length, Rpm};
 pub struct Epoch(u8);
 
 impl Epoch {
+    /// The epoch of a new board.
+    pub(super) const FIRST: Self = Self(0);
+
     /// The next epoch. A queue holds far fewer segments than there are epochs.
     #[must_use]
     pub const fn next(self) -> Self {

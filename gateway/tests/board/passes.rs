@@ -1,7 +1,7 @@
 //! Programs of several files and several passes on a board.
 
 use crate::server::{Options, Server};
-use crate::{json, leadscrew, text};
+use crate::{good, json, leadscrew};
 
 #[test]
 fn a_board_carries_out_pass_after_pass_and_tells_the_files_of_its_lines() {
@@ -17,23 +17,19 @@ fn a_board_carries_out_pass_after_pass_and_tells_the_files_of_its_lines() {
     )
     .unwrap();
     let server = Server::start(&Options::default());
-    let args = [
-        "run",
-        &program,
-        "--json",
-        "--passes",
-        "3",
-        "--variables",
-        &kept,
-    ];
-    let output = leadscrew(&args, &server.bus());
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}{}",
-        text(&output.stdout),
-        text(&output.stderr)
-    );
+    let args = |kept| {
+        [
+            "run",
+            &program,
+            "--json",
+            "--passes",
+            "3",
+            "--variables",
+            kept,
+        ]
+    };
+    let output = leadscrew(&args(&kept), &server.bus());
+    good(&output);
     let ran = json(&output);
     let values = std::fs::read_to_string(&kept).unwrap();
     assert!(values.ends_with("#500 = 3.0\n"), "{values}");
@@ -45,15 +41,7 @@ fn a_board_carries_out_pass_after_pass_and_tells_the_files_of_its_lines() {
         .collect();
     assert_eq!(places, [(Some("O0020.nc"), Some(3)); 3], "{ran}");
     let simulated = std::process::Command::new(env!("CARGO_BIN_EXE_leadscrew"))
-        .args([
-            "run",
-            &program,
-            "--json",
-            "--passes",
-            "3",
-            "--variables",
-            &file("other"),
-        ])
+        .args(args(&file("other")))
         .output()
         .unwrap();
     assert_eq!(ran["moves"], json(&simulated)["moves"]);

@@ -1,7 +1,7 @@
 //! G76 and G78 and the machine's limits: spindle, feeds, lead-in, run-out.
 
 use super::moves::{ThreadMoves, ThreadSummary};
-use super::shape::is_long_x;
+use super::shape::long_way;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::ThreadCall;
 use crate::feasible::{Gather, Pass, can_follow};
@@ -336,12 +336,7 @@ fn run_out_too_fast(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -
 
 /// The lead at the end of a stroke. Anywhere else it is that of the whole thread.
 fn last(call: &ThreadCall) -> Lead {
-    let way = if is_long_x(call) {
-        call.end_x.value - call.start.x
-    } else {
-        call.end_z.value - call.start.z
-    };
-    let last = call.change.value.after(call.lead.value, way);
+    let last = call.change.value.after(call.lead.value, long_way(call));
     last.unwrap_or(call.lead.value)
 }
 

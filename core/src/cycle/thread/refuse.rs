@@ -1,6 +1,6 @@
 //! Threads that geometry forbids, because a word is out of range or words contradict each other.
 
-use super::shape::is_long_x;
+use super::shape::{is_long_x, long_way};
 use super::slope::HalfAngle;
 use super::taper::scaled;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
@@ -129,12 +129,7 @@ fn refuse_lead(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
     if call.cycle != ThreadCycle::G34 {
         return Ok(());
     }
-    let length = if is_long_x(call) {
-        call.end_x.value - call.start.x
-    } else {
-        call.end_z.value - call.start.z
-    };
-    let length = length.abs();
+    let length = long_way(call).abs();
     if length > LeadChange::REACH {
         let figure = [Arg::Length(length), Arg::Length(LeadChange::REACH)];
         return Err(Alarm::new(Code::VariableStrokeTooLong, span).with(figure));

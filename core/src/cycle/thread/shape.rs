@@ -426,6 +426,15 @@ impl Shape {
     }
 }
 
+/// The way of a stroke along its long axis.
+pub(crate) fn long_way(call: &ThreadCall) -> Length {
+    if is_long_x(call) {
+        call.end_x.value - call.start.x
+    } else {
+        call.end_z.value - call.start.z
+    }
+}
+
 /// True where X is the long axis.
 pub(crate) fn is_long_x(call: &ThreadCall) -> bool {
     if call.cycle.is_stroke() {

@@ -1,6 +1,6 @@
 //! Joined cuts in the executor: one tick, and the change from one cut to the next.
 
-use super::{Active, Conditions, Executor, Motion, Setpoint};
+use super::{Conditions, Executor, Setpoint};
 use crate::motion::plan::Timed;
 use crate::motion::rate::Rate;
 use crate::motion::segment::{Action, Task};
@@ -27,16 +27,7 @@ impl Executor {
         let rate = |scaling| if hold { Rate::HOLD } else { now.rate(scaling) };
         let step = self.run.flow(timed, now.stretch, now.single, rate);
         (self.taken, self.crossed) = (step.taken, step.crossed);
-        self.position = self.run.position();
-        if step.done {
-            self.active = Active::Free;
-        }
-        let motion = if hold && self.run.at_rest() && !step.done {
-            Motion::Hold
-        } else {
-            Motion::Run
-        };
-        self.tell(setpoint, motion);
+        self.moved(hold, step.done, setpoint);
     }
 
     /// The tool has passed the end of a joined cut of the length `last`, and is in `next` now. Writes the setpoint of this
