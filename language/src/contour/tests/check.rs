@@ -189,7 +189,12 @@ fn check(case: &Case) -> Result<(), String> {
         let way = Way::of(case, from, &cut.element);
         if let Some((centre, _)) = way.arc {
             let [a, b] = [way.from, way.to].map(|end| (end.0 - centre.0).hypot(end.1 - centre.1));
-            if (a - b).abs() > SLACK || way.to.1 <= way.from.1 {
+            // A steep end may advance by less than its places are rounded to.
+            let radius = (a + b) / 2.0;
+            let along = |end: (f64, f64)| (radius * radius - (end.0 - centre.0).powi(2)).sqrt();
+            let stands = way.to.1.to_bits() == way.from.1.to_bits()
+                && (along(way.to) - along(way.from)).abs() < 1.0;
+            if (a - b).abs() > SLACK || (way.to.1 <= way.from.1 && !stands) {
                 return Err(format!("a bad arc: {way:?}"));
             }
         }
