@@ -8,6 +8,7 @@ import random
 import unittest
 
 from board import Board
+from cpu import FLASH
 from plant import Plant
 from prepared import prepared
 from talk import SYNC, START, Ear
@@ -27,25 +28,33 @@ class Preempter:
     def __init__(self, board):
         self.board = board
         self.wanted = self.context = None
-        self.count = self.guarded = 0
+        self.count = 0
+        # Addresses within the IT block that runs: its end is as good, and Unicorn cannot go on in the middle of one.
+        self.block = range(0)
         self.done = False
         cpu = board.cpu
         cpu.each(self.instruction)
 
     def arm(self, context, wanted):
         self.context, self.wanted, self.count, self.done = context, wanted, 0, False
-        self.guarded = 0
+        self.block = range(0)
         self.board.cpu.watched = True
 
+    def end_of_block(self, address):
+        """Where the block ends that begins with the IT at `address` (ARMv7-M, A7.7 "IT"). Unicorn does not show the
+        instructions that the condition skips, so they cannot be counted as they come."""
+        image = self.board.image.code
+        mask = image[address - FLASH] & 15
+        end = address + 2
+        for _ in range(5 - (mask & -mask).bit_length()):
+            # A5.1 "Thumb instruction set encoding": these five bits begin an instruction of two halves.
+            end += 4 if image[end - FLASH + 1] >> 3 in (0b11101, 0b11110, 0b11111) else 2
+        return end
+
     def instruction(self, address, half):
-        if self.guarded:
-            # Within an IT block: its end is as good.
-            self.guarded -= 1
-            inside = True
-        else:
-            inside = False
-            if half & 0xFF00 == 0xBF00 and half & 15:
-                self.guarded = 4 - ((half & 15) & -(half & 15)).bit_length() + 1
+        inside = address in self.block
+        if not inside and half & 0xFF00 == 0xBF00 and half & 15:
+            self.block = range(address + 2, self.end_of_block(address))
         if self.board.cpu.number() != self.context:
             return False
         self.count += 1
