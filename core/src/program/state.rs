@@ -328,7 +328,7 @@ impl<'p> State<'p> {
         if let Some(other) = motion_word {
             let harmless = match code {
                 4 => block.has_any(Letters::of(b"P")),
-                53 => self.motion == Motion::Rapid,
+                28 | 30 | 53 => self.motion == Motion::Rapid,
                 _ => false,
             };
             if block.has_any(AXES) && !harmless {
