@@ -267,6 +267,11 @@ fn words_that_a_haas_writes_with_another_letter() {
         "G99;G0 X60 Z2;G94 X20 Z-5 R-3 F.1",
     );
     same("G0 X60;G91 G28 X0 Z0;G0 X5", "G0 X60;G28 U0 W0;G0 X5");
+    // G28 without an axis is X and Z; words beside it are another matter.
+    same("G0 X60;G28;G0 X5", "G0 X60;G28 U0 W0;G0 X5");
+    same("G0 X60;N5 G28 M9;G0 X5", "G0 X60;G28 U0 W0 M9;G0 X5");
+    same("G0 X60;G28 U0;G0 X5", "G0 X60;G28 U0;G0 X5");
+    assert_eq!(alarm(Control::FanucA, "G28").number(), 4031);
 }
 
 #[test]

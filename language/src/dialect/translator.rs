@@ -249,8 +249,19 @@ fn counted(word: &Word, increment: u8) -> Result<Given, Alarm> {
     })
 }
 
-/// The words that a Haas writes with another letter.
-fn of_haas(words: &mut [Word], motion: i64, alone: bool) {
+/// G28 without an axis, which is X and Z from where they are, and the words that a Haas writes with another letter.
+fn of_haas(words: &mut Vec<Word>, motion: i64, alone: bool) {
+    let names_axis = |word: &Word| b"XUZWCH".contains(&word.letter);
+    if let Some(home) = words.iter().find(|word| code_of(word) == Some(28)).copied()
+        && !words.iter().any(names_axis)
+    {
+        words.extend([b'U', b'W'].map(|letter| Word {
+            letter,
+            given: Given::Written(Decimal::new(0, 0)),
+            variable: None,
+            span: home.span,
+        }));
+    }
     let dwell = has_code(words, 4);
     for word in words {
         let point = matches!(word.given, Given::Written(number) if number.has_point());
