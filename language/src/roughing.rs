@@ -10,7 +10,7 @@ use leadscrew_core::units::{Diameter, Length};
 use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats, Roughing};
 use crate::dialect::Control;
 use crate::plane::{Element, Point};
-use crate::word::Word;
+use crate::word::{Given, Word};
 
 /// A contour cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +126,12 @@ impl Words<'_> {
         let Some(word) = self.find(letter) else {
             return Ok(None);
         };
-        Ok(Some(At::new(i64::from(word.count(1, 9999)?), word.span)))
+        // Programs write `R3.` too; a part of a pass is refused.
+        let plain = Word {
+            given: Given::Calculated(word.value()),
+            ..*word
+        };
+        Ok(Some(At::new(i64::from(plain.count(1, 9999)?), word.span)))
     }
 
     /// Refuses a word that this line of the cycle does not have.

@@ -351,3 +351,16 @@ fn a_comment_names_the_control() {
         assert_eq!(Control::of_name(control.name()), Some(control));
     }
 }
+
+#[test]
+fn a_pattern_counts_its_passes_with_a_point_too() {
+    let text = |passes: &str| {
+        format!(
+            "M3 S500;G0 X60 Z5;G73 U4. W4. R{passes};G73 P1 Q2 U.4 W.2 F.3;N1 G0 X20 Z1;N2 G1 Z-9;G70 P1 Q2"
+        )
+    };
+    let control = Control::FanucA;
+    assert_eq!(kinds(control, &text("3.")), kinds(control, &text("3")));
+    assert_eq!(alarm(control, &text("2.5")).number(), 4023);
+    assert_eq!(alarm(control, &text("0.")).number(), 4025);
+}
