@@ -261,10 +261,10 @@ impl Acting<'_, '_> {
         } else {
             let mut events = std::mem::take(&mut self.core.events);
             let acted = action(self.core, &mut |event| events.push_back(event));
-            let result = self.along_path(&mut events, collected);
+            // What came before an alarm of the core was right. The motion that a corner asks for may be missing then.
+            let result = self.along_path(&mut events, collected, acted.is_ok());
             events.clear();
             self.core.events = events;
-            // What came before an alarm of the core was right.
             result.and_then(|moved| acted.map(|()| moved))
         };
         self.core.contour = contour;
@@ -305,11 +305,12 @@ impl Acting<'_, '_> {
         result.map(|()| moved)
     }
 
-    /// Takes the events of a block through corners and nose. True where an axis moves.
+    /// Takes the events of a block through corners and nose; `whole`: they are all of it. True where an axis moves.
     fn along_path(
         &mut self,
         events: &mut VecDeque<Event>,
         mut collected: Option<&mut Collected>,
+        whole: bool,
     ) -> Result<bool, Alarm> {
         let mut moved = false;
         let in_cycle = matches!(
@@ -343,7 +344,9 @@ impl Acting<'_, '_> {
                 self.core.call_tool(number);
             }
         }
-        self.core.path.end_block()?;
+        if whole {
+            self.core.path.end_block()?;
+        }
         while let Some(event) = self.core.path.next() {
             (self.out)(event);
         }
