@@ -20,6 +20,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 use crate::dialect::{Control, Setting, Translator};
 use crate::lines::{Lines, Place, Source};
+use crate::outline::behind_leader;
 use crate::roughing::Cycle;
 use crate::text::{Glance, glance, has_blocks, span};
 use crate::variables::{Kept, System, Variables};
@@ -273,6 +274,9 @@ impl<S: Source> Flow<S> {
             && !self.in_contour
             && self.rules.control.is_gsk()
             && !machine.wants_words();
+        if !self.started {
+            self.at = behind_leader(&mut self.lines, self.at)?;
+        }
         let Some(line) = self.lines.line(self.at)? else {
             return self.text_over(machine);
         };
@@ -282,14 +286,17 @@ impl<S: Source> Flow<S> {
             if let Glance::Plain(until) = glance(line.text, &mut depth) {
                 let text = &line.text[..until];
                 let begins = !self.started && has_blocks(text, self.depth);
-                let done = machine.line(self.at.line, text)?;
-                if begins {
-                    self.start(self.at);
+                // A program that stands behind a `%` does not begin at the front of its line.
+                if !begins || !text.contains(&b'%') {
+                    let done = machine.line(self.at.line, text)?;
+                    if begins {
+                        self.start(self.at);
+                    }
+                    (self.at, self.depth) = (next, depth);
+                    self.idle = self.idle.saturating_add(1);
+                    self.note(done);
+                    return Ok(());
                 }
-                (self.at, self.depth) = (next, depth);
-                self.idle = self.idle.saturating_add(1);
-                self.note(done);
-                return Ok(());
             }
         }
         let mut text = std::mem::take(&mut self.text);

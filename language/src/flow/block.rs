@@ -46,10 +46,19 @@ impl<S: Source> Flow<S> {
         self.idle = self.idle.saturating_add(1);
         let mut cursor = Cursor::new(here.line, &text[..piece.end], here.column);
         // In front of everything else a `%` means nothing; after that it ends the text, which the core sees.
-        while !self.started && cursor.take(b'%') {}
+        let mut percent = false;
+        while !self.started && cursor.take(b'%') {
+            percent = true;
+        }
         if cursor.peek() == Some(b'%') {
             return self.plain(here, text, piece, machine);
         }
+        // The program begins behind it: there a second pass and a search for N go.
+        let here = if percent {
+            here.in_line(cursor.at())
+        } else {
+            here
+        };
         let head = head(&mut cursor);
         let from = here.in_line(head.numbered.unwrap_or(here.column));
         let skipped = head.skip && self.rules.skip;
