@@ -14,6 +14,7 @@ use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::program::Event;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_language::dialect::{Control, Looks, Written, lengths};
+use leadscrew_language::heading::Allowed;
 use leadscrew_language::text::span;
 
 use crate::diagnostics::{self, Diagnostic, Place};
@@ -24,7 +25,7 @@ use crate::length;
 use crate::number;
 use crate::place::SourceLine;
 use crate::plausible::Plausible;
-use crate::program::{Program, may_be_allowed};
+use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::words::{Both, both};
@@ -128,7 +129,7 @@ pub enum Detail {
 /// Verifies a program.
 pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Report> {
     let options = setup.options();
-    let mut program = Program::open(source, &setup.params, setup.begin())
+    let program = Program::open(source, &setup.params, setup.begin())
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut checker = Checker {
         setup,
@@ -140,24 +141,20 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         spindle: Spindle::at_start(setup),
         beyond: Vec::new(),
         plausible: Plausible::new(&setup.params, program.stock()),
-        allowed: setup
-            .allow
-            .iter()
-            .chain(program.allowed())
-            .copied()
-            .collect(),
+        program,
     };
     loop {
-        let next = program
+        let next = checker
+            .program
             .next_event()
             .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
-        let inch = program.is_inch();
+        let inch = checker.program.is_inch();
         match next {
             None => {
                 let mut plausible = std::mem::take(&mut checker.plausible);
                 plausible.end(&mut |alarm| checker.doubt(&alarm, inch));
                 checker.points()?;
-                if let Some(control) = program.assumed() {
+                if let Some(control) = checker.program.assumed() {
                     checker.look(control)?;
                 }
                 return Ok(checker.report);
@@ -173,13 +170,12 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
 struct Checker<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
+    program: Program<'a>,
     detail: Detail,
     report: Report,
     at: Position,
     hole: Hole,
     spindle: Spindle,
-    /// Numbers that machine file or program silence.
-    allowed: Vec<u16>,
     /// Alarms of travel on lines in millimetres.
     beyond: Vec<Alarm>,
     plausible: Plausible,
@@ -230,7 +226,7 @@ impl Checker<'_> {
             _ => alarm,
         };
         let (number, line) = (alarm.number(), alarm.span.line);
-        if self.allowed.contains(&number) {
+        if self.program.allows(alarm) {
             return;
         }
         let report = &mut self.report;
@@ -360,8 +356,9 @@ impl Checker<'_> {
 
     /// Tells what looks wrong, but not on a line that is refused anyway.
     fn doubt(&mut self, alarm: &Alarm, inch: bool) {
-        let refused =
-            |known: &Diagnostic| known.counted == alarm.span.line && !may_be_allowed(known.number);
+        let refused = |known: &Diagnostic| {
+            known.counted == alarm.span.line && !Allowed::may_have(known.number)
+        };
         if !self.report.alarms.iter().any(refused) {
             self.tell(alarm, inch);
         }

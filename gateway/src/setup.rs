@@ -15,6 +15,7 @@ use leadscrew_core::program::Options;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 use leadscrew_language::dialect::Control;
+use leadscrew_language::heading::Allowed;
 
 use crate::beside;
 use crate::cli::{DialectName, Drive, Global};
@@ -58,7 +59,7 @@ pub struct Setup<'a> {
     /// The control that programs are written for, if they name none.
     pub control: Control,
     /// Numbers that the machine file silences.
-    pub allow: Vec<u16>,
+    pub allow: Allowed,
     /// The machine file beside the program.
     pub machine: Option<PathBuf>,
     /// The variables that outlive a program.
@@ -137,8 +138,8 @@ impl<'a> Setup<'a> {
             None => VariableFile::default(),
         };
         let loaded = told_good_in(global, loaded, answer)?;
-        let (dialect, mut allow) = said.unwrap_or_default();
-        allow.extend(loaded.allow);
+        let (dialect, allow) = said.unwrap_or_default();
+        let allow = loaded.allow.and(allow);
         let named = global.dialect.map(DialectName::control);
         let control = named.or(loaded.dialect).or(dialect).unwrap_or_default();
         let params = loaded.params;
@@ -213,6 +214,7 @@ impl<'a> Setup<'a> {
             control: self.control,
             kept: self.variables.values.clone(),
             passes: None,
+            allowed: self.allow,
         }
     }
 

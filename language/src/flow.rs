@@ -14,11 +14,13 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+use std::collections::HashMap;
 use std::io;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 use crate::dialect::{Control, Setting, Translator};
+use crate::heading::Allowed;
 use crate::lines::{Lines, Place, Source};
 use crate::roughing::Cycle;
 use crate::text::{Glance, glance, has_blocks, span};
@@ -101,7 +103,7 @@ pub trait Machine: System {
 /// How a program is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
-    /// The control that the program was written for.
+    /// The control that the program was written for, and each file of a subprogram that does not name another.
     pub control: Control,
     /// Blocks with `/` in front are passed over.
     pub skip: bool,
@@ -147,6 +149,13 @@ impl From<io::Error> for Trouble {
     }
 }
 
+/// What the first lines of a subprogram's file say [D273].
+#[derive(Clone, Copy, Debug)]
+struct Own {
+    control: Control,
+    allowed: Allowed,
+}
+
 /// A program that runs.
 #[derive(Debug)]
 pub struct Flow<S> {
@@ -154,6 +163,8 @@ pub struct Flow<S> {
     variables: Variables,
     rules: Rules,
     translator: Translator,
+    /// The files of subprograms that have been called: at most ten thousand.
+    files: HashMap<Whose, Own>,
     /// The program, and what it has called. Never empty.
     frames: Vec<Frame>,
     /// The next block.
@@ -189,6 +200,7 @@ impl<S: Source> Flow<S> {
             variables: Variables::new(kept),
             rules,
             translator: Translator::new(rules.control),
+            files: HashMap::new(),
             frames: vec![Frame::main()],
             at: Place::START,
             last: Place::START,
@@ -212,10 +224,24 @@ impl<S: Source> Flow<S> {
         &self.variables
     }
 
-    /// The control whose words are read, and what its blocks have set.
+    /// The control whose words the next block has: that of its file.
     #[must_use]
-    pub const fn translator(&self) -> &Translator {
-        &self.translator
+    pub fn control(&self) -> Control {
+        match self.at.file() {
+            Whose::Program => self.rules.control,
+            file => self
+                .files
+                .get(&file)
+                .map_or(self.rules.control, |own| own.control),
+        }
+    }
+
+    /// The numbers that a subprogram's file silences; none of those of the program's own file.
+    #[must_use]
+    pub fn allowed(&self, file: Whose) -> Allowed {
+        self.files
+            .get(&file)
+            .map_or(Allowed::NONE, |own| own.allowed)
     }
 
     /// The line of the latest step.
@@ -267,12 +293,12 @@ impl<S: Source> Flow<S> {
             let limit = [Arg::Int(i64::from(whose::LINES - 1))];
             return Err(Alarm::new(Code::SubprogramLong, place).with(limit).into());
         }
+        self.translator.read_as(self.control());
         // After each block with a motion there may be a modal call.
         let by_lines = self.at.column == 0
             && self.top().modals.is_empty()
             && !self.in_contour
-            && self.rules.control.is_gsk()
-            && !machine.wants_words();
+            && self.reads_plain(machine);
         let Some(line) = self.lines.line(self.at)? else {
             return self.text_over(machine);
         };
@@ -298,6 +324,12 @@ impl<S: Source> Flow<S> {
         let result = self.block(&text, next, machine);
         self.text = text;
         result
+    }
+
+    /// The core may have a block as it is: it is one of a GSK, as those of the program are.
+    fn reads_plain(&self, machine: &impl Machine) -> bool {
+        let control = self.translator.control();
+        control.is_gsk() && self.rules.control.is_gsk() && !machine.wants_words()
     }
 
     /// The first block is the front of the program.

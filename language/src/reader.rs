@@ -21,12 +21,14 @@ use leadscrew_core::units::Decimal;
 use crate::dialect::{Control, Setting};
 use crate::drilling::Drill;
 use crate::flow::{Done, Flow, Machine, Rules, Trouble};
+use crate::heading::Allowed;
 use crate::lines::Source;
 use crate::nose::Side;
 use crate::path::Path;
 use crate::plane::{Element, Point, Shape};
 use crate::roughing::{Collected, Cycle, FirstLines, Unit};
 use crate::variables::{Kept, Variables};
+use crate::whose::Whose;
 use crate::word::Word;
 use glimpse::{codes, letters};
 
@@ -94,7 +96,8 @@ impl<'p, S: Source> Reader<'p, S> {
     /// # Errors
     /// What ends the program; there is no further step.
     pub fn step(&mut self, out: &mut dyn FnMut(Event)) -> Result<(), Trouble> {
-        let control = self.core.control;
+        let control = self.flow.control();
+        self.core.read_as(control);
         let out = &mut |event| {
             out(match event {
                 Event::Warning(warning) => Event::Warning(control.in_own_codes(warning)),
@@ -155,6 +158,12 @@ impl<'p, S: Source> Reader<'p, S> {
         &self.core.interpreter
     }
 
+    /// The numbers that a subprogram's file silences; none of those of the program's own file.
+    #[must_use]
+    pub fn allowed(&self, file: Whose) -> Allowed {
+        self.flow.allowed(file)
+    }
+
     /// The variables, of which the kept ones are to be stored.
     #[must_use]
     pub const fn variables(&self) -> &Variables {
@@ -163,6 +172,13 @@ impl<'p, S: Source> Reader<'p, S> {
 }
 
 impl Core<'_> {
+    /// The next block is one of this control.
+    const fn read_as(&mut self, control: Control) {
+        self.control = control;
+        self.first.read_as(control);
+        self.interpreter.read_as(control.family());
+    }
+
     /// T of a block.
     fn call_tool(&mut self, number: u16) {
         self.tool = Some(number);

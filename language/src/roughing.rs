@@ -155,6 +155,11 @@ impl FirstLines {
         }
     }
 
+    /// The blocks that follow are those of this control.
+    pub const fn read_as(&mut self, control: Control) {
+        self.control = control;
+    }
+
     /// Takes in a first line: a block of the cycle without P and Q.
     ///
     /// # Errors

@@ -472,6 +472,10 @@ codes! {
     DialectUnknown = 4086, "there is no dialect of this name", "write one of gsk980td, gsk988, fanuc-a, fanuc-b, fanuc-c, haas: `(DIALECT FANUC-B)`",
         "没有该名称的方言", "请写下列之一：gsk980td、gsk988、fanuc-a、fanuc-b、fanuc-c、haas，如 `(DIALECT FANUC-B)`";
 
+    /// The highest speed in a subprogram's file with another dialect; {0} its code.
+    SpeedLimitElsewhere = 4087, "{0} S in a file of another dialect: under G97 it limits the speed on FANUC and Haas, and not on GSK", "set the highest speed in the program that was started, before the call, or write this file in the dialect of that program",
+        "其他方言的文件中有 {0} S：在 G97 下，FANUC 和 Haas 受其限制，GSK 不受限制", "请在主程序调用之前设定最高转速，或用主程序的方言编写此文件";
+
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 
     /// d leaves nothing to rough.

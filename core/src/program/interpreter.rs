@@ -7,7 +7,9 @@ use crate::alarm::{Alarm, Code, Span};
 use crate::call::Position;
 use crate::cycle::rigid_code;
 use crate::params::Params;
-use crate::text::{Block, Comment, Cursor, Ended, Event, Known, MGroup, Options, Plan, m_code};
+use crate::text::{
+    Block, Comment, Cursor, Dialect, Ended, Event, Known, MGroup, Options, Plan, m_code,
+};
 use crate::units::Decimal;
 
 /// Reads a program line by line and resolves all of its modal meaning. Memory is bounded by one line.
@@ -199,6 +201,11 @@ impl<'p> Interpreter<'p> {
     #[must_use]
     pub const fn is_ended(&self) -> bool {
         self.state.ended || self.closed || self.failed
+    }
+
+    /// Reads the words of the lines that follow as this family of controls does; what is in force stays.
+    pub const fn read_as(&mut self, dialect: Dialect) {
+        self.state.modal.options.dialect = dialect;
     }
 
     /// Where the machine stands after the blocks so far.

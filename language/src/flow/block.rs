@@ -94,9 +94,7 @@ impl<S: Source> Flow<S> {
     /// What a block is. Only those of a GSK may be the core's as they are.
     fn statement(&self, cursor: &mut Cursor<'_>, machine: &impl Machine) -> Statement {
         match statement(cursor) {
-            Statement::Plain if !self.rules.control.is_gsk() || machine.wants_words() => {
-                Statement::Words
-            }
+            Statement::Plain if !self.reads_plain(machine) => Statement::Words,
             kind => kind,
         }
     }
@@ -197,7 +195,7 @@ impl<S: Source> Flow<S> {
         let now = machine.setting();
         self.translator.translate(words, now)?;
         machine.returns_to_r(self.translator.returns_to_r());
-        if let Some(blocks) = one_line::blocks(words, self.rules.control, now)? {
+        if let Some(blocks) = one_line::blocks(words, self.translator.control(), now)? {
             for block in &blocks {
                 let done = machine.words(cursor.line(), block)?;
                 self.done(done)?;
