@@ -3,13 +3,12 @@
 
 use std::collections::VecDeque;
 use std::io;
-use std::num::NonZeroU32;
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
 use leadscrew_language::dialect::Control;
-use leadscrew_language::flow::{Rules, Trouble};
+use leadscrew_language::flow::{Passes, Rules, Trouble};
 use leadscrew_language::heading::{Allowed, Heading};
 use leadscrew_language::lines::{Lines, Source};
 use leadscrew_language::reader::Reader;
@@ -29,8 +28,8 @@ pub struct Begin {
     pub control: Control,
     /// The variables that outlive a program.
     pub kept: Kept,
-    /// How often a main program is carried out that begins itself again; `None`: once, with a note that says so.
-    pub passes: Option<NonZeroU32>,
+    /// How often a main program is carried out that begins itself again.
+    pub passes: Passes,
     /// Numbers that the machine silences.
     pub allowed: Allowed,
 }
@@ -144,7 +143,7 @@ impl<'p> Program<'p> {
         let heading = Heading::read(&mut Lines::new(&mut text), Whose::Program)?;
         let rules = Rules {
             control: heading.control.unwrap_or(control),
-            passes: passes.map_or(1, NonZeroU32::get),
+            passes,
             ..Rules::default()
         };
         Ok(Self {

@@ -2,7 +2,6 @@
 //! before any motion.
 
 use std::io::{BufRead as _, BufReader};
-use std::num::NonZeroU32;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{
@@ -14,6 +13,7 @@ use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::program::Event;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_language::dialect::{Control, Looks, Written, lengths};
+use leadscrew_language::flow::Passes;
 use leadscrew_language::heading::Allowed;
 use leadscrew_language::text::span;
 
@@ -220,9 +220,9 @@ impl Checker<'_> {
     fn tell(&mut self, alarm: &Alarm, inch: bool) {
         let again = Alarm::new(Code::MainBeginsAgain, alarm.span);
         let alarm = match (alarm.code, self.setup.passes) {
-            (Code::MainRepeats, Some(NonZeroU32::MAX)) => &again,
+            (Code::MainRepeats, Passes::UntilStopped) => &again,
             // It ends after as many passes as are wanted.
-            (Code::MainRepeats, Some(_)) => return,
+            (Code::MainRepeats, Passes::Number(_)) => return,
             _ => alarm,
         };
         let (number, line) = (alarm.number(), alarm.span.line);

@@ -1,6 +1,5 @@
 //! The start of every command: the machine's parameters, the language, and the use of colour.
 
-use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::Flash;
@@ -15,6 +14,7 @@ use leadscrew_core::program::Options;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 use leadscrew_language::dialect::Control;
+use leadscrew_language::flow::Passes;
 use leadscrew_language::heading::Allowed;
 
 use crate::beside;
@@ -64,8 +64,8 @@ pub struct Setup<'a> {
     pub machine: Option<PathBuf>,
     /// The variables that outlive a program.
     pub variables: VariableFile,
-    /// How often the machine carries out a main program that begins itself again; `None`: once.
-    pub passes: Option<NonZeroU32>,
+    /// How often the machine carries out a main program that begins itself again.
+    pub passes: Passes,
 }
 
 impl<'a> Setup<'a> {
@@ -172,7 +172,7 @@ impl<'a> Setup<'a> {
             allow,
             machine,
             variables,
-            passes: None,
+            passes: Passes::Once,
         })
     }
 
@@ -213,7 +213,7 @@ impl<'a> Setup<'a> {
             options: self.options(),
             control: self.control,
             kept: self.variables.values.clone(),
-            passes: None,
+            passes: Passes::Once,
             allowed: self.allow,
         }
     }

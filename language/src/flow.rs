@@ -16,6 +16,7 @@ mod tests;
 
 use std::collections::HashMap;
 use std::io;
+use std::num::NonZeroU32;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
@@ -100,6 +101,29 @@ pub trait Machine: System {
     fn finish(&mut self) -> Result<(), Alarm>;
 }
 
+/// How often a main program is carried out that begins itself again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Passes {
+    /// Once: who reads it is told that M99 would begin it again.
+    #[default]
+    Once,
+    /// So many times, as was asked for.
+    Number(NonZeroU32),
+    /// Until somebody stops it.
+    UntilStopped,
+}
+
+impl Passes {
+    /// True where another pass follows the one with this number, from 1.
+    const fn go_on_after(self, pass: u32) -> bool {
+        match self {
+            Self::Once => false,
+            Self::Number(number) => pass < number.get(),
+            Self::UntilStopped => true,
+        }
+    }
+}
+
 /// How a program is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
@@ -107,9 +131,9 @@ pub struct Rules {
     pub control: Control,
     /// Blocks with `/` in front are passed over.
     pub skip: bool,
-    /// How often the main program is carried out where its M99 begins it again, or leads back: from 1 on. It ends with a
-    /// note where M99 would begin one more pass.
-    pub passes: u32,
+    /// How often the main program is carried out where its M99 begins it again, or leads back. It ends with a note where
+    /// M99 would begin one more pass.
+    pub passes: Passes,
     /// Statements that a loop may carry out without a motion.
     pub budget: u32,
     /// How often the loops of a pass may begin again, whatever they move.
@@ -121,7 +145,7 @@ impl Default for Rules {
         Self {
             control: Control::default(),
             skip: false,
-            passes: 1,
+            passes: Passes::Once,
             budget: 1_000_000,
             turns: 1_000_000,
         }
@@ -182,7 +206,7 @@ pub struct Flow<S> {
     idle: u32,
     /// How often a loop has begun again in this pass.
     turns: u32,
-    /// The pass of the main program.
+    /// The pass of the main program. After 2³² passes it counts from 0 again.
     pass: u32,
     memo: Memo,
     /// The line of a block that is carried out alone, its front blanked, and its words.

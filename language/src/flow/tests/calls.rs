@@ -1,4 +1,7 @@
+use std::num::NonZeroU32;
+
 use super::{Rules, refused, run, run_with};
+use crate::flow::Passes;
 
 #[test]
 fn a_subprogram_runs_as_often_as_it_is_called() {
@@ -58,7 +61,7 @@ fn the_main_program_is_read_once_or_again() {
         (1, vec![4992], None)
     );
     let again = Rules {
-        passes: u32::MAX,
+        passes: Passes::UntilStopped,
         ..Rules::default()
     };
     let text = "%\nO1\n#1=#1+1\nX#1\nIF[#1GE3]GOTO9\nM99\nN9M30\n%";
@@ -70,7 +73,7 @@ fn the_main_program_is_read_once_or_again() {
     );
     // A number of passes; a way back to a block is one more, and loops of one pass do not count in the next.
     let twice = Rules {
-        passes: 2,
+        passes: Passes::Number(NonZeroU32::MIN.saturating_add(1)),
         turns: 3,
         ..Rules::default()
     };
