@@ -16,7 +16,7 @@ use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::call::{Aux, Call, CallKind, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Event, Interpreter, Options, Way};
-use leadscrew_core::units::Decimal;
+use leadscrew_core::units::{Decimal, StartAngle};
 
 use crate::dialect::{Control, Setting};
 use crate::drilling::Drill;
@@ -379,6 +379,15 @@ impl Acting<'_, '_> {
     }
 }
 
+/// The start angle of a thread in one block; `None` where it is not written.
+fn first_angle(words: &[Word]) -> Result<Option<StartAngle>, Alarm> {
+    let word = words.iter().find(|word| word.letter == Word::START_ANGLE);
+    let angle = word
+        .filter(|word| !word.value().is_null())
+        .map(|word| word.count(0, StartAngle::FULL));
+    Ok(angle.transpose()?.map(StartAngle::from_mdeg))
+}
+
 /// True for the codes that take the tool to a place of the machine: G28, G30, G53.
 const fn goes_home(code: i64) -> bool {
     matches!(code, 28 | 30 | 53)
@@ -447,11 +456,19 @@ impl Acting<'_, '_> {
         let home = words
             .iter()
             .any(|word| word.letter == b'G' && word.value().whole().is_some_and(goes_home));
+        let first_angle = first_angle(words)?;
         self.without_nose(home, |acting| {
             acting.act(|core, out| {
-                let numbers: Vec<_> = core.numbers(words).collect();
-                core.interpreter
-                    .words(line, numbers, &mut |event| out(event))
+                let is_of_core = |(letter, ..): &(u8, Decimal, Span)| *letter != Word::START_ANGLE;
+                let numbers: Vec<_> = core.numbers(words).filter(is_of_core).collect();
+                core.interpreter.words(line, numbers, &mut |mut event| {
+                    if let (Some(angle), Event::Call(call)) = (first_angle, &mut event)
+                        && let CallKind::Thread(thread) = &mut call.kind
+                    {
+                        thread.first_angle = angle;
+                    }
+                    out(event);
+                })
             })
         })
     }

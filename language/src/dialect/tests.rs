@@ -243,8 +243,56 @@ fn a_thread_in_one_block_has_its_words() {
         (Infeed::Equal, CutIn::Left)
     );
     assert_eq!(with("I-0.5").taper.value.nm(), -500_000);
+    assert_eq!(with("").first_angle.mdeg(), 0);
+    assert_eq!(with("Q60000").first_angle.mdeg(), 60_000);
     assert_eq!(alarm(Control::Haas, &format!("{text} P9")).number(), 4025);
     assert_eq!(alarm(Control::Haas, &format!("{text} R1")).number(), 4028);
+}
+
+#[test]
+fn q_of_a_thread_in_one_block_is_its_start_angle_in_every_dialect() {
+    for control in Control::ALL {
+        let text = match control {
+            Control::FanucC => "G97 M3 S500;G0 X22. Z5.;G78 X17.546 Z-25. K1.227 D0.4 F2. A60",
+            _ => "G97 M3 S500;G0 X22. Z5.;G76 X17.546 Z-25. K1.227 D0.4 F2. A60",
+        };
+        let with = |words: &str| thread(control, &format!("{text} {words}"));
+        let thread = with("Q120000");
+        assert_eq!(thread.first_angle.mdeg(), 120_000, "{control:?}");
+        assert_eq!(thread.first_depth.value.nm(), 400_000, "{control:?}");
+        // It is for its block alone, and a macro may calculate it.
+        let after = format!(
+            "{text} Q120000;G0 X22. Z5.;{}",
+            text.rsplit(';').next().unwrap()
+        );
+        let (events, refused) = read(control, &after);
+        assert_eq!(refused, None, "{after}");
+        let angle = |event: &Event| match event {
+            Event::Call(call) => match call.kind {
+                CallKind::Thread(thread) => Some(thread.first_angle.mdeg()),
+                _ => None,
+            },
+            Event::Warning(_) => None,
+        };
+        let threads: Vec<u32> = events.iter().filter_map(angle).collect();
+        assert_eq!(threads, [120_000, 0], "{control:?}");
+        assert_eq!(with("Q[90*1000]").first_angle.mdeg(), 90_000);
+        assert_eq!(with("Q360000").first_angle.mdeg(), 0);
+        assert_eq!(with("Q#1").first_angle.mdeg(), 0);
+        for (words, number) in [
+            ("Q360001", 4025),
+            ("Q-1", 4025),
+            ("Q120.", 4023),
+            ("Q1 Q2", 4013),
+        ] {
+            let refused = alarm(control, &format!("{text} {words}"));
+            assert_eq!(
+                (refused.number(), refused.word),
+                (number, Some(b'Q')),
+                "{control:?} {words}"
+            );
+        }
+    }
 }
 
 #[test]
