@@ -143,6 +143,7 @@ impl<'p> Program<'p> {
         let heading = Heading::read(&mut Lines::new(&mut text), Whose::Program)?;
         let rules = Rules {
             control: heading.control.unwrap_or(control),
+            stock: heading.stock,
             passes,
             ..Rules::default()
         };

@@ -24,6 +24,7 @@ use crate::dialect::{Control, Setting, Translator};
 use crate::heading::Allowed;
 use crate::lines::{Lines, Place, Source};
 use crate::roughing::Cycle;
+use crate::stock::Stock;
 use crate::text::{Glance, glance, has_blocks, span};
 use crate::variables::{Kept, System, Variables};
 use crate::whose::{self, Whose};
@@ -129,6 +130,8 @@ impl Passes {
 pub struct Rules {
     /// The control that the program was written for, and each file of a subprogram that does not name another.
     pub control: Control,
+    /// The stock that it declares.
+    pub stock: Option<Stock>,
     /// Blocks with `/` in front are passed over.
     pub skip: bool,
     /// How often the main program is carried out where its M99 begins it again, or leads back. It ends with a note where
@@ -144,6 +147,7 @@ impl Default for Rules {
     fn default() -> Self {
         Self {
             control: Control::default(),
+            stock: None,
             skip: false,
             passes: Passes::Once,
             budget: 1_000_000,

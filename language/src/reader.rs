@@ -27,6 +27,7 @@ use crate::nose::Side;
 use crate::path::Path;
 use crate::plane::{Element, Point, Shape};
 use crate::roughing::{Collected, Cycle, FirstLines, Unit};
+use crate::stock::Stock;
 use crate::variables::{Kept, Variables};
 use crate::whose::Whose;
 use crate::word::Word;
@@ -45,6 +46,8 @@ struct Core<'p> {
     interpreter: Interpreter<'p>,
     params: &'p Params,
     control: Control,
+    /// The stock that the program declares.
+    stock: Option<Stock>,
     /// T of the latest block that has one.
     tool: Option<u16>,
     /// What the first lines of the contour cycles have said.
@@ -81,6 +84,7 @@ impl<'p, S: Source> Reader<'p, S> {
                 interpreter: Interpreter::new(params, options),
                 params,
                 control,
+                stock: rules.stock,
                 tool: None,
                 first: FirstLines::new(control),
                 contour: None,
@@ -562,7 +566,8 @@ impl Machine for Acting<'_, '_> {
         core.path.end_contour()?;
         core.interpreter = own;
         let mut done = Done::default();
-        for doubt in collected.doubts() {
+        let stock = core.stock;
+        for doubt in collected.doubts(stock.as_ref()) {
             self.note(doubt);
         }
         collected.moves(|cut| {

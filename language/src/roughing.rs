@@ -10,6 +10,7 @@ use leadscrew_core::units::{Diameter, Length};
 use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats, Roughing};
 use crate::dialect::Control;
 use crate::plane::{Element, Point};
+use crate::stock::Stock;
 use crate::word::Word;
 
 /// A contour cycle.
@@ -367,9 +368,9 @@ impl Collected {
         }
     }
 
-    /// What looks wrong about the cycle, though it can be cut [D252].
+    /// What looks wrong about the cycle, though it can be cut [D252]: its depth beside the declared stock, too [D275].
     #[must_use]
-    pub fn doubts(&self) -> Vec<Alarm> {
+    pub fn doubts(&self, stock: Option<&Stock>) -> Vec<Alarm> {
         let (allowance, depth, span) = match &self.figures {
             Figures::Finish => return Vec::new(),
             Figures::Rough(_, words) => (words.allowance, Some(words.depth), words.span),
@@ -393,7 +394,13 @@ impl Collected {
             Figures::Rough(Along::X, _) => b'W',
             _ => b'U',
         };
-        if let Some(depth) = depth.filter(|depth| depth.value.nm() > DEEPEST_NM) {
+        let half = match (stock, &self.figures) {
+            (Some(stock), Figures::Rough(Along::Z, _)) => (stock.outside - stock.bore) / 2,
+            (Some(stock), Figures::Rough(Along::X, _)) => stock.length / 2,
+            _ => DEEPEST_NM,
+        };
+        let most = half.min(DEEPEST_NM);
+        if let Some(depth) = depth.filter(|depth| depth.value.nm() > most) {
             let written = if depth.span == Span::default() {
                 span
             } else {

@@ -1017,6 +1017,9 @@ codes! {
     /// A feed per turn that an axis cannot keep up with; {0} F, {1} the speed, {2} the speed that would do.
     FeedBeyondAxis = 4806, "F {0} at {1} turns a minute is more than an axis feeds (parameter 1430)", "write a smaller F, or S {2} at most; `(ALLOW 4806)` if it is meant",
         "主轴 {1} r/min 时 F {0} 超过轴的最高切削进给（参数 1430）", "请减小 F，或使 S 不超过 {2}；确实如此请写 `(ALLOW 4806)`";
+    /// A cut deeper than a usual insert, or a feed per turn above its nose radius; {0} the figure, {1} the most.
+    CutBeyondInsert = 4807, "this cut takes {0} where its insert takes {1}: a depth of 8 mm at most, and a feed per turn of the nose radius at most", "cut in more passes, write a smaller F, or correct parameters 9201 to 9216 (nose radius) or the comment `(STOCK ..)`; `(ALLOW 4807)` if it is meant",
+        "此切削为 {0}，刀片最多 {1}：背吃刀量不超过 8 mm，每转进给不超过刀尖半径", "请分多次切削、减小 F，或修改参数 9201 至 9216（刀尖半径）或注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4807)`";
     /// C moves with another axis while the spindle turns.
     TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
         "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
@@ -1162,8 +1165,8 @@ codes! {
     RapidInStock = 4987, "this rapid goes into the material at X {0}, Z {1}", "go around it, cut it away first, or correct the comment `(STOCK ..)`; `(ALLOW 4987)` if it is meant",
         "此快速移动在 X {0}、Z {1} 处进入毛坯", "请绕开、先切除，或修改注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4987)`";
     /// An allowance into the part, or a depth that hardly any tool takes; {w} the word, {0} its length.
-    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm", "outside U is positive and in a bore negative; toward the chuck W is positive; `(ALLOW 4989)` if it is meant",
-        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；确实如此请写 `(ALLOW 4989)`";
+    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm, or than half of the declared stock", "outside U is positive and in a bore negative; toward the chuck W is positive; `(ALLOW 4989)` if it is meant",
+        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm 或所声明毛坯的一半", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；确实如此请写 `(ALLOW 4989)`";
     /// A contour cycle that begins between the lowest and the highest point of its contour; {0} how far below.
     StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
         "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";
