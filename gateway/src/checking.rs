@@ -39,8 +39,10 @@ pub struct Report {
     pub warnings: Vec<Diagnostic>,
     /// Kinds with further lines.
     pub unlisted: Vec<Unlisted>,
-    /// Its cycles in order.
+    /// Its cycles in order, up to [`CYCLES`] of them.
     pub cycles: Vec<CycleReport>,
+    /// Number of cycles after those [D277].
+    pub further_cycles: u64,
     /// Number of moves that could be made.
     pub moves: u64,
     /// The length of their path in the Z–X plane, in nanometres.
@@ -56,6 +58,9 @@ const LOOKED_AT: usize = 1 << 20;
 
 /// The most alarms or warnings of a kind in the list, so that the report of any program is bounded.
 pub const LISTED: usize = 10;
+
+/// The most cycles in the list. A program of one part has fewer by far.
+pub const CYCLES: usize = 10_000;
 
 /// A kind with more lines than the list has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,12 +122,12 @@ pub struct ThreadFigures {
     pub variable: Option<(i64, i64)>,
 }
 
-/// How much of a program's result is kept.
+/// How much of a program's result is kept: bounded memory for any length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
-    /// Alarms, warnings and figures: bounded memory for any length.
+    /// Alarms, warnings and figures.
     Verdict,
-    /// Its cycles in addition.
+    /// Its first cycles in addition.
     Cycles,
 }
 
@@ -457,8 +462,13 @@ impl Checker<'_> {
     }
 
     fn keep(&mut self, cycle: CycleReport) {
+        let report = &mut self.report;
         if self.detail == Detail::Cycles {
-            self.report.cycles.push(cycle);
+            if report.cycles.len() < CYCLES {
+                report.cycles.push(cycle);
+            } else {
+                report.further_cycles += 1;
+            }
         }
     }
 
@@ -577,6 +587,10 @@ impl Report {
                 json.object(|json| cycle.fields(json));
             }
         });
+        if self.further_cycles > 0 {
+            let further = i64::try_from(self.further_cycles).unwrap_or(i64::MAX);
+            json.integer("further_cycles", further);
+        }
     }
 
     /// Prints the list for a person, and the number of further lines.
