@@ -3,17 +3,16 @@
 
 use std::collections::VecDeque;
 use std::io;
-use std::num::NonZeroU32;
 
-use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::alarm::Alarm;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
-use leadscrew_language::dialect::{Control, Named, named};
-use leadscrew_language::flow::{Rules, Trouble};
-use leadscrew_language::lines::Source;
+use leadscrew_language::dialect::Control;
+use leadscrew_language::flow::{Passes, Rules, Trouble};
+use leadscrew_language::heading::{Allowed, Heading};
+use leadscrew_language::lines::{Lines, Source};
 use leadscrew_language::reader::Reader;
-use leadscrew_language::stock::{self, Said, Stock};
-use leadscrew_language::text::span;
+use leadscrew_language::stock::Stock;
 use leadscrew_language::variables::Kept;
 use leadscrew_language::whose::Whose;
 
@@ -29,8 +28,10 @@ pub struct Begin {
     pub control: Control,
     /// The variables that outlive a program.
     pub kept: Kept,
-    /// How often a main program is carried out that begins itself again; `None`: once, with a note that says so.
-    pub passes: Option<NonZeroU32>,
+    /// How often a main program is carried out that begins itself again.
+    pub passes: Passes,
+    /// Numbers that the machine silences.
+    pub allowed: Allowed,
 }
 
 /// A program being read.
@@ -47,84 +48,12 @@ pub struct Program<'p> {
     alarm: Option<Alarm>,
     /// Nothing is read at all.
     over: bool,
-    /// Numbers of `(ALLOW …)`.
-    allowed: Vec<u16>,
+    /// Numbers that are not to be told: those of the machine, and of `(ALLOW …)`.
+    allowed: Allowed,
     /// What `(STOCK …)` says.
     stock: Option<Stock>,
     /// The control, where the program does not name it.
     control: Option<Control>,
-}
-
-/// What the comments of the first lines say of the program as a whole.
-#[derive(Debug, Default)]
-struct FirstLines {
-    control: Option<Control>,
-    named: bool,
-    allowed: Vec<u16>,
-    stock: Option<Stock>,
-    alarm: Option<Alarm>,
-    warning: Option<Alarm>,
-}
-
-impl FirstLines {
-    /// Bytes in which such comments may stand.
-    const BYTES: usize = 4096;
-
-    fn read(text: &mut Again) -> io::Result<Self> {
-        let mut bytes = vec![0; Self::BYTES];
-        let mut filled = 0;
-        while filled + 2 <= bytes.len() {
-            match text.read(filled as u64, &mut bytes[filled..])? {
-                0 => break,
-                count => filled += count,
-            }
-        }
-        let mut first = Self::default();
-        for (line, text) in (1..).zip(bytes[..filled].split(|byte| *byte == b'\n')) {
-            first.line(line, text);
-        }
-        Ok(first)
-    }
-
-    fn line(&mut self, line: u32, text: &[u8]) {
-        match named(text) {
-            Named::Control(control) => (self.control, self.named) = (Some(control), true),
-            Named::Unknown { from, to } => {
-                let alarm = Alarm::new(Code::DialectUnknown, span(line, from, to));
-                self.alarm.get_or_insert(alarm);
-            }
-            Named::Nothing => {}
-        }
-        match stock::said(text) {
-            Said::Stock(stock) => _ = self.stock.get_or_insert(stock),
-            Said::Unreadable { from, to } => {
-                let warning = Alarm::new(Code::StockUnreadable, span(line, from, to));
-                self.warning.get_or_insert(warning);
-            }
-            Said::Nothing => {}
-        }
-        self.allowed.extend(allowed(text));
-    }
-}
-
-/// The numbers of `(ALLOW 4800 4985)`.
-fn allowed(line: &[u8]) -> Vec<u16> {
-    let text = String::from_utf8_lossy(line).to_ascii_uppercase();
-    let Some((_, rest)) = text.split_once("(ALLOW ") else {
-        return Vec::new();
-    };
-    let numbers = rest.split(')').next().unwrap_or_default();
-    let numbers = numbers.split([' ', ',']);
-    numbers
-        .filter_map(|number| number.parse().ok())
-        .filter(|number| may_be_allowed(*number))
-        .collect()
-}
-
-/// True for the numbers of what looks wrong, which a program or a machine file may silence.
-#[must_use]
-pub const fn may_be_allowed(number: u16) -> bool {
-    matches!(number, 4800..=4811 | 4980..=4991)
 }
 
 /// The files of a program, each read from any of its bytes.
@@ -208,24 +137,26 @@ impl<'p> Program<'p> {
             control,
             kept,
             passes,
+            allowed,
         } = begin;
         let mut text = Again::open(source)?;
-        let first = FirstLines::read(&mut text)?;
+        let heading = Heading::read(&mut Lines::new(&mut text), Whose::Program)?;
         let rules = Rules {
-            control: first.control.unwrap_or(control),
-            passes: passes.map_or(1, NonZeroU32::get),
+            control: heading.control.unwrap_or(control),
+            stock: heading.stock,
+            passes,
             ..Rules::default()
         };
         Ok(Self {
             reader: Reader::new(text, params, options, kept, rules),
-            queue: first.warning.map(Event::Warning).into_iter().collect(),
+            queue: heading.warning.map(Event::Warning).into_iter().collect(),
             steps: 0,
             pass: 1,
-            over: first.alarm.is_some(),
-            alarm: first.alarm,
-            allowed: first.allowed,
-            stock: first.stock,
-            control: (!first.named).then_some(rules.control),
+            over: heading.alarm.is_some(),
+            alarm: heading.alarm,
+            allowed: allowed.and(heading.allowed),
+            stock: heading.stock,
+            control: heading.control.is_none().then_some(rules.control),
         })
     }
 
@@ -239,9 +170,12 @@ impl<'p> Program<'p> {
         self.stock.as_ref()
     }
 
-    /// The numbers that the program does not want to be told.
-    pub fn allowed(&self) -> &[u16] {
-        &self.allowed
+    /// True for an alarm, or a warning, that is not to be told: the machine silences it, or the file that was started, or
+    /// the subprogram's file that its line is of [D273].
+    #[must_use]
+    pub fn allows(&self, alarm: &Alarm) -> bool {
+        let own = self.reader.allowed(Whose::line(alarm.span.line));
+        self.allowed.and(own).has(alarm.number())
     }
 
     /// The next event, or the alarm that ends the program; `None` after the last. Between two passes of the main program

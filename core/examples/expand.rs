@@ -8,7 +8,7 @@
 use std::hint::black_box;
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::call::{CutIn, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
+use leadscrew_core::call::{ChainPart, CutIn, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
 use leadscrew_core::cycle::ThreadMoves;
 use leadscrew_core::units::{
     Angle, Diameter, Lead, LeadChange, Length, Remainder, Rpm, StartAngle,
@@ -75,6 +75,7 @@ fn call() -> Option<ThreadCall> {
         lead: at(Lead::new(6_000_000, 1)?),
         change: at(LeadChange::NONE),
         first_angle: StartAngle::INDEX,
+        part: ChainPart::Whole,
         increment: Length::from_nm(100),
         rpm: Rpm::new(300),
     })

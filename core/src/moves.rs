@@ -1,7 +1,9 @@
 //! One [`Move`]: what the planner gets and `expand` prints.
 
 use crate::alarm::Span;
-use crate::call::{Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapMode, TapSpindle};
+use crate::call::{
+    Aux, ChainPart, FeedRate, Hand, Position, SpindleCall, TapAxis, TapMode, TapSpindle,
+};
 use crate::units::{CentiRpm, Lead, LeadChange, Length, Millis, Rpm, StartAngle, TurnRatio};
 
 /// One move, with where it ends and where it came from.
@@ -62,7 +64,9 @@ pub struct ThreadMove {
     pub angle_udeg: u32,
     /// True where X is the long axis (lead on the radius).
     pub long_x: bool,
-    /// True for the last move of the pass (the run-out, or the stroke where there is none).
+    /// The place of a stroke of G32 in its chain. A whole chain is one motion.
+    pub part: ChainPart,
+    /// True for the last move of the pass (the run-out, or the stroke where there is none), or of the chain.
     pub last: bool,
     /// Commanded spindle speed, signed.
     pub rpm: Rpm,

@@ -2,18 +2,19 @@
 //! before any motion.
 
 use std::io::{BufRead as _, BufReader};
-use std::num::NonZeroU32;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{
-    Aux, Call, CallKind, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
-    TapCycle, TapRepeat, ThreadCall, ThreadCycle,
+    Aux, Call, CallKind, ChainPart, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode,
+    TapCall, TapCycle, TapRepeat, ThreadCall, ThreadCycle,
 };
-use leadscrew_core::cycle::{self, GrooveMoves, Moves};
+use leadscrew_core::cycle::{self, GrooveMoves, Moves, ThreadReport};
 use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::program::Event;
-use leadscrew_core::units::{Axis, Length};
+use leadscrew_core::units::{Axis, Length, Rpm};
 use leadscrew_language::dialect::{Control, Looks, Written, lengths};
+use leadscrew_language::flow::Passes;
+use leadscrew_language::heading::Allowed;
 use leadscrew_language::text::span;
 
 use crate::diagnostics::{self, Diagnostic, Place};
@@ -24,7 +25,7 @@ use crate::length;
 use crate::number;
 use crate::place::SourceLine;
 use crate::plausible::Plausible;
-use crate::program::{Program, may_be_allowed};
+use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::words::{Both, both};
@@ -38,8 +39,10 @@ pub struct Report {
     pub warnings: Vec<Diagnostic>,
     /// Kinds with further lines.
     pub unlisted: Vec<Unlisted>,
-    /// Its cycles in order.
+    /// Its cycles in order, up to [`CYCLES`] of them.
     pub cycles: Vec<CycleReport>,
+    /// Number of cycles after those [D277].
+    pub further_cycles: u64,
     /// Number of moves that could be made.
     pub moves: u64,
     /// The length of their path in the Z–X plane, in nanometres.
@@ -55,6 +58,9 @@ const LOOKED_AT: usize = 1 << 20;
 
 /// The most alarms or warnings of a kind in the list, so that the report of any program is bounded.
 pub const LISTED: usize = 10;
+
+/// The most cycles in the list. A program of one part has fewer by far.
+pub const CYCLES: usize = 10_000;
 
 /// A kind with more lines than the list has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,19 +122,19 @@ pub struct ThreadFigures {
     pub variable: Option<(i64, i64)>,
 }
 
-/// How much of a program's result is kept.
+/// How much of a program's result is kept: bounded memory for any length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
-    /// Alarms, warnings and figures: bounded memory for any length.
+    /// Alarms, warnings and figures.
     Verdict,
-    /// Its cycles in addition.
+    /// Its first cycles in addition.
     Cycles,
 }
 
 /// Verifies a program.
 pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Report> {
     let options = setup.options();
-    let mut program = Program::open(source, &setup.params, setup.begin())
+    let program = Program::open(source, &setup.params, setup.begin())
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut checker = Checker {
         setup,
@@ -140,24 +146,22 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         spindle: Spindle::at_start(setup),
         beyond: Vec::new(),
         plausible: Plausible::new(&setup.params, program.stock()),
-        allowed: setup
-            .allow
-            .iter()
-            .chain(program.allowed())
-            .copied()
-            .collect(),
+        chain: Vec::new(),
+        chain_us: 0,
+        program,
     };
     loop {
-        let next = program
+        let next = checker
+            .program
             .next_event()
             .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
-        let inch = program.is_inch();
+        let inch = checker.program.is_inch();
         match next {
             None => {
                 let mut plausible = std::mem::take(&mut checker.plausible);
                 plausible.end(&mut |alarm| checker.doubt(&alarm, inch));
                 checker.points()?;
-                if let Some(control) = program.assumed() {
+                if let Some(control) = checker.program.assumed() {
                     checker.look(control)?;
                 }
                 return Ok(checker.report);
@@ -173,16 +177,18 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
 struct Checker<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
+    program: Program<'a>,
     detail: Detail,
     report: Report,
     at: Position,
     hole: Hole,
     spindle: Spindle,
-    /// Numbers that machine file or program silence.
-    allowed: Vec<u16>,
     /// Alarms of travel on lines in millimetres.
     beyond: Vec<Alarm>,
     plausible: Plausible,
+    /// The strokes of a chain, until the last one.
+    chain: Vec<(ThreadCall, Span)>,
+    chain_us: i64,
 }
 
 /// Whether the work piece, or the tool, turns during a feed.
@@ -224,13 +230,13 @@ impl Checker<'_> {
     fn tell(&mut self, alarm: &Alarm, inch: bool) {
         let again = Alarm::new(Code::MainBeginsAgain, alarm.span);
         let alarm = match (alarm.code, self.setup.passes) {
-            (Code::MainRepeats, Some(NonZeroU32::MAX)) => &again,
+            (Code::MainRepeats, Passes::UntilStopped) => &again,
             // It ends after as many passes as are wanted.
-            (Code::MainRepeats, Some(_)) => return,
+            (Code::MainRepeats, Passes::Number(_)) => return,
             _ => alarm,
         };
         let (number, line) = (alarm.number(), alarm.span.line);
-        if self.allowed.contains(&number) {
+        if self.program.allows(alarm) {
             return;
         }
         let report = &mut self.report;
@@ -360,8 +366,9 @@ impl Checker<'_> {
 
     /// Tells what looks wrong, but not on a line that is refused anyway.
     fn doubt(&mut self, alarm: &Alarm, inch: bool) {
-        let refused =
-            |known: &Diagnostic| known.counted == alarm.span.line && !may_be_allowed(known.number);
+        let refused = |known: &Diagnostic| {
+            known.counted == alarm.span.line && !Allowed::may_have(known.number)
+        };
         if !self.report.alarms.iter().any(refused) {
             self.tell(alarm, inch);
         }
@@ -460,8 +467,13 @@ impl Checker<'_> {
     }
 
     fn keep(&mut self, cycle: CycleReport) {
+        let report = &mut self.report;
         if self.detail == Detail::Cycles {
-            self.report.cycles.push(cycle);
+            if report.cycles.len() < CYCLES {
+                report.cycles.push(cycle);
+            } else {
+                report.further_cycles += 1;
+            }
         }
     }
 
@@ -532,13 +544,50 @@ impl Checker<'_> {
             Ok(findings) => findings,
             Err(alarm) => return self.tell(&alarm, inch),
         };
-        let rpm_max = cycle::rpm_max(call, span, params);
         for alarm in findings.alarms.iter().flatten() {
             self.tell(alarm, inch);
+        }
+        if call.part != ChainPart::Whole {
+            return self.chain(call, span, time_us, inch);
         }
         let Some(report) = findings.report else {
             return;
         };
+        let rpm_max = cycle::rpm_max(call, span, params);
+        self.keep_thread(call, span, &report, rpm_max, time_us, inch);
+    }
+
+    /// A stroke of a chain: with the last one the chain is looked at as the one thread that it is.
+    fn chain(&mut self, call: &ThreadCall, span: Span, time_us: i64, inch: bool) {
+        if !call.part.is_joined() {
+            (self.chain, self.chain_us) = (Vec::new(), 0);
+        }
+        self.chain.push((*call, span));
+        self.chain_us += time_us;
+        if call.part.goes_on() || self.chain.iter().any(|(one, _)| one.rpm == Rpm::STOPPED) {
+            return;
+        }
+        let chain = std::mem::take(&mut self.chain);
+        let params = &self.setup.params;
+        let report = match cycle::chain_report(&chain, params) {
+            Ok(report) => report,
+            Err(alarm) => return self.tell(&alarm, inch),
+        };
+        let rpm_max = cycle::chain_rpm_max(&chain, params);
+        let (first, span) = &chain[0];
+        self.keep_thread(first, *span, &report, rpm_max, self.chain_us, inch);
+    }
+
+    /// Keeps what a thread needs.
+    fn keep_thread(
+        &mut self,
+        call: &ThreadCall,
+        span: Span,
+        report: &ThreadReport,
+        rpm_max: Result<Rpm, Alarm>,
+        time_us: i64,
+        inch: bool,
+    ) {
         for warning in report.warnings.iter().flatten() {
             self.tell(warning, inch);
         }
@@ -580,6 +629,10 @@ impl Report {
                 json.object(|json| cycle.fields(json));
             }
         });
+        if self.further_cycles > 0 {
+            let further = i64::try_from(self.further_cycles).unwrap_or(i64::MAX);
+            json.integer("further_cycles", further);
+        }
     }
 
     /// Prints the list for a person, and the number of further lines.

@@ -6,7 +6,7 @@
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{
-    Call, CallKind, FeedRate, GrooveCall, Position, TapAxis, ThreadCall, ThreadCycle,
+    Aux, Call, CallKind, FeedRate, GrooveCall, Position, TapAxis, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::cycle::GrooveCount;
 use leadscrew_core::moves::{Move, MoveKind};
@@ -15,7 +15,7 @@ use leadscrew_core::units::{Axis, Diameter, Length, StartAngle};
 use leadscrew_language::stock::Stock;
 
 use crate::drawing;
-use crate::remains::Remains;
+use crate::remains::{EDGE, Remains};
 
 /// Height over pitch of a thread, in thousandths: flat square threads and deep buttress threads are inside.
 const HEIGHT: core::ops::RangeInclusive<i64> = 150..=1_200;
@@ -37,6 +37,9 @@ pub struct Plausible {
     surface: bool,
     /// The highest cutting feeds of X and Z, in nanometres a minute; 0 where nothing is known of them.
     most: [i64; 2],
+    /// Nose radii by the number of the offset, and that of the tool in use, in nanometres; 0 where nothing is known.
+    noses: Vec<i64>,
+    nose: i64,
     /// Where a stock is declared.
     remains: Option<Remains>,
     threads: Vec<Cut>,
@@ -59,6 +62,9 @@ impl Plausible {
     pub fn new(params: &Params, stock: Option<&Stock>) -> Self {
         Self {
             most: [Axis::X, Axis::Z].map(|axis| params.max_feed(axis).nm_per_min()),
+            noses: (0..=99)
+                .map(|offset| params.nose_radius(offset).abs().nm())
+                .collect(),
             remains: stock.map(Remains::new),
             ..Self::default()
         }
@@ -66,6 +72,7 @@ impl Plausible {
 
     /// Looks at the next move of a call, for a tool at `at`.
     pub fn step(&mut self, call: &Call, at: Position, step: &Move, tell: &mut dyn FnMut(Alarm)) {
+        let turns = self.rpm != 0;
         let Some(remains) = &mut self.remains else {
             return;
         };
@@ -79,14 +86,21 @@ impl Plausible {
                 let Some((z, x)) = remains.entered(from, to) else {
                     return;
                 };
-                let nm = |mm: f64| Length::from_nm((mm * 1e6).round() as i64);
                 let figures = [
-                    Arg::Diameter(Diameter::of_radius(nm(x))),
-                    Arg::Length(nm(z)),
+                    Arg::Diameter(Diameter::of_radius(length_of(x))),
+                    Arg::Length(length_of(z)),
                 ];
                 tell(Alarm::new(Code::RapidInStock, step.span).with(figures));
             }
-            MoveKind::Feed(_) | MoveKind::Thread(_) | MoveKind::Tap(_) => remains.cut(from, to),
+            MoveKind::Feed(_) => {
+                let depth = remains.depth(from, to);
+                if turns && depth > EDGE + 1e-6 {
+                    let figures = [depth, EDGE].map(|mm| Arg::Length(length_of(mm)));
+                    tell(Alarm::new(Code::CutBeyondInsert, step.span).with(figures));
+                }
+                remains.cut(from, to);
+            }
+            MoveKind::Thread(_) | MoveKind::Tap(_) => remains.cut(from, to),
             MoveKind::Arc {
                 i, k, clockwise, ..
             } => {
@@ -134,12 +148,14 @@ impl Plausible {
                 self.turned_to(at, *to, call.span, tell);
                 if to.c == at.c {
                     self.feed(*feed, call.span, tell);
+                    self.within_nose(*feed, call.span, tell);
                     let way = [to.x - at.x, to.z - at.z].map(|way| way.nm().unsigned_abs());
                     self.keeps_up(*feed, way, call.span, tell);
                 }
             }
             CallKind::Arc(arc) => {
                 self.feed(arc.feed, call.span, tell);
+                self.within_nose(arc.feed, call.span, tell);
                 // Somewhere near its quadrants either axis goes alone.
                 self.keeps_up(arc.feed, [1, 0], call.span, tell);
                 self.keeps_up(arc.feed, [0, 1], call.span, tell);
@@ -153,6 +169,10 @@ impl Plausible {
                     TapAxis::Z => [0, 1],
                 };
                 self.keeps_up(groove.feed, way, call.span, tell);
+            }
+            CallKind::Aux(Aux::T(number)) => {
+                let known = self.noses.get(usize::from(number % 100));
+                self.nose = known.copied().unwrap_or(0);
             }
             CallKind::Thread(thread) => self.thread(thread, call.span, tell),
             CallKind::Tap(tap) => lead(tap.lead.value.rounded(), tap.lead.span, tell),
@@ -269,6 +289,19 @@ impl Plausible {
         }
     }
 
+    /// A feed per turn above the nose radius of the tool in use, where that is known [D276].
+    fn within_nose(&self, feed: FeedRate, span: Span, tell: &mut dyn FnMut(Alarm)) {
+        if let FeedRate::PerTurn(feed, _) = feed
+            && self.rpm != 0
+            && self.nose > 0
+            && feed.nm() > self.nose
+        {
+            let figures = [feed.nm(), self.nose].map(|nm| Arg::Length(Length::from_nm(nm)));
+            let alarm = Alarm::new(Code::CutBeyondInsert, span).word(b'F');
+            tell(alarm.with(figures));
+        }
+    }
+
     /// A feed per turn that is faster than an axis cuts, at a speed that does not change [D252].
     fn keeps_up(&self, feed: FeedRate, way: [u64; 2], span: Span, tell: &mut dyn FnMut(Alarm)) {
         let FeedRate::PerTurn(feed, _) = feed else {
@@ -304,6 +337,10 @@ impl Plausible {
             tell(Alarm::new(Code::TurningAxisTurns, span).word(b'C'));
         }
     }
+}
+
+fn length_of(mm: f64) -> Length {
+    Length::from_nm((mm * 1e6).round() as i64)
 }
 
 fn lead(pitch: Length, span: Span, tell: &mut dyn FnMut(Alarm)) {

@@ -15,6 +15,8 @@ const CELLS: usize = 2048;
 const SKIN: f64 = 0.010_001;
 /// No cut is deeper, and no blade wider.
 const DEEPEST: f64 = 10.0;
+/// The depth of cut of a usual insert.
+pub const EDGE: f64 = 8.0;
 /// What is known to be left of a wall whose hole a drill of unknown diameter has made.
 const WALL: f64 = 0.05;
 /// Below this two lengths are one.
@@ -90,6 +92,19 @@ impl Ring {
         }
     }
 
+    /// How deep a cut between two radii is at least: from outside, or from inside where there is a bore.
+    fn depth(&self, low: f64, high: f64) -> f64 {
+        if self.is_gone() || self.drilled {
+            return 0.0;
+        }
+        let outside = self.outside - high.max(self.bore);
+        if self.bore > 0.0 {
+            outside.min(low.min(self.outside) - self.bore).max(0.0)
+        } else {
+            outside.max(0.0)
+        }
+    }
+
     fn open(&mut self, radius: f64) {
         (self.bore, self.drilled) = (self.bore.max(radius), false);
     }
@@ -154,6 +169,33 @@ impl Remains {
         let high = high - skin(n.checked_add(1));
         let (start, least, most) = within(low, high)?;
         Some((start.0, start.1.clamp(least, most)))
+    }
+
+    /// How deep a cut along the axis is for certain, in millimetres, over more than [`EDGE`] of its way: there it is the
+    /// depth of an insert, and not a shoulder that the tool comes up against. 0 for a cut across the axis, which may be
+    /// that of a blade.
+    #[must_use]
+    pub fn depth(&self, from: Point, to: Point) -> f64 {
+        let mut depths: Vec<(f64, f64)> = Vec::new();
+        for (from, to) in folded(from, to).into_iter().flatten() {
+            if (to.1 - from.1).abs() >= (to.0 - from.0).abs() {
+                continue;
+            }
+            for n in self.touched(from.0, to.0) {
+                if let Some((start, end)) = clipped(from, to, self.edge(n), self.edge(n + 1)) {
+                    let depth = self.cells[n].depth(start.1.min(end.1), start.1.max(end.1));
+                    depths.push((depth, (end.0 - start.0).abs()));
+                }
+            }
+        }
+        // The deepest stretches first, until they are as long as an edge.
+        depths.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut length = 0.0;
+        let deep = depths.into_iter().find(|(_, long)| {
+            length += long;
+            length > EDGE
+        });
+        deep.map_or(0.0, |(depth, _)| depth)
     }
 
     /// A cut along a straight way.

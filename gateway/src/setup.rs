@@ -1,6 +1,5 @@
 //! The start of every command: the machine's parameters, the language, and the use of colour.
 
-use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::Flash;
@@ -15,6 +14,8 @@ use leadscrew_core::program::Options;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 use leadscrew_language::dialect::Control;
+use leadscrew_language::flow::Passes;
+use leadscrew_language::heading::Allowed;
 
 use crate::beside;
 use crate::cli::{DialectName, Drive, Global};
@@ -58,13 +59,13 @@ pub struct Setup<'a> {
     /// The control that programs are written for, if they name none.
     pub control: Control,
     /// Numbers that the machine file silences.
-    pub allow: Vec<u16>,
+    pub allow: Allowed,
     /// The machine file beside the program.
     pub machine: Option<PathBuf>,
     /// The variables that outlive a program.
     pub variables: VariableFile,
-    /// How often the machine carries out a main program that begins itself again; `None`: once.
-    pub passes: Option<NonZeroU32>,
+    /// How often the machine carries out a main program that begins itself again.
+    pub passes: Passes,
 }
 
 impl<'a> Setup<'a> {
@@ -137,8 +138,8 @@ impl<'a> Setup<'a> {
             None => VariableFile::default(),
         };
         let loaded = told_good_in(global, loaded, answer)?;
-        let (dialect, mut allow) = said.unwrap_or_default();
-        allow.extend(loaded.allow);
+        let (dialect, allow) = said.unwrap_or_default();
+        let allow = loaded.allow.and(allow);
         let named = global.dialect.map(DialectName::control);
         let control = named.or(loaded.dialect).or(dialect).unwrap_or_default();
         let params = loaded.params;
@@ -171,7 +172,7 @@ impl<'a> Setup<'a> {
             allow,
             machine,
             variables,
-            passes: None,
+            passes: Passes::Once,
         })
     }
 
@@ -212,7 +213,8 @@ impl<'a> Setup<'a> {
             options: self.options(),
             control: self.control,
             kept: self.variables.values.clone(),
-            passes: None,
+            passes: Passes::Once,
+            allowed: self.allow,
         }
     }
 

@@ -14,13 +14,18 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+use std::collections::HashMap;
 use std::io;
+use std::num::NonZeroU32;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 use crate::dialect::{Control, Setting, Translator};
+use crate::heading::Allowed;
 use crate::lines::{Lines, Place, Source};
+use crate::outline::behind_leader;
 use crate::roughing::Cycle;
+use crate::stock::Stock;
 use crate::text::{Glance, glance, has_blocks, span};
 use crate::variables::{Kept, System, Variables};
 use crate::whose::{self, Whose};
@@ -98,16 +103,41 @@ pub trait Machine: System {
     fn finish(&mut self) -> Result<(), Alarm>;
 }
 
+/// How often a main program is carried out that begins itself again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Passes {
+    /// Once: who reads it is told that M99 would begin it again.
+    #[default]
+    Once,
+    /// So many times, as was asked for.
+    Number(NonZeroU32),
+    /// Until somebody stops it.
+    UntilStopped,
+}
+
+impl Passes {
+    /// True where another pass follows the one with this number, from 1.
+    const fn go_on_after(self, pass: u32) -> bool {
+        match self {
+            Self::Once => false,
+            Self::Number(number) => pass < number.get(),
+            Self::UntilStopped => true,
+        }
+    }
+}
+
 /// How a program is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
-    /// The control that the program was written for.
+    /// The control that the program was written for, and each file of a subprogram that does not name another.
     pub control: Control,
+    /// The stock that it declares.
+    pub stock: Option<Stock>,
     /// Blocks with `/` in front are passed over.
     pub skip: bool,
-    /// How often the main program is carried out where its M99 begins it again, or leads back: from 1 on. It ends with a
-    /// note where M99 would begin one more pass.
-    pub passes: u32,
+    /// How often the main program is carried out where its M99 begins it again, or leads back. It ends with a note where
+    /// M99 would begin one more pass.
+    pub passes: Passes,
     /// Statements that a loop may carry out without a motion.
     pub budget: u32,
     /// How often the loops of a pass may begin again, whatever they move.
@@ -118,8 +148,9 @@ impl Default for Rules {
     fn default() -> Self {
         Self {
             control: Control::default(),
+            stock: None,
             skip: false,
-            passes: 1,
+            passes: Passes::Once,
             budget: 1_000_000,
             turns: 1_000_000,
         }
@@ -147,6 +178,13 @@ impl From<io::Error> for Trouble {
     }
 }
 
+/// What the first lines of a subprogram's file say [D273].
+#[derive(Clone, Copy, Debug)]
+struct Own {
+    control: Control,
+    allowed: Allowed,
+}
+
 /// A program that runs.
 #[derive(Debug)]
 pub struct Flow<S> {
@@ -154,6 +192,8 @@ pub struct Flow<S> {
     variables: Variables,
     rules: Rules,
     translator: Translator,
+    /// The files of subprograms that have been called: at most ten thousand.
+    files: HashMap<Whose, Own>,
     /// The program, and what it has called. Never empty.
     frames: Vec<Frame>,
     /// The next block.
@@ -171,7 +211,7 @@ pub struct Flow<S> {
     idle: u32,
     /// How often a loop has begun again in this pass.
     turns: u32,
-    /// The pass of the main program.
+    /// The pass of the main program. After 2³² passes it counts from 0 again.
     pass: u32,
     memo: Memo,
     /// The line of a block that is carried out alone, its front blanked, and its words.
@@ -189,6 +229,7 @@ impl<S: Source> Flow<S> {
             variables: Variables::new(kept),
             rules,
             translator: Translator::new(rules.control),
+            files: HashMap::new(),
             frames: vec![Frame::main()],
             at: Place::START,
             last: Place::START,
@@ -212,10 +253,24 @@ impl<S: Source> Flow<S> {
         &self.variables
     }
 
-    /// The control whose words are read, and what its blocks have set.
+    /// The control whose words the next block has: that of its file.
     #[must_use]
-    pub const fn translator(&self) -> &Translator {
-        &self.translator
+    pub fn control(&self) -> Control {
+        match self.at.file() {
+            Whose::Program => self.rules.control,
+            file => self
+                .files
+                .get(&file)
+                .map_or(self.rules.control, |own| own.control),
+        }
+    }
+
+    /// The numbers that a subprogram's file silences; none of those of the program's own file.
+    #[must_use]
+    pub fn allowed(&self, file: Whose) -> Allowed {
+        self.files
+            .get(&file)
+            .map_or(Allowed::NONE, |own| own.allowed)
     }
 
     /// The line of the latest step.
@@ -267,12 +322,15 @@ impl<S: Source> Flow<S> {
             let limit = [Arg::Int(i64::from(whose::LINES - 1))];
             return Err(Alarm::new(Code::SubprogramLong, place).with(limit).into());
         }
+        self.translator.read_as(self.control());
         // After each block with a motion there may be a modal call.
         let by_lines = self.at.column == 0
             && self.top().modals.is_empty()
             && !self.in_contour
-            && self.rules.control.is_gsk()
-            && !machine.wants_words();
+            && self.reads_plain(machine);
+        if !self.started {
+            self.at = behind_leader(&mut self.lines, self.at)?;
+        }
         let Some(line) = self.lines.line(self.at)? else {
             return self.text_over(machine);
         };
@@ -282,14 +340,17 @@ impl<S: Source> Flow<S> {
             if let Glance::Plain(until) = glance(line.text, &mut depth) {
                 let text = &line.text[..until];
                 let begins = !self.started && has_blocks(text, self.depth);
-                let done = machine.line(self.at.line, text)?;
-                if begins {
-                    self.start(self.at);
+                // A program that stands behind a `%` does not begin at the front of its line.
+                if !begins || !text.contains(&b'%') {
+                    let done = machine.line(self.at.line, text)?;
+                    if begins {
+                        self.start(self.at);
+                    }
+                    (self.at, self.depth) = (next, depth);
+                    self.idle = self.idle.saturating_add(1);
+                    self.note(done);
+                    return Ok(());
                 }
-                (self.at, self.depth) = (next, depth);
-                self.idle = self.idle.saturating_add(1);
-                self.note(done);
-                return Ok(());
             }
         }
         let mut text = std::mem::take(&mut self.text);
@@ -298,6 +359,12 @@ impl<S: Source> Flow<S> {
         let result = self.block(&text, next, machine);
         self.text = text;
         result
+    }
+
+    /// The core may have a block as it is: it is one of a GSK, as those of the program are.
+    fn reads_plain(&self, machine: &impl Machine) -> bool {
+        let control = self.translator.control();
+        control.is_gsk() && self.rules.control.is_gsk() && !machine.wants_words()
     }
 
     /// The first block is the front of the program.

@@ -17,7 +17,7 @@
 //!   its searches see.
 //! - [`reader`] is the whole way: text in, events of the core out.
 //! - [`drilling`] reads the words of the cycles of a drill and makes their moves.
-//! - [`mod@stock`] reads the comment that declares the stock.
+//! - [`heading`] reads the comments in the first lines of a file, [`mod@stock`] that which declares the stock.
 //! - [`roughing`] reads the words of the cycles G70–G73, and [`contour`] makes their moves from the contour that the
 //!   program describes.
 //! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
@@ -43,6 +43,7 @@ pub mod expression;
 mod figures;
 pub mod flow;
 pub mod geometry;
+pub mod heading;
 pub mod lines;
 mod macro_a;
 pub mod nose;

@@ -37,6 +37,16 @@ impl Source for &[u8] {
     }
 }
 
+impl<S: Source> Source for &mut S {
+    fn read(&mut self, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
+        (**self).read(at, buffer)
+    }
+
+    fn turn_to(&mut self, file: Whose) -> io::Result<bool> {
+        (**self).turn_to(file)
+    }
+}
+
 /// A place in the text of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Place {

@@ -9,7 +9,7 @@ use leadscrew_core::alarm::Span;
 
 use crate::lines::{Lines, Place, Source};
 use crate::statement::{Statement, head, statement};
-use crate::text::{Cursor, comment_end, piece};
+use crate::text::{Cursor, comment_end, parenthesis, piece, trimmed};
 use crate::whose::Whose;
 
 /// The begin or the end of a loop.
@@ -75,6 +75,9 @@ impl Scanner {
     /// The text cannot be read.
     pub fn next<S: Source>(&mut self, lines: &mut Lines<S>) -> io::Result<Option<Outline>> {
         loop {
+            if !self.started {
+                self.at = behind_leader(lines, self.at)?;
+            }
             let Some(line) = lines.line(self.at)? else {
                 return Ok(None);
             };
@@ -93,10 +96,12 @@ impl Scanner {
             self.at = piece.next.map_or(line.next, |next| place.in_line(next));
             self.depth = piece.open.map_or(0, |(_, depth)| depth);
             let mut cursor = Cursor::new(place.line, &text[..piece.end], place.column);
+            let mut place = place;
             while cursor.take(b'%') {
                 if self.started {
                     return Ok(None);
                 }
+                place = place.in_line(cursor.at());
             }
             if cursor.is_done() {
                 continue;
@@ -129,6 +134,47 @@ impl Scanner {
             _ => {}
         }
         outline
+    }
+}
+
+/// Lines of a leader.
+const LEADER: usize = 64;
+
+/// The place where a file begins that is read from `at` on: what stands in front of the first `%` is the leader of a tape,
+/// where a name or a remark may be written, and no control reads it. A line that could be a block is none of it. Any place
+/// but the front of a file stays.
+///
+/// # Errors
+/// The text cannot be read.
+pub fn behind_leader<S: Source>(lines: &mut Lines<S>, at: Place) -> io::Result<Place> {
+    let mut front = at;
+    if at != Place::start_of(at.file()) {
+        return Ok(at);
+    }
+    for _ in 0..LEADER {
+        let Some(line) = lines.line(front)? else {
+            break;
+        };
+        let next = line.next;
+        match trimmed(line.text) {
+            [b'%', ..] => return Ok(front),
+            text if may_be_block(text) => break,
+            _ => {}
+        }
+        front = next;
+    }
+    Ok(at)
+}
+
+/// True for a line that could be a block or a comment: it begins with neither two letters nor a letter of another script.
+fn may_be_block(text: &[u8]) -> bool {
+    match text {
+        [] => false,
+        _ if parenthesis(text).is_some() => true,
+        [first, rest @ ..] if first.is_ascii_alphabetic() => {
+            !trimmed(rest).first().is_some_and(u8::is_ascii_alphabetic)
+        }
+        [first, ..] => first.is_ascii(),
     }
 }
 

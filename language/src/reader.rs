@@ -16,17 +16,20 @@ use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::call::{Aux, Call, CallKind, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Event, Interpreter, Options, Way};
-use leadscrew_core::units::Decimal;
+use leadscrew_core::units::{Decimal, StartAngle};
 
 use crate::dialect::{Control, Setting};
 use crate::drilling::Drill;
 use crate::flow::{Done, Flow, Machine, Rules, Trouble};
+use crate::heading::Allowed;
 use crate::lines::Source;
 use crate::nose::Side;
 use crate::path::Path;
 use crate::plane::{Element, Point, Shape};
 use crate::roughing::{Collected, Cycle, FirstLines, Unit};
+use crate::stock::Stock;
 use crate::variables::{Kept, Variables};
+use crate::whose::Whose;
 use crate::word::Word;
 use glimpse::{codes, letters};
 
@@ -43,6 +46,8 @@ struct Core<'p> {
     interpreter: Interpreter<'p>,
     params: &'p Params,
     control: Control,
+    /// The stock that the program declares.
+    stock: Option<Stock>,
     /// T of the latest block that has one.
     tool: Option<u16>,
     /// What the first lines of the contour cycles have said.
@@ -79,6 +84,7 @@ impl<'p, S: Source> Reader<'p, S> {
                 interpreter: Interpreter::new(params, options),
                 params,
                 control,
+                stock: rules.stock,
                 tool: None,
                 first: FirstLines::new(control),
                 contour: None,
@@ -94,7 +100,8 @@ impl<'p, S: Source> Reader<'p, S> {
     /// # Errors
     /// What ends the program; there is no further step.
     pub fn step(&mut self, out: &mut dyn FnMut(Event)) -> Result<(), Trouble> {
-        let control = self.core.control;
+        let control = self.flow.control();
+        self.core.read_as(control);
         let out = &mut |event| {
             out(match event {
                 Event::Warning(warning) => Event::Warning(control.in_own_codes(warning)),
@@ -108,6 +115,8 @@ impl<'p, S: Source> Reader<'p, S> {
         };
         let mut result = self.flow.step(&mut acting);
         if self.flow.is_over() {
+            // Also where the step has failed.
+            let _ = acting.release();
             // What was held before an alarm is right as far as it goes.
             let finished = self.core.path.finish();
             while let Some(event) = self.core.path.next() {
@@ -155,6 +164,12 @@ impl<'p, S: Source> Reader<'p, S> {
         &self.core.interpreter
     }
 
+    /// The numbers that a subprogram's file silences; none of those of the program's own file.
+    #[must_use]
+    pub fn allowed(&self, file: Whose) -> Allowed {
+        self.flow.allowed(file)
+    }
+
     /// The variables, of which the kept ones are to be stored.
     #[must_use]
     pub const fn variables(&self) -> &Variables {
@@ -163,6 +178,13 @@ impl<'p, S: Source> Reader<'p, S> {
 }
 
 impl Core<'_> {
+    /// The next block is one of this control.
+    const fn read_as(&mut self, control: Control) {
+        self.control = control;
+        self.first.read_as(control);
+        self.interpreter.read_as(control.family());
+    }
+
     /// T of a block.
     fn call_tool(&mut self, number: u16) {
         self.tool = Some(number);
@@ -261,10 +283,10 @@ impl Acting<'_, '_> {
         } else {
             let mut events = std::mem::take(&mut self.core.events);
             let acted = action(self.core, &mut |event| events.push_back(event));
-            let result = self.along_path(&mut events, collected);
+            // What came before an alarm of the core was right. The motion that a corner asks for may be missing then.
+            let result = self.along_path(&mut events, collected, acted.is_ok());
             events.clear();
             self.core.events = events;
-            // What came before an alarm of the core was right.
             result.and_then(|moved| acted.map(|()| moved))
         };
         self.core.contour = contour;
@@ -305,11 +327,12 @@ impl Acting<'_, '_> {
         result.map(|()| moved)
     }
 
-    /// Takes the events of a block through corners and nose. True where an axis moves.
+    /// Takes the events of a block through corners and nose; `whole`: they are all of it. True where an axis moves.
     fn along_path(
         &mut self,
         events: &mut VecDeque<Event>,
         mut collected: Option<&mut Collected>,
+        whole: bool,
     ) -> Result<bool, Alarm> {
         let mut moved = false;
         let in_cycle = matches!(
@@ -320,6 +343,9 @@ impl Acting<'_, '_> {
             let mut tool = None;
             if let (None, Event::Call(call)) = (&collected, &event) {
                 moved |= moves(call);
+                // A stroke comes out when the block after it is read.
+                let in_cycle = in_cycle
+                    || matches!(&call.kind, CallKind::Thread(thread) if thread.cycle.is_stroke());
                 if in_cycle && moves(call) && self.core.path.side() != Side::None {
                     return Err(Alarm::new(Code::NoseInCycle, call.span));
                 }
@@ -343,7 +369,9 @@ impl Acting<'_, '_> {
                 self.core.call_tool(number);
             }
         }
-        self.core.path.end_block()?;
+        if whole {
+            self.core.path.end_block()?;
+        }
         while let Some(event) = self.core.path.next() {
             (self.out)(event);
         }
@@ -361,6 +389,15 @@ impl Acting<'_, '_> {
         self.core.path.suspend(false);
         done
     }
+}
+
+/// The start angle of a thread in one block; `None` where it is not written.
+fn first_angle(words: &[Word]) -> Result<Option<StartAngle>, Alarm> {
+    let word = words.iter().find(|word| word.letter == Word::START_ANGLE);
+    let angle = word
+        .filter(|word| !word.value().is_null())
+        .map(|word| word.count(0, StartAngle::FULL));
+    Ok(angle.transpose()?.map(StartAngle::from_mdeg))
 }
 
 /// True for the codes that take the tool to a place of the machine: G28, G30, G53.
@@ -431,13 +468,30 @@ impl Acting<'_, '_> {
         let home = words
             .iter()
             .any(|word| word.letter == b'G' && word.value().whole().is_some_and(goes_home));
+        let first_angle = first_angle(words)?;
         self.without_nose(home, |acting| {
             acting.act(|core, out| {
-                let numbers: Vec<_> = core.numbers(words).collect();
-                core.interpreter
-                    .words(line, numbers, &mut |event| out(event))
+                let is_of_core = |(letter, ..): &(u8, Decimal, Span)| *letter != Word::START_ANGLE;
+                let numbers: Vec<_> = core.numbers(words).filter(is_of_core).collect();
+                core.interpreter.words(line, numbers, &mut |mut event| {
+                    if let (Some(angle), Event::Call(call)) = (first_angle, &mut event)
+                        && let CallKind::Thread(thread) = &mut call.kind
+                    {
+                        thread.first_angle = angle;
+                    }
+                    out(event);
+                })
             })
         })
+    }
+
+    /// Hands over a stroke that waits for what follows it.
+    fn release(&mut self) -> Result<(), Alarm> {
+        self.act(|core, out| {
+            core.interpreter.release(&mut |event| out(event));
+            Ok(())
+        })
+        .map(drop)
     }
 
     /// Makes a move that was calculated. Its path is that of the tip.
@@ -506,6 +560,7 @@ impl Machine for Acting<'_, '_> {
     }
 
     fn contour_begins(&mut self, cycle: Cycle, words: &[Word], span: Span) -> Result<(), Alarm> {
+        self.release()?;
         let core = &mut *self.core;
         let at = core.interpreter.position();
         let start = Point { x: at.x, z: at.z };
@@ -529,7 +584,8 @@ impl Machine for Acting<'_, '_> {
         core.path.end_contour()?;
         core.interpreter = own;
         let mut done = Done::default();
-        for doubt in collected.doubts() {
+        let stock = core.stock;
+        for doubt in collected.doubts(stock.as_ref()) {
             self.note(doubt);
         }
         collected.moves(|cut| {
@@ -545,6 +601,7 @@ impl Machine for Acting<'_, '_> {
     }
 
     fn finish(&mut self) -> Result<(), Alarm> {
-        self.core.interpreter.finish()
+        self.act(|core, out| core.interpreter.finish(&mut |event| out(event)))
+            .map(drop)
     }
 }

@@ -10,7 +10,8 @@ use leadscrew_core::units::{Diameter, Length};
 use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats, Roughing};
 use crate::dialect::Control;
 use crate::plane::{Element, Point};
-use crate::word::Word;
+use crate::stock::Stock;
+use crate::word::{Given, Word};
 
 /// A contour cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +127,12 @@ impl Words<'_> {
         let Some(word) = self.find(letter) else {
             return Ok(None);
         };
-        Ok(Some(At::new(i64::from(word.count(1, 9999)?), word.span)))
+        // Programs write `R3.` too; a part of a pass is refused.
+        let plain = Word {
+            given: Given::Calculated(word.value()),
+            ..*word
+        };
+        Ok(Some(At::new(i64::from(plain.count(1, 9999)?), word.span)))
     }
 
     /// Refuses a word that this line of the cycle does not have.
@@ -153,6 +159,11 @@ impl FirstLines {
             control,
             ..Self::default()
         }
+    }
+
+    /// The blocks that follow are those of this control.
+    pub const fn read_as(&mut self, control: Control) {
+        self.control = control;
     }
 
     /// Takes in a first line: a block of the cycle without P and Q.
@@ -362,9 +373,9 @@ impl Collected {
         }
     }
 
-    /// What looks wrong about the cycle, though it can be cut [D252].
+    /// What looks wrong about the cycle, though it can be cut [D252]: its depth beside the declared stock, too [D275].
     #[must_use]
-    pub fn doubts(&self) -> Vec<Alarm> {
+    pub fn doubts(&self, stock: Option<&Stock>) -> Vec<Alarm> {
         let (allowance, depth, span) = match &self.figures {
             Figures::Finish => return Vec::new(),
             Figures::Rough(_, words) => (words.allowance, Some(words.depth), words.span),
@@ -388,7 +399,13 @@ impl Collected {
             Figures::Rough(Along::X, _) => b'W',
             _ => b'U',
         };
-        if let Some(depth) = depth.filter(|depth| depth.value.nm() > DEEPEST_NM) {
+        let half = match (stock, &self.figures) {
+            (Some(stock), Figures::Rough(Along::Z, _)) => (stock.outside - stock.bore) / 2,
+            (Some(stock), Figures::Rough(Along::X, _)) => stock.length / 2,
+            _ => DEEPEST_NM,
+        };
+        let most = half.min(DEEPEST_NM);
+        if let Some(depth) = depth.filter(|depth| depth.value.nm() > most) {
             let written = if depth.span == Span::default() {
                 span
             } else {

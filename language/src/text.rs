@@ -16,7 +16,7 @@ use piece::begins_block;
 pub use piece::{Piece, piece};
 
 /// The parenthesis at the front of `text`: its bytes, and true where it opens.
-fn parenthesis(text: &[u8]) -> Option<(usize, bool)> {
+pub fn parenthesis(text: &[u8]) -> Option<(usize, bool)> {
     match text {
         [b'(', ..] => Some((1, true)),
         [b')', ..] => Some((1, false)),
@@ -54,7 +54,7 @@ const fn is_blank(byte: u8) -> bool {
 }
 
 /// `text` without the spaces at its front.
-fn trimmed(text: &[u8]) -> &[u8] {
+pub fn trimmed(text: &[u8]) -> &[u8] {
     let blanks = text.iter().take_while(|byte| is_blank(**byte)).count();
     &text[blanks..]
 }

@@ -41,6 +41,8 @@ impl Word {
     pub const CHAMFER_L: u8 = b'l';
     /// C, I or K of FANUC and Haas: a chamfer whose sign says where the next motion goes.
     pub const CHAMFER_TOWARD: u8 = b'k';
+    /// Q of G76 in one block: the start angle, for which the block that takes its place has no letter.
+    pub const START_ANGLE: u8 = b'a';
     /// R of FANUC and Haas: a rounding with such a sign.
     pub const ROUND_TOWARD: u8 = b'q';
 

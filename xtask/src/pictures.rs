@@ -34,6 +34,7 @@ const SHOP: &[(&str, &str, &str)] = &[
     ("pipe-g76", "the same thread", "`G76` with `R`, finishing passes and run-out"),
     ("worm-g78", "a worm of module 2 with two starts", "`G78` with `L`, in millimetres with points"),
     ("face-g32", "the scroll of a chuck", "a thread on the face by `G32`, in a loop of a macro"),
+    ("nipple-g32", "a nipple with a thread that runs out as a taper", "strokes of `G32` that are one thread: straight, taper, out of the work"),
     ("groove-bank", "five ring grooves with broken corners", "`M98` with repeats, subprograms that call others, `G75`, `W`"),
     ("part-off", "eight rings from a tube", "a subprogram that is repeated, `G75`"),
     ("part-family", "a stepped pin", "macro B: `G65` with arguments, `IF`, `WHILE`, alarms of the program's own by `#3000`"),

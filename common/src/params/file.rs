@@ -26,7 +26,6 @@ use toml::de::{DeString, DeTable, DeValue};
 use super::{Loader, drives, mistake, schema};
 use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::{Doing, Failure, Outcome, unreadable};
-use crate::program::may_be_allowed;
 use crate::source::SourceFile;
 use crate::words::both;
 
@@ -242,9 +241,8 @@ impl<'a> Source<'a> {
                 DeValue::Integer(number) => number.as_str().parse().ok(),
                 _ => None,
             };
-            match number.filter(|number| may_be_allowed(*number)) {
-                Some(number) => loader.loaded.allow.push(number),
-                None => loader.report(Code::ParamAllow, &[], &self.place(&item.span())),
+            if !number.is_some_and(|number| loader.loaded.allow.add(number)) {
+                loader.report(Code::ParamAllow, &[], &self.place(&item.span()));
             }
         }
     }

@@ -23,6 +23,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_core::params::{Entry, FindError, Params, Part, Writing};
 use leadscrew_core::units::Axis;
 use leadscrew_language::dialect::Control;
+use leadscrew_language::heading::Allowed;
 
 use crate::diagnostics::{self, Diagnostic, Place, figure};
 use crate::failure::Outcome;
@@ -46,7 +47,7 @@ pub struct Loaded {
     /// The control that programs beside the file are written for.
     pub dialect: Option<Control>,
     /// Numbers of what is not told of programs beside the file.
-    pub allow: Vec<u16>,
+    pub allow: Allowed,
     /// The values without a place are a board's; otherwise the built-in machine's.
     pub of_a_board: bool,
     sources: BTreeMap<Key, Source>,
@@ -169,7 +170,7 @@ impl Loaded {
             diagnostics: Vec::new(),
             drives: Vec::new(),
             dialect: None,
-            allow: Vec::new(),
+            allow: Allowed::NONE,
             of_a_board: true,
             sources: BTreeMap::new(),
         }

@@ -457,10 +457,10 @@ codes! {
         "请在 G30 P99 之后结束程序，再启动另一个程序";
 
     // 4084: threads by strokes.
-    /// A stroke of G32 or G34 after another.
-    StrokeAfterStroke = 4084, "this stroke of G32 or G34 follows another without a move between them: both would have to be one thread, which is not built",
-        "lift the tool by G00 before it, or cut the thread by G92, G76 or G78 (a taper by R)",
-        "G32 或 G34 之后紧接另一段：两段应连成一条螺纹，目前不支持", "请在其前用 G00 退刀，或改用 G92、G76、G78 加工（锥度用 R）";
+    /// A stroke of G32 or G34 after another, to which it cannot be joined.
+    StrokeAfterStroke = 4084, "this stroke begins in the thread of the stroke before, and the tool would stop there while the spindle turns on",
+        "write nothing but N, F, I, J, K and Q between strokes of G32, so that they are one thread (G34 cannot be joined), or lift the tool by G00",
+        "本段从前一段的螺纹中开始，而刀具会停在该处，主轴仍在旋转", "G32 各段之间只写 N、F、I、J、K、Q，使其连成一条螺纹（G34 不能连接），或用 G00 退刀";
 
     /// A hole without a depth, on the wrong side of R, or of more than 9999 pecks.
     HoleDepth = 4085, "this hole has no depth below R, R is not between the initial level and the bottom, or Q makes more than 9999 pecks of it",
@@ -471,6 +471,10 @@ codes! {
     /// A comment with DIALECT that names none.
     DialectUnknown = 4086, "there is no dialect of this name", "write one of gsk980td, gsk988, fanuc-a, fanuc-b, fanuc-c, haas: `(DIALECT FANUC-B)`",
         "没有该名称的方言", "请写下列之一：gsk980td、gsk988、fanuc-a、fanuc-b、fanuc-c、haas，如 `(DIALECT FANUC-B)`";
+
+    /// The highest speed in a subprogram's file with another dialect; {0} its code.
+    SpeedLimitElsewhere = 4087, "{0} S in a file of another dialect: under G97 it limits the speed on FANUC and Haas, and not on GSK", "set the highest speed in the program that was started, before the call, or write this file in the dialect of that program",
+        "其他方言的文件中有 {0} S：在 G97 下，FANUC 和 Haas 受其限制，GSK 不受限制", "请在主程序调用之前设定最高转速，或用主程序的方言编写此文件";
 
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 
@@ -534,6 +538,9 @@ codes! {
     /// A stroke of G34 beyond what its law is exact for; its length, the limit.
     VariableStrokeTooLong = 4116, "the stroke is {0} long; with a lead that changes it may be {1}", "write a shorter stroke",
         "行程为 {0}；变导程时不得超过 {1}", "请缩短行程";
+    /// A chain of strokes that a board cannot hold; {0} the limit.
+    ChainTooLong = 4117, "strokes of G32 that are joined may be {0}", "lift the tool by G00 and begin another thread, or write longer strokes",
+        "相连的 G32 不得超过 {0} 段", "请用 G00 退刀后另起一条螺纹，或加长每段";
     /// A hole with too many infeeds; {0} the limit.
     TooManyPecks = 4130, "the hole would take more than {0} infeeds", "write a larger Q", "孔的进刀次数超过 {0}", "请增大 Q";
     /// A tap call that cannot be; for calls that no program made.
@@ -588,6 +595,12 @@ codes! {
     /// The end of a move, or an arc's extreme, is beyond a soft limit.
     SoftLimit = 4258, "in machine coordinates {0} would go to {1}; its soft limit is {2}", "keep the program within the machine's travel, or check offsets and parameters 1320 and 1321",
         "{0} 轴将到达机床坐标 {1}，软限位为 {2}", "请使程序在行程之内，或检查偏置与参数 1320、1321";
+    /// A stroke of a chain is used up by the corners at its ends; the stroke, both, the speed.
+    StrokeTooShortInChain = 4265, "at {3} the stroke {0} of this chain is too short: the corner before it takes {1}, and the corner after it {2}",
+        "lower S, or join fewer and longer strokes", "主轴 {3} 时链中该段 {0} 太短：其前的拐角需 {1}，其后需 {2}", "请降低 S，或减少段数并加长每段";
+    /// The next stroke of a chain was not there in time.
+    StrokeLate = 4266, "the next stroke of the chain was not planned in time", "this is a fault of the controller, not of the program: report it",
+        "链中的下一段未及时规划好", "这是控制器的故障而不是程序错误，请报告";
     /// The moves handed over as one pass of a thread are not one.
     ThreadMovesMixed = 4259, "these moves are not one pass of a thread", "this is a fault of the controller, not of the program: report it",
         "这些动作不构成一刀螺纹", "这是控制器的故障而不是程序错误，请报告";
@@ -1013,6 +1026,9 @@ codes! {
     /// A feed per turn that an axis cannot keep up with; {0} F, {1} the speed, {2} the speed that would do.
     FeedBeyondAxis = 4806, "F {0} at {1} turns a minute is more than an axis feeds (parameter 1430)", "write a smaller F, or S {2} at most; `(ALLOW 4806)` if it is meant",
         "主轴 {1} r/min 时 F {0} 超过轴的最高切削进给（参数 1430）", "请减小 F，或使 S 不超过 {2}；确实如此请写 `(ALLOW 4806)`";
+    /// A cut deeper than a usual insert, or a feed per turn above its nose radius; {0} the figure, {1} the most.
+    CutBeyondInsert = 4807, "this cut takes {0} where its insert takes {1}: a depth of 8 mm at most, and a feed per turn of the nose radius at most", "cut in more passes, write a smaller F, or correct parameters 9201 to 9216 (nose radius) or the comment `(STOCK ..)`; `(ALLOW 4807)` if it is meant",
+        "此切削为 {0}，刀片最多 {1}：背吃刀量不超过 8 mm，每转进给不超过刀尖半径", "请分多次切削、减小 F，或修改参数 9201 至 9216（刀尖半径）或注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4807)`";
     /// C moves with another axis while the spindle turns.
     TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
         "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
@@ -1087,6 +1103,9 @@ codes! {
     /// An M code of the machine in a simulation; {0} its number.
     MachineCodePassed = 4903, "M{0} switches something of a machine that is not simulated", "nothing needs to be done here; a board refuses it (4019)",
         "M{0} 控制的装置不在仿真范围内", "此处无需处理；控制板会拒绝该代码（4019）";
+    /// Q in a stroke that goes on with the one before.
+    StartAngleJoined = 4904, "{w} has no effect: this stroke goes on with the thread of the stroke before", "leave Q out",
+        "{w} 不起作用：本段与前一段的螺纹相连", "请省略 Q";
     /// J in ordinary tapping.
     TapExtractionNotRigid = 4909, "J has no effect in ordinary tapping: the tap comes out at S", "leave J out, or tap in rigid mode",
         "普通攻丝中 J 不起作用：退刀转速为 S", "请省略 J，或使用刚性攻丝";
@@ -1158,8 +1177,8 @@ codes! {
     RapidInStock = 4987, "this rapid goes into the material at X {0}, Z {1}", "go around it, cut it away first, or correct the comment `(STOCK ..)`; `(ALLOW 4987)` if it is meant",
         "此快速移动在 X {0}、Z {1} 处进入毛坯", "请绕开、先切除，或修改注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4987)`";
     /// An allowance into the part, or a depth that hardly any tool takes; {w} the word, {0} its length.
-    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm", "outside U is positive and in a bore negative; toward the chuck W is positive; `(ALLOW 4989)` if it is meant",
-        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；确实如此请写 `(ALLOW 4989)`";
+    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm, or than half of the declared stock", "outside U is positive and in a bore negative; toward the chuck W is positive; `(ALLOW 4989)` if it is meant",
+        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm 或所声明毛坯的一半", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；确实如此请写 `(ALLOW 4989)`";
     /// A contour cycle that begins between the lowest and the highest point of its contour; {0} how far below.
     StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
         "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";

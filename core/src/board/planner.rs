@@ -5,6 +5,7 @@
 //! piece of work; only the number of steps is unbounded. Opening a call, passes, holes and detours have files of their own.
 //! Knows nothing of ticks, drives or frames.
 
+mod chain;
 mod hole;
 mod joined;
 mod open;
@@ -13,6 +14,7 @@ mod route;
 
 use heapless::Vec;
 
+use self::chain::Chained;
 use self::hole::{ends_hole, is_tap};
 use self::joined::Joined;
 use self::open::before;
@@ -21,7 +23,7 @@ use super::guard::Guard;
 use super::queue::{CallOut, DetourIn, SegmentIn, take};
 use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
-use crate::call::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
+use crate::call::{CallKind, ChainPart, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::cycle::Moves;
 use crate::journal::TapRecord;
 use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
@@ -79,6 +81,8 @@ pub struct Planner {
     pass: Vec<Move, 3>,
     pass_start: Position,
     pass_number: u32,
+    /// The strokes of a chain, until all of them are planned.
+    chain: Chained,
     /// The plan being made, or waiting for the queue. The plan of an ordinary tapping call stays for all its holes.
     plan: Option<Plan>,
     /// A tap is being collected in this plan: from R until the tap is back at R.
@@ -123,6 +127,7 @@ impl Planner {
             pass: Vec::new(),
             pass_start: position,
             pass_number: 0,
+            chain: Chained::new(),
             plan: None,
             tap: None,
             float_number: None,
@@ -154,6 +159,7 @@ impl Planner {
             pass,
             pass_start,
             pass_number,
+            chain,
             plan,
             tap,
             float_number,
@@ -176,6 +182,7 @@ impl Planner {
         *hole_signals = Signals::POWER_UP;
         (*own_position, *home, *pass_start) = (position, position, position);
         pass.clear();
+        chain.begin_anew();
         planned.clear();
         (*hole_ends, *complete, *failed) = (false, false, false);
         joined.begin_anew();
@@ -216,6 +223,7 @@ impl Planner {
         self.moves.is_some()
             || !self.planned.is_empty()
             || self.ending.is_some()
+            || self.chain.is_whole()
             || !self.joined.is_empty()
     }
 
@@ -241,6 +249,12 @@ impl Planner {
         }
         if self.moves.is_some() {
             self.go_on(settings);
+            return (true, None);
+        }
+        if self.chain.is_whole() {
+            if let Err(alarm) = self.go_on_with_chain(settings) {
+                self.fail(&alarm);
+            }
             return (true, None);
         }
         if let Some(span) = self.ending.take() {
@@ -303,6 +317,7 @@ impl Planner {
         self.moves = None;
         self.ending = None;
         self.pass.clear();
+        self.chain.begin_anew();
         self.plan = None;
         self.tap = None;
         self.float_number = None;
@@ -363,6 +378,11 @@ impl Planner {
     fn take(&mut self, next: &Move, settings: &Settings<'_>) -> Result<(), Alarm> {
         self.number = self.number.saturating_add(1);
         if let MoveKind::Thread(thread) = next.kind {
+            if thread.part != ChainPart::Whole {
+                let taken = self.chain.take(self.position, next, self.number);
+                self.position = next.to;
+                return taken;
+            }
             if self.pass.is_empty() {
                 self.pass_start = self.position;
                 self.pass_number = self.number;

@@ -34,7 +34,7 @@ mod withheld;
 
 use heapless::Vec;
 
-use self::away::Away;
+use self::away::{Away, LastPass};
 use self::course::{Course, Source};
 use self::journal::Journal;
 use self::setup::Given;
@@ -242,6 +242,9 @@ impl Ticker {
 
     fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_>) {
         let is_joined = self.executor.is_joined();
+        if self.executor.has_crossed() {
+            self.next_stroke(ends);
+        }
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.given.ahead_x,
@@ -271,6 +274,32 @@ impl Ticker {
             if self.executor.has_crossed() {
                 self.cross(setpoint, ends);
             }
+        }
+    }
+
+    /// The next stroke of a chain takes over from the one under way.
+    #[inline(never)]
+    fn next_stroke(&mut self, ends: &mut Ends<'_>) {
+        if !ends.segments.has_second() {
+            return self.raise(&Alarm::of(Code::StrokeLate, &[]), ends);
+        }
+        if let Some(pass) = self.course.current(ends).and_then(Task::pass) {
+            self.executor.leave_stroke(pass);
+        }
+        let is_whole = !matches!(self.state, State::Stopping(_));
+        self.course.release(false, is_whole, ends);
+        self.course.take_from(Source::Program);
+        let Some(task) = self.course.current(ends) else {
+            return;
+        };
+        if let Some(pass) = task.pass() {
+            self.executor.take_over(task.segment, pass);
+            self.away.begin_pass(LastPass::of(task.segment, pass));
+            let started = Event::Started {
+                number: task.segment.number,
+                line: task.segment.span.line,
+            };
+            emit(&mut ends.events, started);
         }
     }
 

@@ -27,7 +27,7 @@ pub use surface::SurfaceSpeed;
 pub use tap::{TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat, TapReturn};
 pub use tap_notes::{Extraction, LengthUnit, Plane, TapNotes};
 pub use tapper::{Hand, TapSpindle};
-pub use thread::{CutIn, Infeed, RunOut, ThreadCall, ThreadCycle, start_angle};
+pub use thread::{ChainPart, CutIn, Infeed, RunOut, ThreadCall, ThreadCycle, start_angle};
 
 /// A point in machine coordinates; X is a radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]

@@ -31,6 +31,47 @@ impl ThreadCycle {
     }
 }
 
+/// Whether a stroke of G32 is a thread of its own, or a part of a chain: of strokes that follow each other without a stop.
+/// A chain is one thread, which waits once for its start angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum ChainPart {
+    /// A thread of its own.
+    Whole,
+    /// The first stroke of a chain.
+    First,
+    /// A stroke between two others.
+    Middle,
+    /// The last stroke of a chain, with the run-out.
+    Last,
+}
+
+impl ChainPart {
+    /// The most strokes of a chain.
+    pub const MOST: usize = 64;
+
+    /// Begins where the stroke before ends, without a stop.
+    #[must_use]
+    pub const fn is_joined(self) -> bool {
+        matches!(self, Self::Middle | Self::Last)
+    }
+
+    /// The next stroke begins where this one ends, without a stop.
+    #[must_use]
+    pub const fn goes_on(self) -> bool {
+        matches!(self, Self::First | Self::Middle)
+    }
+
+    /// The same part, but another stroke follows.
+    #[must_use]
+    pub const fn with_next(self) -> Self {
+        if self.is_joined() {
+            Self::Middle
+        } else {
+            Self::First
+        }
+    }
+}
+
 /// How the tool enters from pass to pass (G78 P(r)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum CutIn {
@@ -109,8 +150,11 @@ pub struct ThreadCall {
     pub lead: At<Lead>,
     /// K of G34: change of the lead per turn. None in all others.
     pub change: At<LeadChange>,
-    /// Angle of the first start after the index (Q of G92, G32 and G34).
+    /// Angle of the first start after the index (Q of G92, G32 and G34). Of a stroke that is joined to another: the angle
+    /// at its start, which follows from the strokes before.
     pub first_angle: StartAngle,
+    /// The place of a stroke of G32 in its chain; all others are whole.
+    pub part: ChainPart,
     /// Input increment as a length on the radius axis of depths (IS-C metric: 100 nm): depths are rounded to it.
     pub increment: Length,
     /// Commanded spindle speed, signed; zero when it stands (`expand` does not mind).

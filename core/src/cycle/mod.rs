@@ -24,11 +24,11 @@ pub use groove::{GrooveCount, GrooveMoves, groove_warning};
 pub use limits::{time, within_limits};
 pub use tap::{TapJoin, TapMoves, TapReport, tap_report, tap_return, tap_spindle};
 pub use thread::{
-    FINDINGS, ThreadFindings, ThreadMoves, ThreadReport, ThreadSummary, rpm_max, thread_can_run,
-    thread_findings, thread_report,
+    FINDINGS, ThreadFindings, ThreadMoves, ThreadReport, ThreadSummary, chain_report,
+    chain_rpm_max, rpm_max, thread_can_run, thread_findings, thread_report,
 };
 
 pub(crate) use groove::GrooveWords;
 pub(crate) use tap::{TapPart, Tapping, is_tap_return, rigid_code, tap_can_begin, tap_strokes};
-pub(crate) use thread::{ThreadWords, TwoBlock};
+pub(crate) use thread::{Stroked, ThreadWords, TwoBlock};
 pub(crate) use turning::{Turning, TurningWords};

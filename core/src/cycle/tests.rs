@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::call::{CutIn, FeedRate, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
+use crate::call::{ChainPart, CutIn, FeedRate, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
 use crate::feasible::{each_within_limits, time_of_each};
 use crate::moves::{Move, MoveKind};
 use crate::params::{Entry, Params, Part};
@@ -59,6 +59,7 @@ fn o0013(rpm: i32) -> ThreadCall {
         lead: at(Lead::new(6 * MM, 1).unwrap()),
         change: at(LeadChange::NONE),
         first_angle: StartAngle::INDEX,
+        part: ChainPart::Whole,
         increment: nm(100),
         rpm: Rpm::new(rpm),
     }

@@ -4,9 +4,9 @@ use core::time::Duration;
 
 use super::pass::Gather;
 use crate::alarm::Alarm;
-use crate::call::{Position, TapMode};
-use crate::motion::{Limits, ThreadPlan, float_ticks, plan, stroke};
-use crate::moves::{Move, MoveKind};
+use crate::call::{ChainPart, Position, TapMode};
+use crate::motion::{Limits, ThreadPlan, float_ticks, plan, stroke, turns_over};
+use crate::moves::{Move, MoveKind, Stage};
 use crate::params::Params;
 use crate::units::{TurnRate, mul_div};
 
@@ -37,6 +37,20 @@ pub(crate) fn time_of_each(
     let mut spindle = None;
     for next in moves {
         let more = match next.kind {
+            // Its turns; joining and braking are small beside them, and the wait is that of the first stroke.
+            MoveKind::Thread(thread) if thread.part != ChainPart::Whole => {
+                let way = if thread.long_x {
+                    next.to.x - at.x
+                } else {
+                    next.to.z - at.z
+                };
+                let speed = TurnRate::of_rpm(thread.rpm).abs().raw().unsigned_abs();
+                let turns = turns_over(thread.lead, way.abs()).raw().unsigned_abs();
+                let begins = thread.part == ChainPart::First
+                    && next.tag.is_none_or(|tag| tag.stage != Stage::RunOut);
+                let wait = if begins { HALF_TURN } else { 0 };
+                mul_div(turns.saturating_add(wait), 1_000_000, speed)
+            }
             MoveKind::Thread(thread) => match gather.take(at, &next) {
                 Some(pass) => {
                     let plan = ThreadPlan::new(pass.from, &pass.moves, params, TurnRate::ZERO)?;

@@ -5,8 +5,8 @@ use super::reader::{Reader, Take};
 use super::version::Version;
 use crate::alarm::{At, Span};
 use crate::call::{
-    ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
-    Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
+    ArcCall, Aux, Call, CallKind, ChainPart, CutIn, Extraction, FeedRate, GrooveCall, Hand,
+    HandChoice, Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
     SpindleMode, SurfaceSpeed, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck,
     TapRepeat, TapReturn, TapSpindle, ThreadCall, ThreadCycle,
 };
@@ -61,7 +61,7 @@ records! {
     RunOut { short, long, short_rest, long_rest }
     ThreadCall {
         cycle, start, end_x, end_z, taper, height, first_depth, min_step, allowance, finish_passes, angle, infeed, cut_in,
-        starts, run_in, run_out, lead, change, first_angle, increment, rpm
+        starts, run_in, run_out, lead, change, first_angle, part, increment, rpm
     }
     GrooveCall { axis, start, end_x, end_z, last_written, peck, step, relief, retract, feed }
     TapPeck { infeed, back }
@@ -90,6 +90,7 @@ macro_rules! variants {
 
 variants! {
     ThreadCycle { G76, G78, G92, G32, G34 }
+    ChainPart { Whole, First, Middle, Last }
     CutIn { Centre, Left, Right, RightCentre, LeftRight, Trailing }
     Infeed { Equal, Decreasing }
     TapCycle { G84, G88 }

@@ -8,10 +8,10 @@ use super::*;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::bus::BoardState;
 use crate::call::{
-    ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
-    Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice, TapAxis,
-    TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapReturn, TapSpindle,
-    ThreadCall, ThreadCycle,
+    ArcCall, Aux, Call, CallKind, ChainPart, CutIn, Extraction, FeedRate, GrooveCall, Hand,
+    HandChoice, Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
+    TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapReturn,
+    TapSpindle, ThreadCall, ThreadCycle,
 };
 use crate::params::Params;
 use crate::units::{
@@ -71,6 +71,7 @@ fn thread() -> ThreadCall {
         lead: at(Lead::new((1 << 50) - 1, 1 << 28).unwrap()),
         change: at(LeadChange::NONE),
         first_angle: StartAngle::from_mdeg(359_999),
+        part: ChainPart::Middle,
         increment: FAR,
         rpm: Rpm::new(-(1 << 20)),
     }

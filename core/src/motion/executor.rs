@@ -387,6 +387,8 @@ impl Executor {
     /// together [D18]. The rest of the segment is forgotten.
     pub fn stop(&mut self, current: Option<Task<'_>>) {
         self.aborting = true;
+        // The tick asks again, if the way to rest still leads on.
+        self.crossed = false;
         match (&mut self.active, current.and_then(Task::pass)) {
             (Active::Free, _) => {}
             (Active::Timed | Active::Joined, _) => self.run.abandon(),
@@ -414,6 +416,7 @@ impl Executor {
             && let Some(pass) = current.and_then(Task::pass)
         {
             self.aborting = true;
+            self.crossed = false;
             return run.retract(&pass.plan, target);
         }
         self.stop(current);

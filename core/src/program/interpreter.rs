@@ -4,10 +4,12 @@ use super::in_force::InForce;
 use super::motion::Way;
 use super::state::State;
 use crate::alarm::{Alarm, Code, Span};
-use crate::call::Position;
+use crate::call::{Call, CallKind, Position, ThreadCycle};
 use crate::cycle::rigid_code;
 use crate::params::Params;
-use crate::text::{Block, Comment, Cursor, Ended, Event, Known, MGroup, Options, Plan, m_code};
+use crate::text::{
+    Block, Comment, Cursor, Dialect, Ended, Event, Known, MGroup, Options, Plan, m_code,
+};
 use crate::units::Decimal;
 
 /// Reads a program line by line and resolves all of its modal meaning. Memory is bounded by one line.
@@ -20,6 +22,8 @@ pub struct Interpreter<'p> {
     block: Block,
     comment: Comment,
     plan: Plan,
+    /// A stroke of G32, until it is known whether another one is joined to it.
+    held: Option<Call>,
     failed: bool,
     closed: bool,
 }
@@ -33,6 +37,7 @@ impl<'p> Interpreter<'p> {
             block: Block::new(rigid_code(params)),
             comment: Comment::default(),
             plan: Plan::new(),
+            held: None,
             failed: false,
             closed: false,
         }
@@ -77,9 +82,10 @@ impl<'p> Interpreter<'p> {
         if let Err(alarm) = self.try_words(line, words) {
             self.failed = true;
             self.plan.clear();
+            self.release(out);
             return Err(alarm);
         }
-        while let Some(event) = self.plan.next() {
+        while let Some(event) = self.next_event() {
             out(event);
         }
         Ok(())
@@ -115,6 +121,7 @@ impl<'p> Interpreter<'p> {
         if self.is_ended() {
             return Ok(());
         }
+        self.release(out);
         match self.state.trace(span, to, way) {
             Ok(call) => {
                 out(Event::Call(call));
@@ -134,15 +141,19 @@ impl<'p> Interpreter<'p> {
         cursor: &mut Cursor<'_>,
         out: &mut impl FnMut(Event),
     ) -> Result<(), Alarm> {
-        while self.read_block(cursor)? {
-            while let Some(event) = self.plan.next() {
+        loop {
+            let read = self.read_block(cursor);
+            if read.is_err() {
+                self.release(out);
+            }
+            let more = read?;
+            while let Some(event) = self.next_event() {
                 out(event);
             }
+            if !more {
+                return Ok(());
+            }
         }
-        while let Some(event) = self.plan.next() {
-            out(event);
-        }
-        Ok(())
     }
 
     /// Reads one block into the plan; false where the line ends with it.
@@ -174,17 +185,52 @@ impl<'p> Interpreter<'p> {
         Ok(ended == Ended::Block)
     }
 
-    /// The next event of the block that was read.
+    /// The next event of the block that was read, or of one before it: a stroke waits for what follows it.
     #[inline]
     pub(super) fn next_event(&mut self) -> Option<Event> {
-        self.plan.next()
+        if self.held.is_some() && self.plan.has_call() {
+            return self.take_held(self.plan.is_joined()).map(Event::Call);
+        }
+        match self.plan.next()? {
+            Event::Call(call) if is_stroke(&call) => {
+                self.held = Some(call);
+                self.plan.next()
+            }
+            event => Some(event),
+        }
+    }
+
+    /// The stroke that waits. Where another one is joined to it, it goes on and has no run-out.
+    #[cold]
+    pub(super) fn take_held(&mut self, goes_on: bool) -> Option<Call> {
+        let mut held = self.held.take()?;
+        if let CallKind::Thread(thread) = &mut held.kind
+            && goes_on
+        {
+            thread.part = thread.part.with_next();
+            thread.run_out = None;
+        }
+        Some(held)
+    }
+
+    /// Hands over a stroke that waits for what follows it: nothing is joined to it.
+    pub fn release(&mut self, out: &mut impl FnMut(Event)) {
+        if let Some(held) = self.take_held(false) {
+            out(Event::Call(held));
+        }
     }
 
     /// Says that the text is over.
     ///
     /// # Errors
     /// A comment that was never closed, a tap that was left in its hole.
-    pub fn finish(&self) -> Result<(), Alarm> {
+    pub fn finish(&mut self, out: &mut impl FnMut(Event)) -> Result<(), Alarm> {
+        self.release(out);
+        self.refuse_open()
+    }
+
+    /// What may not be open at the end of the text.
+    pub(super) fn refuse_open(&self) -> Result<(), Alarm> {
         if !self.failed {
             self.state.tapping.refuse_left()?;
         }
@@ -199,6 +245,11 @@ impl<'p> Interpreter<'p> {
     #[must_use]
     pub const fn is_ended(&self) -> bool {
         self.state.ended || self.closed || self.failed
+    }
+
+    /// Reads the words of the lines that follow as this family of controls does; what is in force stays.
+    pub const fn read_as(&mut self, dialect: Dialect) {
+        self.state.modal.options.dialect = dialect;
     }
 
     /// Where the machine stands after the blocks so far.
@@ -230,6 +281,11 @@ impl<'p> Interpreter<'p> {
     pub const fn sequence_number(&self) -> Option<u32> {
         self.state.sequence
     }
+}
+
+/// True for a stroke to which another one can be joined.
+fn is_stroke(call: &Call) -> bool {
+    matches!(&call.kind, CallKind::Thread(thread) if thread.cycle == ThreadCycle::G32)
 }
 
 /// True for an M code without a meaning of its own, which may clamp an axis.

@@ -44,7 +44,7 @@ impl State<'_> {
                 if !block.has_any(AXES) {
                     return Ok(());
                 }
-                self.stroked = false;
+                self.stroked = None;
                 let span = word.map_or(block.lead(), |word| word.span);
                 let to = self.modal.target(block, self.modal.origin)?;
                 let kind = if self.motion == Motion::Rapid {
@@ -68,17 +68,17 @@ impl State<'_> {
             Motion::Stroke | Motion::VariableStroke => {
                 let span = word.map_or(block.lead(), |word| word.span);
                 self.refuse_surface(span)?;
-                let end = if self.motion == Motion::Stroke {
-                    self.thread.read_stroke(&self.modal, block, span, plan)?
+                let (modal, before) = (&self.modal, self.stroked.as_ref());
+                let stroked = if self.motion == Motion::Stroke {
+                    self.thread.read_stroke(modal, block, span, before, plan)?
+                } else if before.is_some() && block.has_any(PLANE_AXES) {
+                    return Err(Alarm::new(Code::StrokeAfterStroke, span));
                 } else {
-                    self.thread.read_variable(&self.modal, block, span, plan)?
+                    self.thread.read_variable(modal, block, span, plan)?
                 };
-                if let Some(end) = end {
-                    if self.stroked {
-                        return Err(Alarm::new(Code::StrokeAfterStroke, span));
-                    }
-                    self.stroked = true;
-                    self.modal.position = end;
+                if let Some(stroked) = stroked {
+                    self.modal.position = stroked.end();
+                    self.stroked = Some(stroked);
                 }
                 return Ok(());
             }
@@ -93,7 +93,7 @@ impl State<'_> {
         if !block.has_any(PLANE_AXES.and(shape)) {
             return Ok(());
         }
-        self.stroked = false;
+        self.stroked = None;
         let span = word.map_or(block.lead(), |word| word.span);
         self.arc(block, span, clockwise, plan)
     }
@@ -216,6 +216,7 @@ impl State<'_> {
             }),
         };
         self.modal.position = to;
+        self.stroked = None;
         Ok(Call {
             span,
             origin: self.modal.origin,

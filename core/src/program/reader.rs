@@ -14,6 +14,8 @@ pub struct Events<'t, 'p> {
     cursor: Cursor<'t>,
     line: u32,
     stage: Stage,
+    /// It comes after what the blocks before it have yielded.
+    alarm: Option<Alarm>,
 }
 
 /// Where the iterator stands.
@@ -38,6 +40,7 @@ impl<'t, 'p> Events<'t, 'p> {
             cursor: Cursor::new(text, 1),
             line: 1,
             stage: Stage::Line,
+            alarm: None,
         }
     }
 
@@ -56,7 +59,7 @@ impl<'t, 'p> Events<'t, 'p> {
         }
         if self.interpreter.is_ended() || self.text.is_empty() {
             self.stage = Stage::Over;
-            return self.interpreter.finish();
+            return self.interpreter.refuse_open();
         }
         self.stage = if self.interpreter.read_block(&mut self.cursor)? {
             Stage::Line
@@ -77,11 +80,14 @@ impl Iterator for Events<'_, '_> {
                 return Some(Ok(event));
             }
             if self.stage == Stage::Over {
-                return None;
+                return match self.interpreter.take_held(false) {
+                    Some(held) => Some(Ok(Event::Call(held))),
+                    None => self.alarm.take().map(Err),
+                };
             }
             if let Err(alarm) = self.advance() {
                 self.stage = Stage::Over;
-                return Some(Err(alarm));
+                self.alarm = Some(alarm);
             }
         }
     }
@@ -148,7 +154,7 @@ impl<'p> Reader<'p> {
         if self.held > 0 {
             self.held_line(false, out)?;
         }
-        self.interpreter.finish()
+        self.interpreter.finish(out)
     }
 
     /// Adds to the line in the buffer up to its line ending and reads it there; what follows is given back.

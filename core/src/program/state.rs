@@ -6,7 +6,8 @@
 use crate::alarm::{Alarm, Arg, Code};
 use crate::call::{SurfaceSpeed, TapAxis};
 use crate::cycle::{
-    GrooveWords, TapPart, Tapping, ThreadWords, Turning, TurningWords, TwoBlock, is_tap_return,
+    GrooveWords, Stroked, TapPart, Tapping, ThreadWords, Turning, TurningWords, TwoBlock,
+    is_tap_return,
 };
 use crate::params::Params;
 use crate::text::{
@@ -67,8 +68,8 @@ pub(super) struct State<'p> {
     pub(super) groove: GrooveWords,
     pub(super) turning: TurningWords,
     pub(super) tapping: Tapping,
-    /// The latest motion is a stroke of G32 or G34.
-    pub(super) stroked: bool,
+    /// The latest motion, where it is a stroke of G32 or G34.
+    pub(super) stroked: Option<Stroked>,
     /// G61.
     exact_stop: bool,
     /// O of the program, if it has one.
@@ -94,7 +95,7 @@ impl<'p> State<'p> {
             groove: GrooveWords::new(),
             turning: TurningWords::default(),
             tapping: Tapping::new(),
-            stroked: false,
+            stroked: None,
             exact_stop: false,
             program: None,
             sequence: None,
@@ -115,6 +116,9 @@ impl<'p> State<'p> {
         }
         if block.has_groups(Group::Path.bit()) {
             self.path_mode(block, plan);
+        }
+        if let Some(stroked) = &mut self.stroked {
+            stroked.then(block);
         }
         let from = self.modal.position.x;
         if self.tapping.concerns(block) {
@@ -318,7 +322,10 @@ impl<'p> State<'p> {
         plan: &mut Plan,
     ) -> Result<(), Alarm> {
         let code = word.value.mantissa();
-        self.stroked = false;
+        // A dwell moves nothing.
+        if code != 4 {
+            self.stroked = None;
+        }
         if code == 30 && is_tap_return(block) {
             self.tapping
                 .tap_return(&mut self.modal, block, word, plan)?;
@@ -328,7 +335,7 @@ impl<'p> State<'p> {
         if let Some(other) = motion_word {
             let harmless = match code {
                 4 => block.has_any(Letters::of(b"P")),
-                53 => self.motion == Motion::Rapid,
+                28 | 30 | 53 => self.motion == Motion::Rapid,
                 _ => false,
             };
             if block.has_any(AXES) && !harmless {

@@ -219,6 +219,18 @@ impl Plan {
         self.flow = (span, code);
     }
 
+    /// True where a call is to come.
+    #[inline]
+    pub(crate) const fn has_call(&self) -> bool {
+        self.pending & !(WARNING_0 | WARNING_1) != 0
+    }
+
+    /// True where the next call is a stroke that is joined to the one before.
+    pub(crate) const fn is_joined(&self) -> bool {
+        let is_motion = self.pending & !(WARNING_0 | WARNING_1) == MOTION;
+        is_motion && matches!(&self.motion.1, CallKind::Thread(thread) if thread.part.is_joined())
+    }
+
     /// The next event.
     #[inline]
     pub(crate) fn next(&mut self) -> Option<Event> {

@@ -15,8 +15,8 @@ use leadscrew_core::bus::{
     SpindleDemand, Statusword, SyncProducer,
 };
 use leadscrew_core::call::{
-    ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
-    Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
+    ArcCall, Aux, Call, CallKind, ChainPart, CutIn, Extraction, FeedRate, GrooveCall, Hand,
+    HandChoice, Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice,
     SpindleMode, SurfaceSpeed, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck,
     TapRepeat, TapReturn, TapSpindle, ThreadCall, ThreadCycle,
 };
@@ -122,7 +122,7 @@ records! {
     RunOut { short long short_rest long_rest }
     ThreadCall {
         cycle start end_x end_z taper height first_depth min_step allowance finish_passes angle infeed cut_in starts
-        run_in run_out lead change first_angle increment rpm
+        run_in run_out lead change first_angle part increment rpm
     }
     GrooveCall { axis start end_x end_z last_written peck step relief retract feed }
     TapPeck { infeed back }
@@ -135,7 +135,7 @@ records! {
     TapReturn { speed highest beyond unit }
     TapHole { axis level bottom lead hand spindle speed notes }
     TapRecord { sequence in_hole hole position angle }
-    ThreadMove { lead change pass_angle angle_udeg long_x last rpm }
+    ThreadMove { lead change pass_angle angle_udeg long_x part last rpm }
     EncoderSample { count edge_age_ns index }
     Options { dialect skip optional_stop dry_run per_turn limits_every_speed passes_machine_codes position }
     DriveCommand { control target }
@@ -185,6 +185,7 @@ choices! {
     FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
     Aux { Aux::M(any()) } or Aux::T(any());
     ThreadCycle { ThreadCycle::G76, ThreadCycle::G78, ThreadCycle::G92, ThreadCycle::G32 } or ThreadCycle::G34;
+    ChainPart { ChainPart::Whole, ChainPart::First, ChainPart::Middle } or ChainPart::Last;
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
     TapMode { TapMode::Rigid } or TapMode::Floating;

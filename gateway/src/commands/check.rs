@@ -82,5 +82,14 @@ fn tell(setup: &Setup, source: &SourceFile, report: &Report) -> Outcome {
         text.push_str(cycle.text().get(lang));
         text.push('\n');
     }
+    if report.further_cycles > 0 {
+        let further = both!(
+            "  and {words}\n",
+            "  另有 {count} 个循环\n",
+            words = plural(report.further_cycles, "further cycle"),
+            count = report.further_cycles
+        );
+        text.push_str(further.get(lang));
+    }
     output::write(text.as_bytes())
 }

@@ -99,8 +99,7 @@ impl List<'_> {
                 None => return Ok(()),
                 Some(Ok(Event::Call(call))) => self.call(&call, program)?,
                 Some(Ok(Event::Warning(warning))) => {
-                    let number = warning.number();
-                    if self.setup.allow.contains(&number) || program.allowed().contains(&number) {
+                    if program.allows(&warning) {
                         continue;
                     }
                     self.begin_step(program)?;

@@ -2,7 +2,6 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal as _};
-use std::num::NonZeroU32;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -10,6 +9,7 @@ use leadscrew_board_sim::Direction;
 use leadscrew_can::{Address, LogWriter, Packet, Stamp};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::{FdFrame, Frame};
+use leadscrew_language::flow::Passes;
 
 use super::board;
 use crate::cli::{Global, Run};
@@ -40,15 +40,15 @@ pub fn run(global: &Global, args: &Run) -> Outcome {
 
 /// How often a program is carried out that begins itself again: without an end, if nothing else is said.
 #[must_use]
-pub fn passes(args: &Run) -> NonZeroU32 {
-    args.passes.unwrap_or(NonZeroU32::MAX)
+pub fn passes(args: &Run) -> Passes {
+    args.passes.map_or(Passes::UntilStopped, Passes::Number)
 }
 
 /// Runs any text on the simulated machine.
 pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let (drive, record) = (&args.drive, args.record.as_deref());
     let mut setup = Setup::with_drive(global, drive, source)?;
-    setup.passes = Some(passes(args));
+    setup.passes = passes(args);
     let setup = &setup;
     if let Some(path) = record {
         source.protect(path)?;

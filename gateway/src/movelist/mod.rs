@@ -251,6 +251,7 @@ mod tests {
                 pass_angle: StartAngle::INDEX,
                 angle_udeg: 28_182_180,
                 long_x: false,
+                part: leadscrew_core::call::ChainPart::Whole,
                 last: false,
                 rpm: Rpm::new(300),
             }),

@@ -187,3 +187,36 @@ fn checked(args: &[&str]) -> Value {
     let output = leadscrew(&[&["check", "--json"][..], args].concat());
     serde_json::from_str(&stdout(&output)).unwrap()
 }
+
+#[test]
+fn ten_thousand_cycles_are_listed_and_the_others_counted() {
+    let folder = Folder::new("many-cycles");
+    let program = folder.file("p.nc");
+    let text = |calls: &str| {
+        format!(
+            "G99 G97 M3 S500\nG0 X40 Z-5\nM98 P20 L9999\n{calls}M30\nO20\nG75 X38 P2 F0.1\nM99\n"
+        )
+    };
+    for (calls, further) in [("M98 P20\n", 0), ("M98 P20 L2\n", 1), ("M98 P20 L4\n", 3)] {
+        std::fs::write(&program, text(calls)).unwrap();
+        let result = checked(&[&program, "--set", "182.7=1"]);
+        let file = &result["files"][0];
+        assert_eq!(file["alarms"], serde_json::json!([]));
+        assert_eq!(file["cycles"].as_array().unwrap().len(), 10_000);
+        let counted = file
+            .get("further_cycles")
+            .map(|count| count.as_u64().unwrap());
+        assert_eq!(counted, (further > 0).then_some(further));
+        let output = leadscrew(&["check", &program, "--set", "182.7=1"]);
+        let listed = stdout(&output);
+        assert_eq!(listed.matches("line 7: G75").count(), 10_000);
+        let last = match further {
+            0 => String::new(),
+            1 => "  and 1 further cycle\n".into(),
+            _ => format!("  and {further} further cycles\n"),
+        };
+        assert!(listed.ends_with(&format!(" s\n{last}")), "{further}");
+    }
+    let output = leadscrew(&["check", &program, "--set", "182.7=1", "--lang", "zh"]);
+    assert!(stdout(&output).ends_with("  另有 3 个循环\n"));
+}

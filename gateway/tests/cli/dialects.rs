@@ -125,3 +125,58 @@ fn the_nearest_machine_file_counts_is_named_and_gives_way_to_options() {
     assert_eq!(height(&[]), (Value::from(own), 0));
     assert_eq!(height(&["--set", "1004.1=1"]).1, 1);
 }
+
+#[test]
+fn q_of_a_thread_in_one_block_turns_every_stroke_and_moves_nothing_else() {
+    let folder = Folder::new("start-angle");
+    let program = folder.file("p.nc");
+    let of = |words: &str| {
+        let text = format!(
+            "(DIALECT HAAS)\nG97 M3 S500\nG0 X22 Z5\nG76 X17.546 Z-25 K1.227 D0.4 F2 A60{words}\nM30\n"
+        );
+        std::fs::write(&program, text).unwrap();
+        moves(&[&program])
+    };
+    let turned = of(" Q120000 L2");
+    // Both starts of each pass, half a turn apart.
+    let strokes: Vec<(f64, f64)> = turned
+        .iter()
+        .filter(|step| step["kind"] == "thread" && step["stage"] != "runout")
+        .map(|step| {
+            (
+                step["x"].as_f64().unwrap(),
+                step["start_deg"].as_f64().unwrap(),
+            )
+        })
+        .collect();
+    let x = [
+        19.2, 18.8686, 18.6144, 18.4, 18.2, 18.0, 17.8, 17.6, 17.546, 17.546,
+    ];
+    let expected: Vec<_> = x.iter().flat_map(|x| [(*x, 120.0), (*x, 300.0)]).collect();
+    assert_eq!(strokes, expected);
+    // A run-out goes on in phase with its stroke, and all else is that of the thread without Q.
+    let plain = of(" L2");
+    let degrees = |step: &Value| (step["start_deg"].as_f64().unwrap_or(0.0) * 1e5).round() as i64;
+    for (plain, turned) in plain.iter().zip(&turned) {
+        let further = (degrees(turned) - degrees(plain)).rem_euclid(36_000_000);
+        let is_stroke = plain["kind"] == "thread";
+        assert_eq!(further, if is_stroke { 12_000_000 } else { 0 }, "{turned}");
+        let [mut plain, mut turned] = [plain.clone(), turned.clone()];
+        for step in [&mut plain, &mut turned] {
+            step.as_object_mut().unwrap().remove("start_deg");
+        }
+        assert_eq!(plain, turned);
+    }
+    assert_eq!((plain.len(), turned.len()), (103, 103));
+    std::fs::write(
+        &program,
+        "(DIALECT HAAS)\nG97 M3 S500\nG0 X22 Z5\nG76 X17.546 Z-25 K1.227 D0.4 F2 Q120.\nM30\n",
+    )
+    .unwrap();
+    let output = leadscrew(&["check", &program]);
+    let told = stderr(&output);
+    assert!(
+        told.contains("alarm[4023]") && told.contains("p.nc:4:33"),
+        "{told}"
+    );
+}

@@ -139,6 +139,29 @@ fn cases() -> Vec<(u64, String, String)> {
             stock("G1 X52 Z2 F200\nZ-30\nG0 X62\nZ2\nX52\nZ-30.2"),
             stock("G1 X52 Z2 F200\nZ-30\nG0 X62\nZ2\nX52\nZ-30"),
         ),
+        // Half of a thin bar.
+        (
+            4989,
+            format!("(STOCK X12 L100)\n{}", one_block("D3.1")),
+            format!("(STOCK X12 L100)\n{}", one_block("D3.")),
+        ),
+        // A depth of 9 mm, and one of 8.
+        (
+            4807,
+            stock("G0 X42\nG1 Z-30 F200"),
+            stock("G0 X44\nG1 Z-30 F200"),
+        ),
+        (
+            4807,
+            format!("(STOCK X60 L100 X0=20)\n{}", lines("G0 X38\nG1 Z-30 F200")),
+            format!("(STOCK X60 L100 X0=20)\n{}", lines("G0 X36\nG1 Z-30 F200")),
+        ),
+        // A shoulder that the tool comes up against is no depth, and a cut of a blade neither.
+        (
+            4807,
+            stock("G0 X44\nG1 Z-30 F200\nX62\nG0 Z2\nX27\nG1 Z-28"),
+            stock("G0 X44\nG1 Z-30 F200\nX62\nG0 Z2\nX44\nG1 Z-37.9\nX64\nG0 Z-60\nG1 X10"),
+        ),
         (
             4985,
             lines("G92 X49 Z-20 F0.04"),
@@ -159,6 +182,68 @@ fn each_doubt_is_told_at_its_line_and_what_was_meant_is_not() {
         std::fs::write(&program, &right).unwrap();
         assert_eq!(found(&program), [], "{number}\n{right}");
     }
+}
+
+#[test]
+fn a_depth_of_g72_is_doubted_beside_the_length_of_the_stock() {
+    let folder = shop("half");
+    let program = folder.file("p.nc");
+    let face = "G97 M3 S500\nG99\nG0 X60 Z2\nG72 W2 R0.5\nGOTO 3\nN1 G0 Z-6\nG1 X40\nZ-3\nX20\nN2 Z1\nN3 G72 P1 Q2 W0.1 F0.2\nM5\nM30\n";
+    // It is told where it is written: in the first line of the cycle.
+    for (length, told) in [("3.9", &[(4989, 5)][..]), ("4", &[])] {
+        std::fs::write(&program, format!("(STOCK X60 L{length})\n{face}")).unwrap();
+        assert_eq!(found(&program), told, "{length}");
+    }
+    // Of a tube it is half of the wall: 7 mm of this one.
+    let turned = "G97 M3 S500\nG99\nG0 X60 Z2\nG71 U3.5 R0.5\nGOTO 3\nN1 G0 X50\nG1 Z-20\nN2 X60\nN3 G71 P1 Q2 U0.4 W0.1 F0.2\nM5\nM30\n";
+    for (bore, told) in [("46.02", &[(4989, 5)][..]), ("46", &[])] {
+        std::fs::write(&program, format!("(STOCK X60 L100 X0={bore})\n{turned}")).unwrap();
+        assert_eq!(found(&program), told, "{bore}");
+    }
+    // Without a stock there is nothing to compare it with.
+    std::fs::write(&program, face).unwrap();
+    assert_eq!(found(&program), []);
+}
+
+#[test]
+fn a_feed_above_the_nose_radius_is_refused_where_the_tool_has_one() {
+    let folder = shop("nose-feed");
+    let (program, machine) = (folder.file("p.nc"), folder.file("leadscrew.toml"));
+    std::fs::write(
+        &machine,
+        "increment_is_c = 0\nnose_radius_3 = \"0.4 mm\"\nnose_radius_4 = \"-0.4 mm\"\n",
+    )
+    .unwrap();
+    for (text, told) in [
+        ("T0303\nG99 G1 X50 Z-5 F0.41", &[(4807, 4)][..]),
+        ("T0303\nG99 G1 X50 Z-5 F0.4", &[]),
+        ("T0404\nG99 G1 X50 Z-5 F0.41", &[(4807, 4)]),
+        ("T0303\nG99 G2 X56 Z-5 R5 F0.5", &[(4807, 4)]),
+        // Nothing is known of this nose, the spindle stands, or the feed is one per minute; a groove has a blade.
+        ("T0505\nG99 G1 X50 Z-5 F0.5", &[]),
+        ("T0303\nM5\nG99 G1 X50 Z-5 F0.5", &[]),
+        ("T0303\nG98 G1 X50 Z-5 F500", &[]),
+        ("T0303\nG99 G75 X40 P2000 F0.5", &[]),
+        ("(ALLOW 4807)\nT0303\nG99 G1 X50 Z-5 F0.5", &[]),
+    ] {
+        std::fs::write(
+            &program,
+            format!("G97 M3 S500\nG0 X46 Z0\n{text}\nM5\nM30\n"),
+        )
+        .unwrap();
+        let told_now: Vec<_> = found(&program)
+            .into_iter()
+            .filter(|(number, _)| *number == 4807)
+            .collect();
+        assert_eq!(told_now, told, "{text}");
+    }
+    std::fs::write(&program, "G97 M3 S500\nT0303\nG99 G1 X50 Z-5 F0.5\nM30\n").unwrap();
+    let output = leadscrew(&["check", &program]);
+    let told = stderr(&output);
+    assert!(
+        told.contains("alarm[4807]: this cut takes 0.5 mm where its insert takes 0.4 mm: "),
+        "{told}"
+    );
 }
 
 /// Programs whose rapids go near the stock or through where it was, with the lines that are told.

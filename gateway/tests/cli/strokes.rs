@@ -263,3 +263,36 @@ fn leads_that_cannot_be_are_refused_before_anything_moves() {
     );
     assert_eq!(found(&folder, "G34 Z-15. F2. K-0.05"), []);
 }
+
+#[test]
+fn strokes_that_join_are_one_thread() {
+    let folder = Folder::new("chain");
+    let chain = "G32 Z-15. F2.\nX24. Z-25.\nX30. Z-27. F1.5";
+    assert_eq!(found(&folder, chain), []);
+    let program = folder.file("chain.nc");
+    std::fs::write(
+        &program,
+        format!("M3 S300\nG0 X20. Z5.\n{chain}\nG0 X60.\nM30\n"),
+    )
+    .unwrap();
+    let output = leadscrew(&["--json", "run", &program]);
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let threads = result["threads"].as_array().unwrap();
+    assert_eq!(threads.len(), 1, "{result}");
+    assert_eq!(threads[0]["line"], 3);
+    assert!(
+        threads[0]["sync_error_um"]["max"].as_f64().unwrap() <= 0.001,
+        "{result}"
+    );
+    // A corner that takes more than the stroke has, at its word.
+    assert_eq!(
+        found(&folder, "S1500 G32 Z-15. F2.\nU1. W-.2\nX30. Z-27."),
+        [(
+            4265,
+            1,
+            "at 1500 rpm the stroke 0.5 mm of this chain is too short: the corner before it takes 1.952605 mm, and the corner after it 2.002247 mm".to_owned()
+        )]
+    );
+    // What would stop the tool in the thread.
+    assert_eq!(found(&folder, "G32 Z-15. F2.\nM8\nX24. Z-25.")[0].0, 4084);
+}

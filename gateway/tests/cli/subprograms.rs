@@ -349,3 +349,183 @@ fn more_files_than_are_open_at_a_time_are_read_in_turn() {
         .flat_map(|n| [f64::from(n); 2]);
     assert_eq!(x[..240], expected.collect::<Vec<_>>());
 }
+
+/// The moves of `expand`, as kind, file, X and Z.
+fn steps(program: &str) -> Vec<(String, String, f64, f64)> {
+    let output = leadscrew(&["expand", program, "--format", "jsonl"]);
+    assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+    let (mut x, mut z) = (0.0, 0.0);
+    let mut found = Vec::new();
+    for step in json_lines(&stdout(&output)) {
+        x = step["x"].as_f64().unwrap_or(x);
+        z = step["z"].as_f64().unwrap_or(z);
+        let text = |key: &str| step[key].as_str().unwrap_or("-").to_owned();
+        found.push((text("kind"), text("file"), x, z));
+    }
+    found
+}
+
+/// The moves whose lines are in this file.
+fn steps_of(file: &str, program: &str) -> Vec<(String, f64, f64)> {
+    let of_file = steps(program)
+        .into_iter()
+        .filter(|(_, own, ..)| own == file);
+    of_file.map(|(kind, _, x, z)| (kind, x, z)).collect()
+}
+
+#[test]
+fn a_file_of_a_subprogram_is_read_in_the_dialect_that_it_names() {
+    let (folder, program) = parts("own-dialect");
+    let own = folder.file("O0020.nc");
+    let moves = |control: &str, main: &str, sub: &str| {
+        let name = if control.is_empty() {
+            String::new()
+        } else {
+            format!("(DIALECT {control})\n")
+        };
+        std::fs::write(&program, main).unwrap();
+        std::fs::write(&own, name + sub).unwrap();
+        steps_of("O0020.nc", &program)
+    };
+    let at = |kind: &str, x, z| (kind.to_owned(), x, z);
+    let main =
+        "O1\nG50 X80 Z20\nG99 M3 S800\nG0 X40 Z5\nM98 P20\nG90 X38 Z-4 F0.2\nG0 X80 Z20\nM30\n";
+    // G77 of system B is G90 of system A, and G90 there is no cycle; after the call G90 is a cycle again.
+    let turned = [
+        at("rapid", 36.0, 5.0),
+        at("feed", 36.0, -10.0),
+        at("feed", 40.0, -10.0),
+        at("rapid", 40.0, 5.0),
+    ];
+    let sub = "O20\nG90 G77 X36 Z-10 F0.2\nM99\n";
+    assert_eq!(moves("FANUC-B", main, sub), turned);
+    let after: Vec<_> = steps(&program)
+        .into_iter()
+        .skip(6)
+        .map(|(kind, _, x, z)| (kind, x, z))
+        .collect();
+    assert_eq!(
+        after[..4],
+        [
+            at("rapid", 38.0, 5.0),
+            at("feed", 38.0, -4.0),
+            at("feed", 40.0, -4.0),
+            at("rapid", 40.0, 5.0),
+        ]
+    );
+    // G91 of system B counts in the files of that system alone, and is still in force when the next one is read.
+    let sub = "O20\nG91 G0 X-4 Z-1\nM98 P21\nZ-1\nM99\n";
+    std::fs::write(
+        folder.file("O0021.nc"),
+        "(DIALECT GSK980TD)\nG0 X50 Z3\nM99\n",
+    )
+    .unwrap();
+    let there = moves("FANUC-B", main, sub);
+    assert_eq!(there, [at("rapid", 36.0, 4.0), at("rapid", 50.0, 2.0)]);
+    // A taper is I in G90 of a Haas, whose main program has it so, and R in that of a GSK.
+    let haas = main
+        .replace("O1\n", "(DIALECT HAAS)\nO1\n")
+        .replace("X38 Z-4", "X38 Z-4 I-1");
+    let sub = "O20\nG90 X36 Z-10 R-2 F0.2\nM99\n";
+    assert_eq!(
+        moves("GSK980TD", &haas, sub),
+        [
+            at("rapid", 32.0, 5.0),
+            at("feed", 36.0, -10.0),
+            at("feed", 40.0, -10.0),
+            at("rapid", 40.0, 5.0),
+        ]
+    );
+    assert_eq!(steps(&program)[6].2, 36.0);
+    // P of G75 is a diameter on the 980TD and a radius on the 988; a name that is the program's own changes nothing.
+    let sub = "O20\nG0 X40 Z0\nG75 R0\nG75 X32 Z0 P20000 F0.1\nM99\n";
+    let depths = |control: &str| -> Vec<f64> {
+        let found = moves(
+            control,
+            main,
+            &sub.replace(
+                "P20000",
+                if control.contains("988") {
+                    "P2"
+                } else {
+                    "P20000"
+                },
+            ),
+        );
+        found
+            .into_iter()
+            .filter(|(kind, ..)| kind == "feed")
+            .map(|(_, x, _)| x)
+            .collect()
+    };
+    assert_eq!(depths(""), [38.0, 36.0, 34.0, 32.0]);
+    assert_eq!(depths("gsk980td"), [38.0, 36.0, 34.0, 32.0]);
+    assert_eq!(depths("gsk988"), [36.0, 32.0]);
+}
+
+#[test]
+fn a_dialect_that_cannot_be_kept_to_is_an_alarm_in_its_file() {
+    let (folder, program) = parts("dialect-refused");
+    let own = folder.file("O0020.nc");
+    let alarm = |sub: &str| {
+        std::fs::write(&own, sub).unwrap();
+        let output = leadscrew(&["check", &program, "--json"]);
+        assert_eq!(code(&output), 1, "{}", stdout(&output));
+        let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
+        let alarms = result["files"][0]["alarms"].as_array().unwrap().clone();
+        let file = alarms[0]["file"].as_str().unwrap();
+        assert_eq!((alarms.len(), file), (1, own.as_str()));
+        let place = ["no", "line", "column"].map(|key| alarms[0][key].as_u64().unwrap());
+        let text = ["message", "help"].map(|key| alarms[0][key].as_str().unwrap().to_owned());
+        (place, text)
+    };
+    let (place, [message, help]) = alarm("O20\n (DIALECT FANUC)\nG0 X1\nM99\n");
+    assert_eq!(place, [4086, 2, 11]);
+    assert_eq!(message, "there is no dialect of this name");
+    assert!(help.contains("fanuc-a, fanuc-b"), "{help}");
+    // On a FANUC the limit holds under G97, too: the program that was started is one of a GSK.
+    let (place, [message, help]) = alarm("(DIALECT FANUC-B)\nO20\nG92 S1000\nM99\n");
+    assert_eq!(place, [4087, 3, 5]);
+    assert_eq!(
+        message,
+        "G92 S in a file of another dialect: under G97 it limits the speed on FANUC and Haas, and not on GSK"
+    );
+    assert!(
+        help.starts_with("set the highest speed in the program that was started"),
+        "{help}"
+    );
+    // The words of a dialect are those of its file.
+    let (place, _) = alarm("(DIALECT FANUC-B)\nO20\nG94 F100\nG32 Z-5 F1\nM99\n");
+    assert_eq!(place, [4018, 4, 1]);
+}
+
+#[test]
+fn a_file_of_a_subprogram_silences_its_own_lines_alone() {
+    let (folder, program) = parts("own-allow");
+    let pitch = "G0 X30 Z5\nG92 X29 Z-10 F0.04\nG0 X40\n";
+    let warned = |main: &str, sub: &str| {
+        std::fs::write(
+            &program,
+            format!("{main}G50 X80 Z20\nM3 S300\n{pitch}M98 P20\nM30\n"),
+        )
+        .unwrap();
+        std::fs::write(folder.file("O0020.nc"), format!("{sub}{pitch}M99\n")).unwrap();
+        let output = leadscrew(&["check", &program, "--json"]);
+        let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
+        let mut told = Vec::new();
+        for warning in result["files"][0]["warnings"].as_array().unwrap() {
+            if warning["no"] == 4985 {
+                let file = warning["file"].as_str().unwrap();
+                told.push((
+                    file.ends_with("O0020.nc"),
+                    warning["line"].as_u64().unwrap(),
+                ));
+            }
+        }
+        told
+    };
+    assert_eq!(warned("", ""), [(false, 4), (true, 2)]);
+    assert_eq!(warned("", "(ALLOW 4985)\n"), [(false, 4)]);
+    assert_eq!(warned("(ALLOW 4985)\n", ""), []);
+    assert_eq!(warned("", "(ALLOW 4984)\n"), [(false, 4), (true, 3)]);
+}

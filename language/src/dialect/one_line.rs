@@ -4,7 +4,7 @@
 //! of the infeed [D226].
 
 use leadscrew_core::alarm::{Alarm, Arg, Code};
-use leadscrew_core::units::Decimal;
+use leadscrew_core::units::{Decimal, StartAngle};
 
 use super::Control;
 use super::translator::{Setting, has_code};
@@ -91,7 +91,7 @@ fn times(word: &Word, factor: i64, decimals: u8) -> Result<Given, Alarm> {
     }
 }
 
-/// K is the height, D the first depth, I the taper, A the angle, P the way of the infeed.
+/// K is the height, D the first depth, I the taper, A the angle, P the way of the infeed, Q the start angle [D274].
 fn thread(words: &[Word]) -> Result<[Vec<Word>; 2], Alarm> {
     let Some(code) = words
         .iter()
@@ -139,7 +139,17 @@ fn thread(words: &[Word]) -> Result<[Vec<Word>; 2], Alarm> {
     for word in words {
         let letter = match word.letter {
             b'N' | b'A' | b'P' => continue,
-            b'Q' | b'R' | b'J' => return Err(word.alarm(Code::WordWithoutUse)),
+            b'R' | b'J' => return Err(word.alarm(Code::WordWithoutUse)),
+            b'Q' => {
+                if second
+                    .iter()
+                    .any(|known: &Word| known.letter == Word::START_ANGLE)
+                {
+                    return Err(word.alarm(Code::WordTwice));
+                }
+                word.count(0, StartAngle::FULL)?;
+                Word::START_ANGLE
+            }
             b'G' if word.span == code.span => {
                 second.push(cycle);
                 continue;

@@ -243,8 +243,56 @@ fn a_thread_in_one_block_has_its_words() {
         (Infeed::Equal, CutIn::Left)
     );
     assert_eq!(with("I-0.5").taper.value.nm(), -500_000);
+    assert_eq!(with("").first_angle.mdeg(), 0);
+    assert_eq!(with("Q60000").first_angle.mdeg(), 60_000);
     assert_eq!(alarm(Control::Haas, &format!("{text} P9")).number(), 4025);
     assert_eq!(alarm(Control::Haas, &format!("{text} R1")).number(), 4028);
+}
+
+#[test]
+fn q_of_a_thread_in_one_block_is_its_start_angle_in_every_dialect() {
+    for control in Control::ALL {
+        let text = match control {
+            Control::FanucC => "G97 M3 S500;G0 X22. Z5.;G78 X17.546 Z-25. K1.227 D0.4 F2. A60",
+            _ => "G97 M3 S500;G0 X22. Z5.;G76 X17.546 Z-25. K1.227 D0.4 F2. A60",
+        };
+        let with = |words: &str| thread(control, &format!("{text} {words}"));
+        let thread = with("Q120000");
+        assert_eq!(thread.first_angle.mdeg(), 120_000, "{control:?}");
+        assert_eq!(thread.first_depth.value.nm(), 400_000, "{control:?}");
+        // It is for its block alone, and a macro may calculate it.
+        let after = format!(
+            "{text} Q120000;G0 X22. Z5.;{}",
+            text.rsplit(';').next().unwrap()
+        );
+        let (events, refused) = read(control, &after);
+        assert_eq!(refused, None, "{after}");
+        let angle = |event: &Event| match event {
+            Event::Call(call) => match call.kind {
+                CallKind::Thread(thread) => Some(thread.first_angle.mdeg()),
+                _ => None,
+            },
+            Event::Warning(_) => None,
+        };
+        let threads: Vec<u32> = events.iter().filter_map(angle).collect();
+        assert_eq!(threads, [120_000, 0], "{control:?}");
+        assert_eq!(with("Q[90*1000]").first_angle.mdeg(), 90_000);
+        assert_eq!(with("Q360000").first_angle.mdeg(), 0);
+        assert_eq!(with("Q#1").first_angle.mdeg(), 0);
+        for (words, number) in [
+            ("Q360001", 4025),
+            ("Q-1", 4025),
+            ("Q120.", 4023),
+            ("Q1 Q2", 4013),
+        ] {
+            let refused = alarm(control, &format!("{text} {words}"));
+            assert_eq!(
+                (refused.number(), refused.word),
+                (number, Some(b'Q')),
+                "{control:?} {words}"
+            );
+        }
+    }
 }
 
 #[test]
@@ -267,6 +315,11 @@ fn words_that_a_haas_writes_with_another_letter() {
         "G99;G0 X60 Z2;G94 X20 Z-5 R-3 F.1",
     );
     same("G0 X60;G91 G28 X0 Z0;G0 X5", "G0 X60;G28 U0 W0;G0 X5");
+    // G28 without an axis is X and Z; words beside it are another matter.
+    same("G0 X60;G28;G0 X5", "G0 X60;G28 U0 W0;G0 X5");
+    same("G0 X60;N5 G28 M9;G0 X5", "G0 X60;G28 U0 W0 M9;G0 X5");
+    same("G0 X60;G28 U0;G0 X5", "G0 X60;G28 U0;G0 X5");
+    assert_eq!(alarm(Control::FanucA, "G28").number(), 4031);
 }
 
 #[test]
@@ -345,4 +398,17 @@ fn a_comment_names_the_control() {
     for control in Control::ALL {
         assert_eq!(Control::of_name(control.name()), Some(control));
     }
+}
+
+#[test]
+fn a_pattern_counts_its_passes_with_a_point_too() {
+    let text = |passes: &str| {
+        format!(
+            "M3 S500;G0 X60 Z5;G73 U4. W4. R{passes};G73 P1 Q2 U.4 W.2 F.3;N1 G0 X20 Z1;N2 G1 Z-9;G70 P1 Q2"
+        )
+    };
+    let control = Control::FanucA;
+    assert_eq!(kinds(control, &text("3.")), kinds(control, &text("3")));
+    assert_eq!(alarm(control, &text("2.5")).number(), 4023);
+    assert_eq!(alarm(control, &text("0.")).number(), 4025);
 }

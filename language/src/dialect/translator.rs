@@ -35,6 +35,8 @@ impl Default for Setting {
 #[derive(Clone, Copy, Debug)]
 pub struct Translator {
     control: Control,
+    /// The control of the program that was started.
+    machine: Control,
     /// G91.
     incremental: bool,
     /// G99 of the systems B and C: a hole ends at R.
@@ -47,6 +49,7 @@ impl Translator {
     pub const fn new(control: Control) -> Self {
         Self {
             control,
+            machine: control,
             incremental: false,
             returns_to_r: false,
         }
@@ -58,10 +61,15 @@ impl Translator {
         self.control
     }
 
+    /// Reads the blocks of another file from now on. G91 and G99 of the systems B and C stay in force for such files.
+    pub const fn read_as(&mut self, control: Control) {
+        self.control = control;
+    }
+
     /// A hole ends at its level R and not where the tool came from.
     #[must_use]
     pub const fn returns_to_r(&self) -> bool {
-        self.returns_to_r
+        self.returns_to_r && self.control.has_system_b()
     }
 
     /// Turns the words of a block into those of system A.
@@ -74,6 +82,9 @@ impl Translator {
             refuse_no_chamfer(words)?;
         }
         let increments = !self.control.is_gsk() && self.codes(words)?;
+        if self.control.limits_every_speed() != self.machine.limits_every_speed() {
+            refuse_speed_limit(words)?;
+        }
         let motion = [90, 92, 94, 32, 34, 0, 1, 2, 3];
         let motion = motion.into_iter().find(|motion| has_code(words, *motion));
         let motion = motion.unwrap_or_else(|| i64::from(now.motion));
@@ -127,7 +138,8 @@ impl Translator {
             }
             false
         });
-        wrong.map_or(Ok(here || self.incremental), Err)
+        let incremental = self.incremental && control.has_system_b();
+        wrong.map_or(Ok(here || incremental), Err)
     }
 }
 
@@ -162,6 +174,17 @@ fn refuse_decimal_codes(words: &[Word]) -> Result<(), Alarm> {
         }
     }
     Ok(())
+}
+
+/// S of G50 in a file of another control, which limits other speeds than that of the program does [D273].
+fn refuse_speed_limit(words: &[Word]) -> Result<(), Alarm> {
+    let speed = words.iter().find(|word| word.letter == b'S');
+    match speed.filter(|_| has_code(words, 50)) {
+        Some(word) => Err(word
+            .alarm(Code::SpeedLimitElsewhere)
+            .with([Arg::GCode(500)])),
+        None => Ok(()),
+    }
 }
 
 /// M24 of a Haas: threads without a run-out, which the words of the cycles cannot say.
@@ -249,8 +272,19 @@ fn counted(word: &Word, increment: u8) -> Result<Given, Alarm> {
     })
 }
 
-/// The words that a Haas writes with another letter.
-fn of_haas(words: &mut [Word], motion: i64, alone: bool) {
+/// G28 without an axis, which is X and Z from where they are, and the words that a Haas writes with another letter.
+fn of_haas(words: &mut Vec<Word>, motion: i64, alone: bool) {
+    let names_axis = |word: &Word| b"XUZWCH".contains(&word.letter);
+    if let Some(home) = words.iter().find(|word| code_of(word) == Some(28)).copied()
+        && !words.iter().any(names_axis)
+    {
+        words.extend([b'U', b'W'].map(|letter| Word {
+            letter,
+            given: Given::Written(Decimal::new(0, 0)),
+            variable: None,
+            span: home.span,
+        }));
+    }
     let dwell = has_code(words, 4);
     for word in words {
         let point = matches!(word.given, Given::Written(number) if number.has_point());

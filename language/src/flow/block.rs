@@ -46,10 +46,19 @@ impl<S: Source> Flow<S> {
         self.idle = self.idle.saturating_add(1);
         let mut cursor = Cursor::new(here.line, &text[..piece.end], here.column);
         // In front of everything else a `%` means nothing; after that it ends the text, which the core sees.
-        while !self.started && cursor.take(b'%') {}
+        let mut percent = false;
+        while !self.started && cursor.take(b'%') {
+            percent = true;
+        }
         if cursor.peek() == Some(b'%') {
             return self.plain(here, text, piece, machine);
         }
+        // The program begins behind it: there a second pass and a search for N go.
+        let here = if percent {
+            here.in_line(cursor.at())
+        } else {
+            here
+        };
         let head = head(&mut cursor);
         let from = here.in_line(head.numbered.unwrap_or(here.column));
         let skipped = head.skip && self.rules.skip;
@@ -94,9 +103,7 @@ impl<S: Source> Flow<S> {
     /// What a block is. Only those of a GSK may be the core's as they are.
     fn statement(&self, cursor: &mut Cursor<'_>, machine: &impl Machine) -> Statement {
         match statement(cursor) {
-            Statement::Plain if !self.rules.control.is_gsk() || machine.wants_words() => {
-                Statement::Words
-            }
+            Statement::Plain if !self.reads_plain(machine) => Statement::Words,
             kind => kind,
         }
     }
@@ -197,7 +204,7 @@ impl<S: Source> Flow<S> {
         let now = machine.setting();
         self.translator.translate(words, now)?;
         machine.returns_to_r(self.translator.returns_to_r());
-        if let Some(blocks) = one_line::blocks(words, self.rules.control, now)? {
+        if let Some(blocks) = one_line::blocks(words, self.translator.control(), now)? {
             for block in &blocks {
                 let done = machine.words(cursor.line(), block)?;
                 self.done(done)?;

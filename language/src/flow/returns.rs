@@ -65,9 +65,9 @@ impl<S: Source> Flow<S> {
                 return Ok(());
             }
         }
-        if self.pass < self.rules.passes {
+        if self.rules.passes.go_on_after(self.pass) {
             self.mind_budget(word.span)?;
-            self.pass += 1;
+            self.pass = self.pass.wrapping_add(1);
             // What one pass may do, the next one may, too.
             self.turns = 0;
             if to.is_none() {

@@ -7,7 +7,8 @@ use std::hash::Hash;
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 use super::jumps::{Loop, unmatched};
-use super::{Flow, Trouble};
+use super::{Flow, Own, Trouble};
+use crate::heading::Heading;
 use crate::lines::{Place, Source};
 use crate::outline::{Mark, Outline, Scanner};
 use crate::whose::Whose;
@@ -119,6 +120,7 @@ impl<S: Source> Flow<S> {
                 .with(figure)
                 .into());
         }
+        self.read_heading(own)?;
         if let Some(found) = self.find_in(own, number)? {
             return Ok(found);
         }
@@ -135,6 +137,23 @@ impl<S: Source> Flow<S> {
             },
             None => Ok(Place::start_of(own)),
         }
+    }
+
+    /// Takes note of what the first lines of a subprogram's file say, once.
+    fn read_heading(&mut self, file: Whose) -> Result<(), Trouble> {
+        if self.files.contains_key(&file) {
+            return Ok(());
+        }
+        let heading = Heading::read(&mut self.lines, file)?;
+        if let Some(alarm) = heading.alarm {
+            return Err(alarm.into());
+        }
+        let own = Own {
+            control: heading.control.unwrap_or(self.rules.control),
+            allowed: heading.allowed,
+        };
+        self.files.insert(file, own);
+        Ok(())
     }
 
     /// The front of a program in this file.

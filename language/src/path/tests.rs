@@ -128,6 +128,8 @@ fn a_corner_without_two_cutting_motions_is_refused_before_the_first() {
     refused("F100;G0 X20 Z2;G1 Z-20 ,C2", 51, 3, "R20,2");
     refused("F100;G0 X20 Z2 ,R2;G1 X40", 52, 2, "");
     refused("F100;G0 X20 Z2;M8 ,R2", 52, 3, "R20,2 M8");
+    // The core's alarm at the block is the cause, and not the motion that it has kept away.
+    refused("F100;G0 X20 Z2;G1 X40 B5 ,C2;Z-5", 4012, 3, "R20,2");
     refused("F100;G0 X20 Z2;G1 Z-20 ,C25;X40", 55, 3, "R20,2");
     refused("F100;G0 X20 Z2;G1 Z-20 ,C0;X40", 55, 3, "R20,2");
     refused("F100;G0 X20 Z2;G1 Z-20 ,C1 ,R1;X40", 4013, 3, "R20,2");

@@ -6,7 +6,7 @@ use leadscrew_core::alarm::Alarm;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Events, Options};
 use leadscrew_language::dialect::Control;
-use leadscrew_language::flow::{Rules, Trouble};
+use leadscrew_language::flow::{Passes, Rules, Trouble};
 use leadscrew_language::lines::Source;
 use leadscrew_language::reader::Reader;
 use leadscrew_language::text::{Glance, glance};
@@ -51,7 +51,11 @@ pub fn language(data: &[u8]) {
     };
     let rules = Rules {
         control,
-        passes: if choice & 8 == 0 { 1 } else { u32::MAX },
+        passes: if choice & 8 == 0 {
+            Passes::Once
+        } else {
+            Passes::UntilStopped
+        },
         budget: BUDGET,
         turns: STEPS / 2,
         ..Rules::default()

@@ -82,6 +82,7 @@ pub fn o0013() -> ThreadCall {
         lead: at(lead(6.0)),
         change: at(LeadChange::NONE),
         first_angle: StartAngle::INDEX,
+        part: ChainPart::Whole,
         increment: Length::from_nm(100),
         rpm: Rpm::new(300),
     }

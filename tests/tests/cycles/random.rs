@@ -124,6 +124,7 @@ fn thread(r: &mut Random) -> ThreadCall {
         } else {
             r.within(0, 359_999) as u32
         }),
+        part: ChainPart::Whole,
         increment: len(lsb),
         rpm: Rpm::new(500),
     }

@@ -42,6 +42,7 @@ fn pass(
                 pass_angle: start,
                 angle_udeg: 0,
                 long_x,
+                part: leadscrew_core::call::ChainPart::Whole,
                 last: n + 1 == points.len(),
                 rpm: Rpm::new(rpm),
             }),

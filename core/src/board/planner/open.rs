@@ -1,11 +1,11 @@
 //! Opens a call: decides when it may be opened, and refuses an impossible call before any of its moves.
 
 use super::{Planner, Settings};
-use crate::alarm::{Alarm, Span};
+use crate::alarm::{Alarm, Code, Span};
 use crate::board::operator::overridden;
 use crate::call::{
-    Call, CallKind, Hand, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
-    TapMode, ThreadCall,
+    Call, CallKind, ChainPart, Hand, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode,
+    TapCall, TapMode, ThreadCall,
 };
 use crate::cycle::{self, Context, Moves, TapMoves, TapReport};
 use crate::motion::{Action, FloatPlan, Plan, Stops};
@@ -24,10 +24,19 @@ impl Planner {
     ) -> Result<(), Alarm> {
         let signals = self.latch(call, settings.signals);
         self.plan = None;
+        let part = match &call.kind {
+            CallKind::Thread(thread) => thread.part,
+            _ => ChainPart::Whole,
+        };
+        if !self.chain.admits(part) {
+            return Err(Alarm::new(Code::ThreadMovesMixed, call.span));
+        }
         match &call.kind {
             CallKind::Thread(thread) => {
                 can_cut(thread, call.span, settings)?;
-                self.cut = self.cut.next();
+                if !part.is_joined() {
+                    self.cut = self.cut.next();
+                }
             }
             CallKind::Tap(tap) => {
                 self.prepare_tap(tap, signals, call.span, settings, warning)?;
@@ -49,7 +58,9 @@ impl Planner {
         // Before any move of the call. A call that has expanded once expands again to the same moves.
         within_limits(moves, self.position, settings.params)?;
         self.home = self.position;
-        self.percent = settings.spindle_percent;
+        if !part.is_joined() {
+            self.percent = settings.spindle_percent;
+        }
         if let CallKind::End(_) | CallKind::Over = call.kind {
             self.ending = Some(call.span);
             self.joined.set_exact(false);
@@ -169,6 +180,8 @@ pub(super) fn before(call: &Call, settings: &Settings<'_>) -> usize {
         matches!(spindle, SpindleChoice::Signals { .. })
     }
     let heeds_signals = match &call.kind {
+        // A chain waits for its last stroke, and its first one has the override.
+        CallKind::Thread(thread) if thread.part.is_joined() => false,
         CallKind::Thread(_) => return usize::from(settings.begun),
         CallKind::Tap(tap) => {
             !tap.continues && (matches!(tap.hand, HandChoice::Signal) || by_signal(tap.spindle))

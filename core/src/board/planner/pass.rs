@@ -30,11 +30,6 @@ impl Planner {
             Ok(plan) => plan,
             Err(alarm) => return Err(*alarm),
         };
-        let stops = Stops {
-            hold_not_inside: true,
-            frozen: Some(self.percent),
-            ..Stops::default()
-        };
         let ways = WaysOut::new(
             plan,
             self.home,
@@ -42,6 +37,10 @@ impl Planner {
             settings.params.thread_clearance(),
         );
         let end = plan.end();
+        let mut stops = self.stroke_stops(plan);
+        let lags = end != last.to;
+        // After other passes there is the way back.
+        stops.single_block = ways.stays() && !lags;
         self.cut.last =
             matches!(&self.moves, Some(Moves::Thread(moves)) if moves.is_at_last_pass());
         self.plan = Some(Plan::Thread(Pass {
@@ -51,24 +50,36 @@ impl Planner {
         }));
         self.put(self.pass_number, last.span, stops, Action::Planned);
         // Where the short axis could not make up its lag within K, a move by time brings it to the end of the run-out.
-        if end != last.to {
-            let stops = Stops {
-                hold_not_before: true,
-                ..stops
-            };
-            self.plan_rest(end, last, stops, settings)?;
+        if lags {
+            stops.single_block = ways.stays();
+            self.plan_lag(end, last, stops, settings)?;
         }
         Ok(())
     }
 
+    /// Where the operator may stop in and after the pass of `plan`.
+    pub(super) fn stroke_stops(&self, plan: &ThreadPlan) -> Stops {
+        Stops {
+            hold_not_inside: true,
+            hold_not_before: plan.is_joined(),
+            frozen: Some(self.percent),
+            ..Stops::default()
+        }
+    }
+
+    /// A move by time from the end of the run-out, `from`, to where it should have ended.
     #[inline(never)]
-    fn plan_rest(
+    pub(super) fn plan_lag(
         &mut self,
         from: Position,
         last: &Move,
         stops: Stops,
         settings: &Settings<'_>,
     ) -> Result<(), Alarm> {
+        let stops = Stops {
+            hold_not_before: true,
+            ..stops
+        };
         let rest = Move {
             kind: MoveKind::Rapid,
             ..*last

@@ -8,7 +8,7 @@ use super::course::Source;
 use super::{Ends, Notice, State, Ticker};
 use crate::alarm::Span;
 use crate::call::Position;
-use crate::motion::{Action, Epoch, Phase, Retract, Task, WaysOut};
+use crate::motion::{Action, Epoch, Pass, Phase, Retract, Segment, Task, WaysOut};
 
 /// The data of a pass that its ways out need, also after the pass.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +21,18 @@ pub(super) struct LastPass {
     pub frozen: Option<u8>,
     /// Where the tool can go from it.
     pub ways: WaysOut,
+}
+
+impl LastPass {
+    /// Of a pass and its segment.
+    pub(super) const fn of(segment: &Segment, pass: &Pass) -> Self {
+        Self {
+            number: segment.number,
+            span: segment.span,
+            frozen: segment.stops.frozen,
+            ways: pass.ways,
+        }
+    }
 }
 
 /// The way out of a stroke.

@@ -83,12 +83,7 @@ impl Ticker {
             }
             Action::Timed(_) | Action::Planned | Action::Dwell(_) => {
                 if let Some(pass) = task.pass() {
-                    self.away.begin_pass(LastPass {
-                        number,
-                        span: segment.span,
-                        frozen: segment.stops.frozen,
-                        ways: pass.ways,
-                    });
+                    self.away.begin_pass(LastPass::of(segment, pass));
                 }
                 if let Some(tap) = task.tap() {
                     self.tap_begins(tap);

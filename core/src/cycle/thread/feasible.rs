@@ -3,13 +3,13 @@
 use super::moves::{ThreadMoves, ThreadSummary};
 use super::shape::long_way;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::call::ThreadCall;
+use crate::call::{ChainPart, ThreadCall};
 use crate::feasible::{Gather, Pass, can_follow};
-use crate::motion::ThreadPlan;
+use crate::motion::{Chain, ThreadPlan};
 use crate::moves::{Move, MoveKind};
 use crate::params::Params;
 use crate::units::{
-    Axis, Feed, Lead, LeadChange, Length, Rpm, Turns, mul_div, signed, signed_product,
+    Axis, Feed, Lead, LeadChange, Length, Rpm, TurnRate, Turns, mul_div, signed, signed_product,
 };
 
 /// The largest number of different warnings, or of different alarms, of one thread cycle.
@@ -125,10 +125,12 @@ fn examine(
     {
         wrong(alarm);
     }
-    if let Some(alarm) = &pitch(call, summary.shortest_stroke) {
+    // A stroke of a chain may be shorter than a turn, and what it asks for depends on the strokes beside it.
+    let is_whole = call.part == ChainPart::Whole;
+    if is_whole && let Some(alarm) = &pitch(call, summary.shortest_stroke) {
         wrong(alarm);
     }
-    if speed != 0 {
+    if speed != 0 && is_whole {
         for number in extremes(&summary) {
             match &plan(call, &pass(call, span, number), params, rpm) {
                 Ok(plan) => seen(plan),
@@ -244,6 +246,82 @@ pub fn thread_findings(
     })
 }
 
+/// What the strokes of a whole chain need at their commanded speed, which is that of the first.
+///
+/// # Errors
+/// The first alarm, at the block that it is about: a stroke that geometry forbids ([`ThreadMoves::new`]), or what a plan
+/// refuses ([`Chain::examine`]).
+pub fn chain_report(
+    strokes: &[(ThreadCall, Span)],
+    params: &Params,
+) -> Result<ThreadReport, Alarm> {
+    let mut chain = gather(strokes)?;
+    can_cut_chain(&mut chain, strokes, params, None)?;
+    let first = chain.plan(0, params, None, TurnRate::ZERO)?;
+    let last = chain.plan(chain.len().saturating_sub(1), params, None, TurnRate::ZERO)?;
+    let mut warnings = List::default();
+    if last.run_out_lag() != Length::ZERO
+        && let Some((call, span)) = strokes.last()
+    {
+        let at = call.run_out.map_or(*span, |run_out| run_out.long.span);
+        let at = if at == Span::default() { *span } else { at };
+        let figures = [
+            Arg::Length(last.run_out_lag().abs()),
+            Arg::Length(last.run_out_needed()),
+        ];
+        warnings.push(Alarm::new(Code::RunOutLags, at).with(figures));
+    }
+    Ok(ThreadReport {
+        passes: 1,
+        z_shift_max: Length::ZERO,
+        lead_in: first.lead_in(),
+        start_before: first.lead_in(),
+        variable: None,
+        warnings: warnings.0,
+    })
+}
+
+/// As [`rpm_max`], for the strokes of a whole chain.
+///
+/// # Errors
+/// A stroke that geometry forbids.
+pub fn chain_rpm_max(strokes: &[(ThreadCall, Span)], params: &Params) -> Result<Rpm, Alarm> {
+    let mut chain = gather(strokes)?;
+    Ok(largest_speed(params, |rpm| {
+        can_cut_chain(&mut chain, strokes, params, Some(rpm)).is_ok()
+    }))
+}
+
+/// The strokes as one chain.
+fn gather(strokes: &[(ThreadCall, Span)]) -> Result<Chain, Alarm> {
+    let mut chain = Chain::new();
+    let mut number = 0_u32;
+    for (call, span) in strokes {
+        let mut at = call.start;
+        for next in ThreadMoves::new(call, *span)? {
+            number = number.saturating_add(1);
+            chain.push(at, &next, number)?;
+            at = next.to;
+        }
+    }
+    Ok(chain)
+}
+
+fn can_cut_chain(
+    chain: &mut Chain,
+    strokes: &[(ThreadCall, Span)],
+    params: &Params,
+    rpm: Option<Rpm>,
+) -> Result<(), Alarm> {
+    for (index, (call, _)) in strokes.iter().enumerate() {
+        if let Err(mut alarm) = chain.examine(index, params, rpm, TurnRate::ZERO) {
+            to_word(call, &mut alarm);
+            return Err(alarm);
+        }
+    }
+    Ok(())
+}
+
 /// The largest whole spindle speed at which the cycle can run, up to the spindle's highest speed; [`Rpm::STOPPED`] if
 /// no speed works. It plans a few dozen passes, so it is for reports only.
 ///
@@ -252,25 +330,29 @@ pub fn thread_findings(
 pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Alarm> {
     let summary = ThreadMoves::survey(call, span)?;
     let passes = extremes(&summary).map(|number| pass(call, span, number));
-    let can = |speed: i32| {
-        let rpm = Rpm::new(speed);
+    let can = |rpm: Rpm| {
         passes
             .iter()
             .all(|pass| plan(call, pass, params, rpm).is_ok())
     };
+    Ok(largest_speed(params, can))
+}
+
+/// The largest speed up to the spindle's at which something `can` run.
+fn largest_speed(params: &Params, mut can: impl FnMut(Rpm) -> bool) -> Rpm {
     // Invariant: the cycle can run at `low` (or `low` is 0); it cannot run at `high`, or `high` is one above the limit.
     let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
     let mut low = 0_i32;
     let mut high = most.saturating_add(1);
     while high.saturating_sub(low) > 1 {
         let middle = low.midpoint(high);
-        if can(middle) {
+        if can(Rpm::new(middle)) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    Ok(Rpm::new(low))
+    Rpm::new(low)
 }
 
 /// Plans a pass, and checks its run-out's speed.
@@ -361,8 +443,10 @@ fn to_word(call: &ThreadCall, alarm: &mut Alarm) {
         Code::LeadTooFast => call.lead.span,
         Code::LeadChangeTooFast => call.change.span,
         Code::RunInTooFast => call.run_in.span,
-        Code::StrokeTooShortForSpeed if alarm.word == Some(b'X') => call.end_x.span,
-        Code::StrokeTooShortForSpeed => call.end_z.span,
+        Code::StrokeTooShortForSpeed | Code::StrokeTooShortInChain if alarm.word == Some(b'X') => {
+            call.end_x.span
+        }
+        Code::StrokeTooShortForSpeed | Code::StrokeTooShortInChain => call.end_z.span,
         _ => Span::default(),
     };
     if span != Span::default() {

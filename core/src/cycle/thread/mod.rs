@@ -18,7 +18,9 @@ mod taper;
 mod words;
 
 pub use feasible::{
-    FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread_can_run, thread_findings, thread_report,
+    FINDINGS, ThreadFindings, ThreadReport, chain_report, chain_rpm_max, rpm_max, thread_can_run,
+    thread_findings, thread_report,
 };
 pub use moves::{ThreadMoves, ThreadSummary};
+pub(crate) use stroke::Stroked;
 pub(crate) use words::{ThreadWords, TwoBlock};

@@ -163,6 +163,7 @@ impl ThreadMoves {
             pass_angle: call.first_angle,
             angle_udeg: micros(call.first_angle),
             long_x: shape.long_x,
+            part: call.part,
             last: false,
             rpm: call.rpm,
         };
@@ -388,7 +389,7 @@ impl ThreadMoves {
             } else {
                 angle
             };
-            thread.last = last;
+            thread.last = last && !thread.part.goes_on();
         }
         if let Some(tag) = &mut next.tag {
             tag.stage = stage;
@@ -453,7 +454,7 @@ impl Iterator for Passes {
 mod tests {
     use super::*;
     use crate::alarm::At;
-    use crate::call::{CutIn, Infeed, Position, RunOut};
+    use crate::call::{ChainPart, CutIn, Infeed, Position, RunOut};
     use crate::units::{Angle, Lead, LeadChange, Remainder, Rpm};
 
     /// A thread with little room for what it asks for.
@@ -515,6 +516,7 @@ mod tests {
             starts: at(1),
             change: At::new(LeadChange::NONE, Span::default()),
             first_angle: StartAngle::INDEX,
+            part: ChainPart::Whole,
             run_in: at(nm(run_in)),
             run_out: (!left_out).then(|| RunOut {
                 short: at(nm(draw(1, size / 4))),

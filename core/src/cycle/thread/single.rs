@@ -3,7 +3,7 @@
 use super::run_out::Chamfer;
 use super::words::{Extras, ThreadWords, parameter, starts};
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::call::{CallKind, CutIn, Infeed, ThreadCall, ThreadCycle};
+use crate::call::{CallKind, ChainPart, CutIn, Infeed, ThreadCall, ThreadCycle};
 use crate::text::{Block, Letters, Modal, PLANE_AXES, Plan, Range, g_arg};
 use crate::units::{LeadChange, Length, StartAngle};
 
@@ -98,6 +98,7 @@ impl ThreadWords {
             lead,
             change: parameter(LeadChange::NONE),
             first_angle,
+            part: ChainPart::Whole,
             increment: modal.scale.increment(),
             rpm: modal.rpm(),
         };

@@ -2,37 +2,102 @@
 //!
 //! J moves the short axis away from the line over the last K of the long one. Its sign is the direction: a stroke knows no
 //! outside and inside. K of G34 is another word: the change of the lead per turn.
+//!
+//! Strokes of G32 that follow each other are one thread, a chain: the next one begins where the line of the one before
+//! ends, not at the end of its run-out. Whether another stroke follows is not known here; the reader of the program takes
+//! the run-out from those that go on.
 
+use super::helix::{Helix, TURN_UDEG};
 use super::refuse::refuse_thread;
-use super::shape::Shape;
+use super::shape::{Shape, long_way};
 use super::words::{ThreadWords, parameter};
-use crate::alarm::{Alarm, At, Code, Span};
-use crate::call::{CallKind, CutIn, Infeed, Position, ThreadCall, ThreadCycle};
-use crate::text::{Block, Letters, Modal, PLANE_AXES, Plan, Range};
+use crate::alarm::{Alarm, Arg, At, Code, Span};
+use crate::call::{CallKind, ChainPart, CutIn, Infeed, Position, ThreadCall, ThreadCycle};
+use crate::text::{Block, Group, Letters, Modal, PLANE_AXES, Plan, Range};
 use crate::units::{LeadChange, Length, StartAngle};
 
+/// The latest stroke, for a stroke that follows it without another motion between them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stroked {
+    /// Where its line ends, and where its run-out does.
+    line_end: Position,
+    end: Position,
+    /// The angle of the helix where the line ends, in millionths of a degree.
+    angle: u32,
+    /// Strokes of its chain so far; 0 where no stroke can follow it.
+    count: usize,
+    /// Something but N, F, I, J, K and Q was written after it.
+    interrupted: bool,
+}
+
+impl Stroked {
+    /// The next block begins.
+    pub(crate) fn then(&mut self, block: &Block) {
+        let harmless = PLANE_AXES.and(Letters::of(b"NFIJKQ"));
+        self.interrupted |= !block.letters().without(harmless).is_empty()
+            || block.has_m()
+            || block.has_groups(!Group::Motion.bit());
+    }
+
+    /// Where the tool stands.
+    pub(crate) const fn end(&self) -> Position {
+        self.end
+    }
+}
+
 impl ThreadWords {
-    /// A block while G32 is in force, at `span`: where its stroke ends, run-out and all. `None` without a word of X or Z,
-    /// which moves nothing.
+    /// A block while G32 is in force, at `span`, after the stroke `before`. `None` without a word of X or Z, which moves
+    /// nothing.
     pub(crate) fn read_stroke(
         &mut self,
         modal: &Modal<'_>,
         block: &Block,
         span: Span,
+        before: Option<&Stroked>,
         plan: &mut Plan,
-    ) -> Result<Option<Position>, Alarm> {
+    ) -> Result<Option<Stroked>, Alarm> {
         block.only(PLANE_AXES.and(Letters::of(b"IQJK")))?;
         self.read_lead(modal, block)?;
         self.read_run_out(modal, block)?;
-        let Some(call) = self.stroke(ThreadCycle::G32, modal, block, span)? else {
+        if !block.has_any(PLANE_AXES) {
+            return Ok(None);
+        }
+        let (mut from, mut count) = (modal.clone(), 0);
+        if let Some(before) = before {
+            if before.count == 0 || before.interrupted {
+                return Err(Alarm::new(Code::StrokeAfterStroke, span));
+            }
+            if before.count == ChainPart::MOST {
+                let most = [Arg::Int(ChainPart::MOST as i64)];
+                return Err(Alarm::new(Code::ChainTooLong, span).with(most));
+            }
+            from.position = before.line_end;
+            count = before.count;
+            if let Some(q) = block.find(b'Q') {
+                plan.warn(q.alarm(Code::StartAngleJoined));
+            }
+        }
+        let Some(mut call) = self.stroke(ThreadCycle::G32, &from, block, span)? else {
             return Ok(None);
         };
-        let call = ThreadCall {
-            run_out: self.run_out.of_stroke(span)?,
-            ..call
-        };
+        call.run_out = self.run_out.of_stroke(span)?;
+        let mut angle = call.first_angle.mdeg().wrapping_mul(1000);
+        if let Some(before) = before {
+            angle = before.angle;
+            call.part = ChainPart::Last;
+            call.first_angle = StartAngle::from_mdeg(angle.wrapping_add(500) / 1000);
+        }
         plan.motion(span, CallKind::Thread(call));
-        Ok(Some(stroke_end(&call, span)))
+        let mut line_end = call.start;
+        (line_end.x, line_end.z) = (call.end_x.value, call.end_z.value);
+        let turned = Helix::new(call.lead.value).angle(long_way(&call).nm().unsigned_abs());
+        Ok(Some(Stroked {
+            line_end,
+            end: stroke_end(&call, span),
+            angle: angle.wrapping_add(turned) % TURN_UDEG,
+            count: count.saturating_add(1),
+            interrupted: block.has_m(),
+        }))
     }
 
     /// G34 begins: no K of an earlier one is kept.
@@ -47,7 +112,7 @@ impl ThreadWords {
         block: &Block,
         span: Span,
         plan: &mut Plan,
-    ) -> Result<Option<Position>, Alarm> {
+    ) -> Result<Option<Stroked>, Alarm> {
         block.only(PLANE_AXES.and(Letters::of(b"IQK")))?;
         self.read_lead(modal, block)?;
         if let Some(k) = block.find(b'K') {
@@ -61,7 +126,14 @@ impl ThreadWords {
         };
         let call = ThreadCall { change, ..call };
         plan.motion(span, CallKind::Thread(call));
-        Ok(Some(stroke_end(&call, span)))
+        let end = stroke_end(&call, span);
+        Ok(Some(Stroked {
+            line_end: end,
+            end,
+            angle: 0,
+            count: 0,
+            interrupted: false,
+        }))
     }
 
     /// What both strokes have: the end and the lead in force. `None` without a word of X or Z.
@@ -105,6 +177,7 @@ impl ThreadWords {
             lead,
             change: parameter(LeadChange::NONE),
             first_angle,
+            part: ChainPart::Whole,
             increment: modal.scale.increment(),
             rpm: modal.rpm(),
         }))

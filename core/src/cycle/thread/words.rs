@@ -5,7 +5,7 @@
 use super::run_out::{Chamfer, KeptRunOut};
 use super::single::Single;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::call::{CallKind, CutIn, Infeed, ThreadCall, ThreadCycle};
+use crate::call::{CallKind, ChainPart, CutIn, Infeed, ThreadCall, ThreadCycle};
 use crate::text::{Block, Dialect, Letters, Modal, PLANE_AXES, Plan, Range, Word};
 use crate::units::{Lead, LeadChange, Length, StartAngle};
 
@@ -322,6 +322,7 @@ impl ThreadWords {
             lead,
             change: parameter(LeadChange::NONE),
             first_angle: StartAngle::INDEX,
+            part: ChainPart::Whole,
             increment: modal.scale.increment(),
             rpm: modal.rpm(),
         };

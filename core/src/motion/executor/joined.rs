@@ -14,7 +14,8 @@ impl Executor {
     }
 
     /// True if the tool has passed the end of the segment in the last tick of a joined cut. The segment is over then, and
-    /// [`cross`](Self::cross) has to follow with the next one, in the same tick.
+    /// [`cross`](Self::cross) has to follow with the next one, in the same tick. Also true after a tick of a stroke from
+    /// which the next one of its chain has to [take over](Self::take_over), before the next tick.
     #[must_use]
     pub const fn has_crossed(&self) -> bool {
         self.crossed

@@ -2,7 +2,7 @@
 
 use super::{Active, Conditions, Executor, Motion, Setpoint};
 use crate::alarm::{Alarm, Arg, Code};
-use crate::motion::segment::Pass;
+use crate::motion::segment::{Pass, Segment};
 use crate::motion::thread::{Phase, ThreadPlan, ThreadRun};
 use crate::units::TurnRate;
 
@@ -60,6 +60,24 @@ impl Executor {
         }
         self.tell(setpoint, Motion::Wait);
         Ok(())
+    }
+
+    /// The stroke under way, `pass`, is over, because the next one of its chain takes over.
+    pub fn leave_stroke(&mut self, pass: &Pass) {
+        self.crossed = false;
+        if let Active::Thread(run) = &mut self.active {
+            run.leave(&pass.plan);
+        }
+    }
+
+    /// The next stroke of a chain takes over.
+    pub fn take_over(&mut self, segment: &Segment, pass: &Pass) {
+        if let Active::Thread(run) = &mut self.active {
+            run.take_over(&pass.plan);
+            self.number = segment.number;
+            self.span = segment.span;
+            self.stops = segment.stops;
+        }
     }
 
     /// Counts one more tick of one of the waits and returns its ticks so far.
@@ -128,11 +146,17 @@ impl Executor {
             (now.ahead_z, now.ahead_x)
         };
         let angle = now.observer.predict(long);
+        let mut ahead = angle;
         let point = if long == short {
             run.tick(plan, angle)
         } else {
-            run.tick_apart(plan, angle, now.observer.predict(short))
+            let beside = now.observer.predict(short);
+            if short > long {
+                ahead = beside;
+            }
+            run.tick_apart(plan, angle, beside)
         };
+        self.crossed = run.is_over(plan, ahead);
         self.position = point.position;
         let motion = match point.phase {
             Phase::Waiting => Motion::Wait,

@@ -21,11 +21,16 @@
 //! taper's line, the run-in towards this line and the run-out away from it. Run-in and run-out each have a rounded
 //! corner that the short axis' limits allow, and each reaches its point exactly where the geometry says.
 //!
+//! Strokes of G32 that follow each other without a stop are one thread: `chain` makes a plan for each of them, and a plan
+//! takes over from the one before it where both are the same straight line. The corner between them is an ease as well, of
+//! both axes and of the travel itself.
+//!
 //! The helix of G34 has a lead that changes; then `h` is the law of `variable`, and everything above it stays.
 //!
 //! The background plans `H`, `B` and the corners ([`ThreadPlan`]) for the faster of commanded and measured speed, with
 //! a margin. The tick ([`ThreadRun`]) only evaluates the plan.
 
+mod chain;
 mod change;
 mod helix;
 mod pace;
@@ -38,6 +43,7 @@ mod shape;
 mod tests;
 mod variable;
 
+pub use chain::Chain;
 pub use helix::Helix;
 pub(super) use helix::HelixTravel;
 pub use plan::ThreadPlan;

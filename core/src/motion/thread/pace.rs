@@ -24,6 +24,8 @@ pub(super) struct Pace {
     pub limit: TurnRate,
     /// M04.
     pub reverse: bool,
+    /// The stroke is part of a chain.
+    shares: bool,
 }
 
 impl Pace {
@@ -43,6 +45,15 @@ impl Pace {
             margin,
             limit: TurnRate::from_raw(limit.min(i64::MAX as u64) as i64),
             reverse,
+            shares: false,
+        }
+    }
+
+    /// The pace of a stroke in a chain, which leaves some acceleration for a stop over a corner.
+    pub fn in_chain(self) -> Self {
+        Self {
+            shares: true,
+            ..self
         }
     }
 
@@ -97,12 +108,17 @@ impl Pace {
         let rate = mul_div_up(self.nominal.raw() as u64, percent, 100);
         let speed = speed_of(shape.largest, rate);
         let taken = Taken::new(shape, rate, speed);
-        Machine {
+        let machine = Machine {
             speed,
             long: taken.of_long(bounds(params, long)),
             short: taken.of_short(bounds(params, short)),
             short_speed: params.max_feed(short).nm_per_min() as u64 / 60,
             taper: shape.taper.unsigned_abs(),
+        };
+        if self.shares {
+            machine.sharing()
+        } else {
+            machine
         }
     }
 

@@ -52,10 +52,13 @@ impl ThreadPlan {
     }
 
     /// The tool's position when the long axis is `way` along, either on the way out in mid-thread or on the pass's own
-    /// run-out.
-    pub(super) fn position(&self, way: Fine, out: Option<Out>) -> Position {
+    /// run-out. In the corner to the stroke before, `aside` of the line: there the way may come from any side, and means
+    /// nothing to what follows the corner.
+    pub(super) fn position(&self, way: Fine, aside: Option<Fine>, out: Option<Out>) -> Position {
         let mut beside = self.line(way);
-        if let Some(out) = out {
+        if let Some(aside) = aside {
+            beside = beside.wrapping_add(aside);
+        } else if let Some(out) = out {
             let ease = &self.retract.ease;
             let since = way.wrapping_sub(out.from).wrapping_sub(ease.half());
             let ramp = ease

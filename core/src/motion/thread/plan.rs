@@ -1,6 +1,7 @@
 //! The plan of a threading pass: every figure the tick needs, from the moves of the pass, the axes' limits and the
 //! spindle's speed.
 
+use super::chain::{Corner, Joints};
 use super::helix::HelixTravel;
 use super::pace::Pace;
 use super::ramp::{Ramp, Slope, inverse};
@@ -9,10 +10,14 @@ use super::variable::VariableTravel;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::Position;
 use crate::motion::ease::{Ease, Fine, Fraction, whole};
-use crate::motion::lead::turns_of;
+use crate::motion::lead::{travel_of, turns_of};
 use crate::moves::Move;
 use crate::params::Params;
-use crate::units::{LeadChange, Length, Rpm, TurnRate, Turns, mul_div};
+use crate::units::{Axis, LeadChange, Length, Rpm, TurnRate, Turns, mul_div, signed};
+
+/// Between the corners of a stroke of a chain the axes run straight for at least this many microseconds. One plan takes
+/// over from the other in this time, and the background makes the one after it.
+const STRAIGHT_US: u64 = 10_000;
 
 /// One threading pass, ready for [`ThreadRun`](super::ThreadRun).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,6 +56,26 @@ pub struct ThreadPlan {
     speed_limit: TurnRate,
     short_lag: Length,
     way_needed: Length,
+    pub(super) link: Link,
+}
+
+/// The place of a plan in a chain. The default is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Link {
+    /// The corner to the stroke before: changes of both axes for each way on the helix. The join is its ease.
+    pub gain: Slope,
+    pub bend: Slope,
+    /// Turns of the stroke.
+    pub turns: Turns,
+    /// From this angle on the next stroke takes over.
+    pub over: Turns,
+    /// Where the axes still run straight, or else the whole way.
+    pub straight: Fine,
+    /// A tick as a part (2⁻³¹) of a stop that slows the angle down.
+    pub stop: u32,
+    /// Begins where another stroke ends, and goes on with another.
+    pub is_joined: bool,
+    pub goes_on: bool,
 }
 
 impl ThreadPlan {
@@ -93,7 +118,7 @@ impl ThreadPlan {
     ) -> Result<Self, Alarm> {
         let mut plan = Self::default();
         if let Some(shape) = &Shape::of(from, moves) {
-            plan.fill(shape, params, commanded, measured)?;
+            plan.fill(shape, params, commanded, measured, None)?;
             Ok(plan)
         } else {
             let span = moves.first().map_or_else(Span::default, |first| first.span);
@@ -102,28 +127,52 @@ impl ThreadPlan {
     }
 
     #[inline(never)]
-    fn fill(
+    pub(super) fn fill(
         &mut self,
         shape: &Shape,
         params: &Params,
         commanded: Option<Rpm>,
         measured: TurnRate,
+        joints: Option<&Joints>,
     ) -> Result<(), Alarm> {
         let commanded = commanded.unwrap_or(shape.thread.rpm);
-        let pace = Pace::new(params, commanded, measured);
+        let mut pace = Pace::new(params, commanded, measured);
+        if joints.is_some() {
+            pace = pace.in_chain();
+        }
         pace.check(shape, params, commanded, measured)?;
         let machine = pace.machine(shape, params, pace.margin);
-        pace.run_in(shape, &machine, &mut self.join, &mut self.run_in)?;
-        let lag_way = pace.run_out(shape, &machine, params, &mut self.brake, &mut self.run_out);
+        let length = shape.fine_length();
+        self.link.straight = length;
+        match joints.and_then(|joints| joints.before) {
+            Some(corner) => self.join_after(&corner),
+            None => pace.run_in(shape, &machine, &mut self.join, &mut self.run_in)?,
+        }
+        let lag_way = match joints.and_then(|joints| joints.after) {
+            Some(corner) => {
+                self.go_on(shape, &pace, corner, params);
+                None
+            }
+            None => pace.run_out(shape, &machine, params, &mut self.brake, &mut self.run_out),
+        };
+        if let Some(joints) = joints {
+            let part = (1_u32 << 31).checked_div(joints.stop).unwrap_or(u32::MAX);
+            self.link.stop = part.saturating_add(1);
+        }
 
         // Everything must fit: join and run-in before the locked part, brake and run-out after it.
-        let length = shape.fine_length();
         let before = self.join.half().max(shape.run_in);
         let behind = self.brake.half().max(shape.run_out);
+        let behind = behind.max(length.saturating_sub(self.link.straight));
         let long_x = shape.thread.long_x;
         if before.saturating_add(behind) > length {
             let word = if long_x { b'X' } else { b'Z' };
-            let alarm = shape.alarm(Code::StrokeTooShortForSpeed).word(word);
+            let code = if joints.is_some() {
+                Code::StrokeTooShortInChain
+            } else {
+                Code::StrokeTooShortForSpeed
+            };
+            let alarm = shape.alarm(code).word(word);
             return Err(alarm.with([
                 Arg::Length(shape.length),
                 Arg::Length(whole(before)),
@@ -152,7 +201,7 @@ impl ThreadPlan {
         self.speed_limit = pace.limit;
         if let Some(way) = lag_way {
             // Uses the tick's own arithmetic, so that the last setpoint equals this position to the nanometre.
-            self.end = self.position(length, None);
+            self.end = self.position(length, None, None);
             self.short_lag = if long_x {
                 shape.end.z - self.end.z
             } else {
@@ -161,6 +210,34 @@ impl ThreadPlan {
             self.way_needed = whole(way);
         }
         Ok(())
+    }
+
+    /// The stroke begins with a corner to the one before.
+    fn join_after(&mut self, corner: &Corner) {
+        self.join = corner.ease;
+        self.link.is_joined = true;
+        self.link.gain = corner.gain;
+        self.link.bend = corner.bend;
+    }
+
+    /// Another stroke takes over: before the half `corner` to it, and [`STRAIGHT_US`] after the corner to the one before.
+    fn go_on(&mut self, shape: &Shape, pace: &Pace, corner: Turns, params: &Params) {
+        let during = |micros: u64| {
+            let raw = mul_div(pace.limit.raw() as u64, micros, 1_000_000);
+            Turns::from_raw(signed(raw))
+        };
+        let lead = shape.thread.lead;
+        let lag = params
+            .latency_us(Axis::X)
+            .abs_diff(params.latency_us(Axis::Z));
+        let straight = during(STRAIGHT_US.saturating_add(u64::from(lag)));
+        let turns = turns_of(lead, shape.fine_length());
+        self.link.goes_on = true;
+        self.link.turns = turns;
+        // Two ticks go by from the decision to the first tick of the next plan.
+        self.link.over = turns - corner - during(u64::from(params.tick_us()).saturating_mul(2));
+        let behind = travel_of(lead, corner + straight);
+        self.link.straight = shape.fine_length().saturating_sub(behind);
     }
 
     /// The helix, and the angles at which the axis leaves rest and is at rest again.
@@ -195,6 +272,18 @@ impl ThreadPlan {
     pub fn variable_turns(&self) -> Option<Turns> {
         let law = &self.travel.variable;
         (!law.is_none()).then(|| law.turns())
+    }
+
+    /// Another stroke takes over before this one comes to rest.
+    #[must_use]
+    pub const fn goes_on(&self) -> bool {
+        self.link.goes_on
+    }
+
+    /// The stroke goes on where another one ends.
+    #[must_use]
+    pub const fn is_joined(&self) -> bool {
+        self.link.is_joined
     }
 
     /// True if X is the long axis.

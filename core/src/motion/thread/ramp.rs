@@ -112,6 +112,19 @@ pub(crate) struct Corner {
 }
 
 impl Machine {
+    /// Three fifths of the accelerations; the rest is for a stop over a corner.
+    pub fn sharing(self) -> Self {
+        let part = |bounds: Bounds| Bounds {
+            acceleration: mul_div(bounds.acceleration, 3, 5),
+            ..bounds
+        };
+        Self {
+            long: part(self.long),
+            short: part(self.short),
+            ..self
+        }
+    }
+
     /// The steepest slope that the short axis' speed allows in addition to the taper.
     pub fn steepest(&self) -> u64 {
         mul_div(self.short_speed, DIAGONAL, self.speed.max(1)).saturating_sub(self.taper)
@@ -133,6 +146,16 @@ impl Machine {
         let bounds = self
             .long
             .least(&through(bounds, slope.saturating_add(self.taper)));
+        Ease::new(self.speed, self.speed, &bounds)
+    }
+
+    /// Rounds a corner between two strokes: for each way on the helix the long axis gains `long`, the short one `short`.
+    #[inline(never)]
+    pub fn turn(&self, long: u64, short: u64) -> Ease {
+        if long == 0 && short == 0 {
+            return Ease::default();
+        }
+        let bounds = through(&self.long, long).least(&through(&self.short, short));
         Ease::new(self.speed, self.speed, &bounds)
     }
 

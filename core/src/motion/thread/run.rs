@@ -57,6 +57,9 @@ enum Master {
     /// Stopping from the locked part. `left` is the rest of the stop's ease, which runs at the planned speed; `share`
     /// (2⁻³¹) scales the ease down to the speed at the beginning of the stop.
     Stopping { left: Fine, share: i64, rest: Fine },
+    /// A stop in a chain: over corners and all. The angle advances by `step` and ever less, for as many ticks as the plan
+    /// says; these ones have gone by.
+    Slowing { step: i64, ticks: u32 },
     /// At rest at this point for good.
     Rest(Fine),
 }
@@ -78,7 +81,11 @@ pub struct ThreadRun {
     angle: Turns,
     step: i64,
     way: Fine,
+    /// In the corner to the stroke before: distance of the short axis from the line.
+    aside: Option<Fine>,
     phase: Phase,
+    /// The plan has just taken over: the angle before may be that of another axis.
+    is_fresh: bool,
 }
 
 impl ThreadRun {
@@ -103,13 +110,15 @@ impl ThreadRun {
         Ok(Self {
             base,
             master: Master::Spindle,
-            length: plan.length,
+            length: plan.link.straight,
             stops: false,
             out: None,
             angle: angle - base,
             step: 0,
             way: 0,
+            aside: None,
             phase: Phase::Waiting,
+            is_fresh: false,
         })
     }
 
@@ -133,25 +142,42 @@ impl ThreadRun {
 
     /// The setpoint for the instant at which the spindle is at `angle`.
     pub fn tick(&mut self, plan: &ThreadPlan, angle: Turns) -> ThreadPoint {
+        let mut ends = false;
         let (relative, step) = match self.master {
             Master::Coasting(step) => (self.angle + Turns::from_raw(step), step),
+            Master::Slowing { step, ticks } => {
+                let ticks = ticks.saturating_add(1);
+                self.master = Master::Slowing { step, ticks };
+                let (step, over) = slowed(step, ticks, plan.link.stop);
+                ends = over;
+                (self.angle + Turns::from_raw(step), step)
+            }
             _ => {
                 let measured = plan.turned(angle) - self.base;
-                (measured, (measured - self.angle).raw())
+                if core::mem::take(&mut self.is_fresh) {
+                    (measured, self.step)
+                } else {
+                    (measured, (measured - self.angle).raw())
+                }
             }
         };
         self.angle = relative;
         self.step = step;
         let (way, phase) = self.law(plan, relative);
+        let phase = if ends { Phase::Done } else { phase };
         self.way = way;
         self.phase = phase;
         if phase == Phase::Done {
             self.master = Master::Rest(way);
         }
         ThreadPoint {
-            position: plan.position(way, self.out),
+            position: plan.position(way, self.aside, self.out),
             phase,
-            move_index: plan.move_index(way, self.out.is_some()),
+            move_index: if self.aside.is_some() {
+                0
+            } else {
+                plan.move_index(way, self.out.is_some())
+            },
         }
     }
 
@@ -186,6 +212,11 @@ impl ThreadRun {
         }
         if self.master != Master::Spindle && self.phase != Phase::Done {
             // A stop is under way already.
+            return Retract::Finishing;
+        }
+        if plan.goes_on() && self.phase != Phase::Waiting {
+            // No side to leave to is known before the last stroke.
+            self.stop(plan);
             return Retract::Finishing;
         }
         match self.phase {
@@ -250,9 +281,14 @@ impl ThreadRun {
                 return;
             }
             Phase::Braking => None,
-            Phase::Joining => self.stop_from(plan, plan.join.half()),
+            Phase::Joining if !plan.is_joined() => self.stop_from(plan, plan.join.half()),
+            Phase::Joining => None,
             Phase::Locked => self.stop_from(plan, self.way),
         };
+        if (plan.is_joined() || plan.goes_on()) && from != Some(self.way) {
+            self.slow_down(plan);
+            return;
+        }
         match from {
             Some(from) if self.phase == Phase::Locked && from == self.way => {
                 // Stop at once from the present speed (a share of the planned speed), with the ease scaled down to that
@@ -292,6 +328,39 @@ impl ThreadRun {
         (end <= self.length && (before || behind)).then_some(from)
     }
 
+    /// Lets the angle come to rest from its present pace.
+    fn slow_down(&mut self, plan: &ThreadPlan) {
+        self.coast(plan);
+        if let Master::Coasting(step) = self.master {
+            self.master = Master::Slowing { step, ticks: 0 };
+        }
+    }
+
+    /// True from when on the next stroke of the chain takes over. `ahead` is the angle of the axis that is ahead.
+    #[must_use]
+    pub fn is_over(&self, plan: &ThreadPlan, ahead: Turns) -> bool {
+        let relative = match self.master {
+            Master::Spindle => plan.turned(ahead) - self.base,
+            Master::Coasting(_) | Master::Slowing { .. } => self.angle,
+            Master::Stopping { .. } | Master::Rest(_) => return false,
+        };
+        plan.goes_on() && relative >= plan.link.over
+    }
+
+    /// Another stroke takes over from `plan`: from now on the angle counts from its start.
+    pub fn leave(&mut self, plan: &ThreadPlan) {
+        self.base += plan.link.turns;
+        self.angle -= plan.link.turns;
+    }
+
+    /// `plan` takes over, where it is the same straight line as the one that was left.
+    pub fn take_over(&mut self, plan: &ThreadPlan) {
+        self.length = plan.link.straight;
+        self.is_fresh = true;
+        // A stop may come before the next tick.
+        (self.way, self.phase) = self.law(plan, self.angle);
+    }
+
     /// The travel of the helix in the last tick.
     fn pace(&self, plan: &ThreadPlan) -> Fine {
         plan.travel.over(self.angle, Turns::from_raw(self.step))
@@ -317,14 +386,28 @@ impl ThreadRun {
                 let over = *left <= plan.stop.half().wrapping_neg();
                 return (way, if over { Phase::Done } else { Phase::Braking });
             }
-            Master::Spindle | Master::Coasting(_) => {}
+            Master::Spindle | Master::Coasting(_) | Master::Slowing { .. } => {}
         }
-        if (relative + plan.join_angle).raw() <= 0 {
+        let link = &plan.link;
+        if !link.is_joined && (relative + plan.join_angle).raw() <= 0 {
             return (0, Phase::Waiting);
         }
         let helix = plan.travel.at(relative);
+        self.aside = None;
         if helix < plan.join.half() {
-            return (plan.join.at(helix), Phase::Joining);
+            let eased = plan.join.at(helix);
+            if !link.is_joined {
+                return (eased, Phase::Joining);
+            }
+            let short_of = helix.wrapping_sub(eased);
+            self.aside = Some(along(short_of, link.bend));
+            return (
+                helix.wrapping_sub(along(short_of, link.gain)),
+                Phase::Joining,
+            );
+        }
+        if link.goes_on && !self.stops {
+            return (helix, Phase::Locked);
         }
         let left = self.length.wrapping_sub(helix);
         let ease = if self.stops { &plan.stop } else { &plan.brake };
@@ -337,6 +420,18 @@ impl ThreadRun {
             (self.length, Phase::Done)
         }
     }
+}
+
+/// The step of an angle that slows down from `step`, after `ticks` of which each is this `part` (2⁻³¹) of the stop; and
+/// whether it is at rest.
+fn slowed(step: i64, ticks: u32, part: u32) -> (i64, bool) {
+    const WHOLE: u64 = 1 << 31;
+    let u = u64::from(ticks).wrapping_mul(u64::from(part)).min(WHOLE);
+    // u²·(3 − 2·u)
+    let square = u.wrapping_mul(u) >> 31;
+    let lost = square.wrapping_mul((3 * WHOLE).wrapping_sub(u << 1)) >> 31;
+    let left = WHOLE.wrapping_sub(lost) as i64;
+    (scaled(step, left), u == WHOLE)
 }
 
 /// `fine` · `share` (2⁻³¹).

@@ -12,7 +12,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::alarm::{Alarm, Code, Span};
-use crate::call::Position;
+use crate::call::{ChainPart, Position};
 use crate::moves::{Move, MoveKind, ThreadMove};
 use crate::params::Params;
 use crate::units::{Angle, Axis, Lead, LeadChange, Length, Rpm, StartAngle, TurnRate, Turns};
@@ -50,6 +50,7 @@ impl Stroke {
                 pass_angle: StartAngle::from_mdeg(90_000),
                 angle_udeg: 90_000_000,
                 long_x: self.long_x(),
+                part: ChainPart::Whole,
                 last: true,
                 rpm: Rpm::new(self.rpm),
             }),

@@ -35,6 +35,16 @@ fn absolute_and_incremental_words_mix() {
 }
 
 #[test]
+fn g00_may_stand_beside_a_reference_point() {
+    let two = kinds("G1 X50 F100\nG0\nG28 U4 W0\nG30 U2\nX9");
+    let one = kinds("G1 X50 F100\nG28 G0 U4 W0\nG00 G30 P2 U2\nX9");
+    assert_eq!(one, two);
+    assert_eq!(one.len(), 6);
+    assert_eq!(one[1], CallKind::Rapid(at(540_000, 0)));
+    assert_eq!(one[5], CallKind::Rapid(at(90_000, 0)));
+}
+
+#[test]
 fn blocks_that_change_modal_state_alone_make_no_call() {
     assert_eq!(
         calls(

@@ -194,7 +194,8 @@ fn line_by_line_is_the_same_as_whole() {
                     break;
                 }
             }
-            let failure = failure.or_else(|| interpreter.finish().err());
+            let failure =
+                failure.or_else(|| interpreter.finish(&mut |event| events.push(event)).err());
             assert_eq!((events, failure), read_with(&text, &params, options));
         }
     });

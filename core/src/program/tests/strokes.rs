@@ -246,3 +246,75 @@ fn a_lead_that_leaves_its_range_is_refused_at_its_word() {
     assert_eq!(of("G34 Z-11000 F2 K.1").0, Code::VariableStrokeTooLong);
     assert_eq!(of("G34 U0 W0 F2 K.1").0, Code::ThreadWithoutLength);
 }
+
+/// Part, start and run-out (K, millimetres) of each stroke, and its start angle in thousandths of a degree.
+fn parts(text: &str) -> Vec<(ChainPart, i64, i64, Option<i64>, u32)> {
+    let text = std::format!("M3 S300\nG0 X20 Z5\n{text}");
+    threads(&text)
+        .into_iter()
+        .map(|(call, _)| {
+            let out = call.run_out.map(|out| out.long.value.nm() / 1_000_000);
+            let start = (call.start.x.nm() / 1000, call.start.z.nm() / 1000);
+            (call.part, start.0, start.1, out, call.first_angle.mdeg())
+        })
+        .collect()
+}
+
+#[test]
+fn strokes_that_follow_each_other_are_one_chain() {
+    use ChainPart::{First, Last, Middle, Whole};
+    // Lead, J and K may change on the way; the run-out is at the end alone, and 2.5 turns are half a turn.
+    let chain = [
+        (First, 10_000, 5_000, None, 90_000),
+        (Middle, 10_000, 0, None, 270_000),
+        (Last, 12_000, -20_000, Some(3), 270_000),
+    ];
+    assert_eq!(
+        parts("G32 Z0 F2 J2 Q90000\nU4 W-20\n(a comment)\nF3\nK3 W-9\nG0 X60"),
+        chain
+    );
+    // G32 may be written again; the text may end there, with M30 or without it.
+    assert_eq!(
+        parts("G32 Z0 F2 J2 Q90000\nN7 G32 U4 W-20 F2\nG32 W-9 K3"),
+        chain
+    );
+    assert_eq!(parts("G32 Z0 F2 J2 Q90000\nU4 W-20\nW-9 K3\nM30"), chain);
+    // A run-out that would not fit into a stroke that goes on is none.
+    assert_eq!(
+        parts("G32 W-2 F2 J2 K3\nW-9")[0],
+        (First, 10_000, 5_000, None, 0)
+    );
+    // A move between them makes two threads, the second from the end of the first one's run-out.
+    assert_eq!(
+        parts("G32 Z0 F2 J2\nG0 W-1\nG32 W-5"),
+        [
+            (Whole, 10_000, 5_000, Some(2), 0),
+            (Whole, 12_000, -1_000, Some(2), 0)
+        ]
+    );
+    // An alarm does not swallow the stroke before it.
+    let text = "M3 S300\nG0 X20 Z5\nG32 Z0 F2\nG32 Z-9 B1";
+    let mut events: Vec<Event> = Vec::new();
+    let params = Params::default();
+    let end = Events::new(text.as_bytes(), &params, Options::default())
+        .try_for_each(|event| event.map(|event| events.push(event)));
+    assert!(end.is_err());
+    assert!(matches!(
+        events.last(),
+        Some(Event::Call(Call { kind: CallKind::Thread(thread), .. })) if thread.part == Whole
+    ));
+}
+
+#[test]
+fn a_chain_has_one_start_angle_and_a_limit() {
+    let text = "M3 S300\nG0 X20 Z5\nG32 Z0 F2\nZ-9 Q90000";
+    assert_eq!(kinds_on(&[], text).1, [4904]);
+    let many = |count: i64| -> std::string::String {
+        (1..=count)
+            .map(|n| std::format!("G32 Z{} F1\n", -n))
+            .collect()
+    };
+    assert_eq!(parts(&many(64)).len(), 64);
+    let alarm = alarm(&many(65));
+    assert_eq!((alarm.code, alarm.span.line), (Code::ChainTooLong, 65));
+}

@@ -2,7 +2,8 @@
 
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::call::{
-    CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, TapAxis, ThreadCall, ThreadCycle,
+    ChainPart, CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, TapAxis, ThreadCall,
+    ThreadCycle,
 };
 use leadscrew_core::units::{Angle, Feed, Lead, LeadChange, Length, Remainder, Rpm, StartAngle};
 
@@ -50,6 +51,7 @@ pub fn o0013() -> ThreadCall {
         lead: at(lead(6_000)),
         change: at(LeadChange::NONE),
         first_angle: StartAngle::INDEX,
+        part: ChainPart::Whole,
         increment: Length::from_nm(100),
         rpm: Rpm::new(300),
     }

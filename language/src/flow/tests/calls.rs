@@ -1,4 +1,7 @@
+use std::num::NonZeroU32;
+
 use super::{Rules, refused, run, run_with};
+use crate::flow::Passes;
 
 #[test]
 fn a_subprogram_runs_as_often_as_it_is_called() {
@@ -43,6 +46,55 @@ fn a_return_may_go_to_another_block() {
 }
 
 #[test]
+fn a_program_may_begin_behind_its_percent_sign() {
+    // Searches from the front and a second pass begin behind it, and the `%` after that ends the text.
+    assert_eq!(
+        run("%O1\nN5 X1\n#1=#1+1\nIF[#1LT2]GOTO5\nM30\n%\nX9"),
+        "1:O1 | 2:N5 X1 | 2:N5 X1 | 5:M30"
+    );
+    assert_eq!(
+        run("%N5 X1\n#1=#1+1\nIF[#1LT2]GOTO5\nM30"),
+        "1:N5 X1 | 1:N5 X1 | 4:M30"
+    );
+    let twice = Rules {
+        passes: Passes::Number(NonZeroU32::MIN.saturating_add(1)),
+        ..Rules::default()
+    };
+    let (machine, alarm) = run_with("%O1\nX1\nM99\n%", twice);
+    assert_eq!(alarm, None);
+    assert_eq!(machine.heard, ["1:O1", "2:X1", "2:X1"]);
+    let called = run("%O1\nM98 P2\nM30\nO2\nX2\nM99");
+    assert_eq!(called, "1:O1 | 5:X2 | 3:M30");
+}
+
+#[test]
+fn what_stands_before_the_first_percent_sign_is_a_leader() {
+    let program = "O1\nN5 X1\nM98 P2\nM30\nO2\nX2\nM99\n%";
+    let bare = run(&format!("%\n{program}"));
+    assert_eq!(bare, "1:% | 2:O1 | 3:N5 X1 | 7:X2 | 5:M30");
+    let moved = bare
+        .replace("7:", "10:")
+        .replace("5:", "8:")
+        .replace("3:", "6:")
+        .replace("2:O", "5:O")
+        .replace("1:%", "4:%");
+    assert_eq!(
+        run(&format!("\u{8f74} 30\n\nFlange, first side\n%\n{program}")),
+        moved
+    );
+    // Without `%`, and with what could be a block or a comment in front of it, nothing is passed over.
+    for text in [
+        "\u{8f74} 30\nX1\nM30",
+        "\u{8f74} 30\nX1\n%",
+        "X1\nFlange\n%\nM30",
+        "(a)\nFlange\n%\nM30",
+    ] {
+        let (machine, _) = run_with(text, Rules::default());
+        assert_eq!(machine.heard[0][..2], *"1:", "{text}");
+    }
+}
+
+#[test]
 fn the_main_program_is_read_once_or_again() {
     let text = "%\nO1\nX1\nM99\n%";
     let (machine, alarm) = run_with(text, Rules::default());
@@ -58,7 +110,7 @@ fn the_main_program_is_read_once_or_again() {
         (1, vec![4992], None)
     );
     let again = Rules {
-        passes: u32::MAX,
+        passes: Passes::UntilStopped,
         ..Rules::default()
     };
     let text = "%\nO1\n#1=#1+1\nX#1\nIF[#1GE3]GOTO9\nM99\nN9M30\n%";
@@ -70,7 +122,7 @@ fn the_main_program_is_read_once_or_again() {
     );
     // A number of passes; a way back to a block is one more, and loops of one pass do not count in the next.
     let twice = Rules {
-        passes: 2,
+        passes: Passes::Number(NonZeroU32::MIN.saturating_add(1)),
         turns: 3,
         ..Rules::default()
     };

@@ -62,7 +62,7 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let mut link = machine.link;
     let status = link.status()?;
     work::ready(&status, &link, global)?;
-    setup.passes = Some(passes(args));
+    setup.passes = passes(args);
     setup.position = Some(status.position);
     setup.turning = status.command != Rpm::STOPPED;
     setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();

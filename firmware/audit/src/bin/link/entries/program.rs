@@ -36,7 +36,7 @@ fn lines() {
         sink((
             interpreter.is_ended(),
             interpreter.position(),
-            interpreter.finish(),
+            interpreter.finish(&mut sink),
         ));
     }
 }
