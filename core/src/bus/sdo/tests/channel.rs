@@ -197,6 +197,7 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
         let mut server = server();
         let mut dictionary = Dictionary::new();
         let (mut written, mut read_well, mut repeated, mut mistaken) = (0_u32, 0_u32, 0_u32, 0_u32);
+        let mut confused = 0_u32;
         for _ in 0..rounds {
             for protocol in PROTOCOLS {
                 // From a wire that is hardly usable to one that seldom disturbs a long transfer.
@@ -218,11 +219,18 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
                     &mut dice,
                 );
                 assert!(!dictionary.is_write_open());
+                // As below: a second copy that comes late can stand for a later segment. Then the length is right.
+                let overtaken = |came: &[u8], sent: &[u8]| {
+                    let segments = protocol != SdoProtocol::Block && sent.len() > 4;
+                    segments && came.len() == sent.len()
+                };
                 for (_, committed) in &dictionary.commits {
+                    let is_other = *committed != data;
                     assert!(
-                        *committed == data,
+                        !is_other || overtaken(committed, &data),
                         "{len} bytes, {protocol:?}: another value"
                     );
+                    confused += u32::from(is_other);
                 }
                 match outcome {
                     Ok(()) => {
@@ -248,10 +256,11 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
                 if outcome == Ok(()) {
                     read_well += 1;
                     assert!(
-                        back == kept,
+                        back == kept || overtaken(&back, &kept),
                         "{} bytes, {protocol:?}: another value",
                         kept.len()
                     );
+                    confused += u32::from(back != kept);
                     repeated += u32::from(
                         protocol == SdoProtocol::Block && kept.len() > 7 * trouble as usize,
                     );
@@ -268,5 +277,6 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
         assert!(repeated > rounds / 100, "{repeated}");
         // This mistake needs a wire that loses, repeats and reorders one frame in ten.
         assert!(mistaken <= 1 + rounds / 1000, "{mistaken} of {all}");
+        assert!(confused <= 1 + rounds / 1000, "{confused} of {all}");
     });
 }
