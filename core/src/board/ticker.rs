@@ -286,18 +286,24 @@ impl Ticker {
         if let Some(pass) = self.course.current(ends).and_then(Task::pass) {
             self.executor.leave_stroke(pass);
         }
+        self.go_on(ends);
+        if let Some(task) = self.course.current(ends)
+            && let Some(pass) = task.pass()
+        {
+            self.executor.take_over(task.segment, pass);
+            self.away.begin_pass(LastPass::of(task.segment, pass));
+        }
+    }
+
+    /// The segment under way is over without a stop, and the next one of the program is under way.
+    fn go_on(&mut self, ends: &mut Ends<'_>) {
         let is_whole = !matches!(self.state, State::Stopping(_));
         self.course.release(false, is_whole, ends);
         self.course.take_from(Source::Program);
-        let Some(task) = self.course.current(ends) else {
-            return;
-        };
-        if let Some(pass) = task.pass() {
-            self.executor.take_over(task.segment, pass);
-            self.away.begin_pass(LastPass::of(task.segment, pass));
+        if let Some(next) = ends.segments.head() {
             let started = Event::Started {
-                number: task.segment.number,
-                line: task.segment.span.line,
+                number: next.number,
+                line: next.span.line,
             };
             emit(&mut ends.events, started);
         }
@@ -308,18 +314,9 @@ impl Ticker {
     fn cross(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_>) {
         let over = self.course.current(ends).and_then(Task::timed);
         let length = over.map_or(Length::ZERO, |timed| timed.length);
-        let is_whole = !matches!(self.state, State::Stopping(_));
-        self.course.release(false, is_whole, ends);
-        self.course.take_from(Source::Program);
+        self.go_on(ends);
         let next = self.course.current(ends);
         self.executor.cross(length, next, setpoint);
-        if next.is_some() {
-            let started = Event::Started {
-                number: setpoint.number,
-                line: setpoint.line,
-            };
-            emit(&mut ends.events, started);
-        }
     }
 
     fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_>) {

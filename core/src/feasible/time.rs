@@ -6,7 +6,7 @@ use super::pass::Gather;
 use crate::alarm::Alarm;
 use crate::call::{ChainPart, Position, TapMode};
 use crate::motion::{Limits, ThreadPlan, float_ticks, plan, stroke, turns_over};
-use crate::moves::{Move, MoveKind, Stage};
+use crate::moves::{Move, MoveKind};
 use crate::params::Params;
 use crate::units::{TurnRate, mul_div};
 
@@ -46,9 +46,10 @@ pub(crate) fn time_of_each(
                 };
                 let speed = TurnRate::of_rpm(thread.rpm).abs().raw().unsigned_abs();
                 let turns = turns_over(thread.lead, way.abs()).raw().unsigned_abs();
-                let begins = thread.part == ChainPart::First
-                    && next.tag.is_none_or(|tag| tag.stage != Stage::RunOut);
-                let wait = if begins { HALF_TURN } else { 0 };
+                let wait = match thread.part {
+                    ChainPart::First => HALF_TURN,
+                    _ => 0,
+                };
                 mul_div(turns.saturating_add(wait), 1_000_000, speed)
             }
             MoveKind::Thread(thread) => match gather.take(at, &next) {

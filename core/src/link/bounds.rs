@@ -4,8 +4,8 @@
 
 use crate::alarm::At;
 use crate::call::{
-    ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, Sign, SpindleCall, TapCall, TapForm,
-    TapMode, TapReturn, ThreadCall, ThreadCycle,
+    ArcCall, Call, CallKind, ChainPart, FeedRate, GrooveCall, Position, Sign, SpindleCall, TapCall,
+    TapForm, TapMode, TapReturn, ThreadCall, ThreadCycle,
 };
 use crate::units::{CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm};
 
@@ -26,6 +26,8 @@ pub enum Beyond {
     Dwell,
     /// A number of passes, starts or degrees.
     Count,
+    /// A part of a chain that is no stroke of G32, or that has a run-out and goes on.
+    Chain,
 }
 
 /// The fastest path speed and the longest feed per turn, in nanometres (a minute, a turn).
@@ -89,6 +91,7 @@ fn thread(call: &ThreadCall) -> Result<(), Beyond> {
     }
     lead(&call.lead.value, THREAD_TURNS)?;
     change(call)?;
+    chain(call)?;
     speed(call.rpm)?;
     let counts = call.finish_passes.value <= TWO_DIGITS
         && call.angle.value <= TWO_DIGITS
@@ -183,6 +186,13 @@ fn change(call: &ThreadCall) -> Result<(), Beyond> {
     } else {
         require(change == LeadChange::NONE, Beyond::Lead)
     }
+}
+
+/// Strokes of G32 alone make a chain, and its run-out is at its end.
+fn chain(call: &ThreadCall) -> Result<(), Beyond> {
+    let can_join = call.part == ChainPart::Whole || call.cycle == ThreadCycle::G32;
+    let runs_out_early = call.part.goes_on() && call.run_out.is_some();
+    require(can_join && !runs_out_early, Beyond::Chain)
 }
 
 fn speed(rpm: Rpm) -> Result<(), Beyond> {

@@ -71,7 +71,7 @@ fn thread() -> ThreadCall {
         lead: at(Lead::new((1 << 50) - 1, 1 << 28).unwrap()),
         change: at(LeadChange::NONE),
         first_angle: StartAngle::from_mdeg(359_999),
-        part: ChainPart::Middle,
+        part: ChainPart::Whole,
         increment: FAR,
         rpm: Rpm::new(-(1 << 20)),
     }
@@ -136,6 +136,17 @@ fn calls_come_back_equal_and_the_longest_fits() {
         )),
         CallKind::Aux(Aux::T(u16::MAX)),
         CallKind::Thread(thread()),
+        CallKind::Thread(ThreadCall {
+            cycle: ThreadCycle::G32,
+            part: ChainPart::Last,
+            ..thread()
+        }),
+        CallKind::Thread(ThreadCall {
+            cycle: ThreadCycle::G32,
+            part: ChainPart::Middle,
+            run_out: None,
+            ..thread()
+        }),
         CallKind::Groove(groove()),
         CallKind::Tap(tap()),
         CallKind::End(30),
@@ -250,6 +261,23 @@ fn what_no_program_can_say_is_refused() {
                 ..thread()
             }),
             Beyond::Count,
+        ),
+        (
+            // Strokes of G32 alone make a chain.
+            CallKind::Thread(ThreadCall {
+                part: ChainPart::Last,
+                ..thread()
+            }),
+            Beyond::Chain,
+        ),
+        (
+            // A run-out before the end of a chain.
+            CallKind::Thread(ThreadCall {
+                cycle: ThreadCycle::G32,
+                part: ChainPart::First,
+                ..thread()
+            }),
+            Beyond::Chain,
         ),
         (
             // A lead changes in G34 alone.

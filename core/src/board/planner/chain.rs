@@ -6,7 +6,7 @@ use super::{Planner, Settings};
 use crate::alarm::Alarm;
 use crate::board::operator::overridden;
 use crate::call::{ChainPart, Position};
-use crate::motion::{Action, Chain, Pass, Plan, ThreadPlan, WaysOut};
+use crate::motion::{Chain, WaysOut};
 use crate::moves::{Move, MoveKind};
 use crate::units::{Length, Rpm, TurnRate};
 
@@ -42,7 +42,7 @@ impl Chained {
 
     /// False where a call of this part cannot come now.
     pub(super) fn admits(&self, part: ChainPart) -> bool {
-        self.chain.is_empty() != part.is_joined()
+        self.chain.admits(part)
     }
 
     /// Takes the next move of a stroke.
@@ -78,43 +78,18 @@ impl Planner {
         };
         self.chain.planned = index.saturating_add(1);
         let is_last = self.chain.planned == count;
-        self.queue_stroke(index, plan, rpm, &last, settings)?;
-        if is_last {
-            self.chain.begin_anew();
-        }
-        Ok(())
-    }
-
-    #[inline(never)]
-    fn queue_stroke(
-        &mut self,
-        index: usize,
-        plan: &ThreadPlan,
-        rpm: Rpm,
-        last: &Move,
-        settings: &Settings<'_>,
-    ) -> Result<(), Alarm> {
-        let Some((number, span)) = self.chain.chain.place(index) else {
+        let Some((number, _)) = self.chain.chain.place(index) else {
             return Ok(());
         };
         // A stroke begins where the tool is, and the tool stays where it ends.
         let home = self.chain.chain.start(index);
-        let ways = WaysOut::new(plan, home, Length::ZERO, settings.params.thread_clearance());
-        self.plan = Some(Plan::Thread(Pass {
-            plan: *plan,
-            ways,
-            rpm,
-        }));
-        self.cut.last = !plan.goes_on();
-        let mut stops = self.stroke_stops(plan);
-        let lags = !plan.goes_on() && plan.end() != last.to;
-        stops.single_block = !plan.goes_on() && !lags;
-        self.put(number, span, stops, Action::Planned);
-        if lags {
-            stops.single_block = true;
-            self.plan_lag(plan.end(), last, stops, settings)?;
-        }
+        let ways = WaysOut::new(plan, home, Length::ZERO, params.thread_clearance());
+        self.cut.last = is_last;
+        self.put_pass(number, plan, ways, rpm, &last, settings)?;
         self.complete = true;
+        if is_last {
+            self.chain.begin_anew();
+        }
         Ok(())
     }
 }

@@ -36,50 +36,58 @@ impl Planner {
             last.tag.map_or(Length::ZERO, |tag| tag.depth),
             settings.params.thread_clearance(),
         );
-        let end = plan.end();
-        let mut stops = self.stroke_stops(plan);
-        let lags = end != last.to;
-        // After other passes there is the way back.
-        stops.single_block = ways.stays() && !lags;
         self.cut.last =
             matches!(&self.moves, Some(Moves::Thread(moves)) if moves.is_at_last_pass());
+        self.put_pass(self.pass_number, plan, ways, rpm, last, settings)
+    }
+
+    /// Queues a planned pass, and the move that may follow it. `last`: the last move of the pass, or of its chain.
+    #[inline(never)]
+    pub(super) fn put_pass(
+        &mut self,
+        number: u32,
+        plan: &ThreadPlan,
+        ways: WaysOut,
+        rpm: Rpm,
+        last: &Move,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
         self.plan = Some(Plan::Thread(Pass {
             plan: *plan,
             ways,
             rpm,
         }));
-        self.put(self.pass_number, last.span, stops, Action::Planned);
+        let lags = !plan.goes_on() && plan.end() != last.to;
+        // After a pass of a cycle there is the way back, and after a stroke of a chain the next one.
+        let is_end = ways.stays() && !plan.goes_on();
+        let stops = Stops {
+            hold_not_inside: true,
+            hold_not_before: plan.is_joined(),
+            single_block: is_end && !lags,
+            frozen: Some(self.percent),
+            ..Stops::default()
+        };
+        self.put(number, plan.span(), stops, Action::Planned);
         // Where the short axis could not make up its lag within K, a move by time brings it to the end of the run-out.
         if lags {
-            stops.single_block = ways.stays();
-            self.plan_lag(end, last, stops, settings)?;
+            let stops = Stops {
+                hold_not_before: true,
+                single_block: is_end,
+                ..stops
+            };
+            self.plan_rest(plan.end(), last, stops, settings)?;
         }
         Ok(())
     }
 
-    /// Where the operator may stop in and after the pass of `plan`.
-    pub(super) fn stroke_stops(&self, plan: &ThreadPlan) -> Stops {
-        Stops {
-            hold_not_inside: true,
-            hold_not_before: plan.is_joined(),
-            frozen: Some(self.percent),
-            ..Stops::default()
-        }
-    }
-
-    /// A move by time from the end of the run-out, `from`, to where it should have ended.
     #[inline(never)]
-    pub(super) fn plan_lag(
+    fn plan_rest(
         &mut self,
         from: Position,
         last: &Move,
         stops: Stops,
         settings: &Settings<'_>,
     ) -> Result<(), Alarm> {
-        let stops = Stops {
-            hold_not_before: true,
-            ..stops
-        };
         let rest = Move {
             kind: MoveKind::Rapid,
             ..*last

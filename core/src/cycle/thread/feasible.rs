@@ -202,15 +202,7 @@ pub fn thread_findings(
         ));
     }
     if figures.lag > Length::ZERO {
-        let at = call.run_out.map_or(span, |run_out| run_out.long.span);
-        let at = if at == Span::default() { span } else { at };
-        warnings.push(warn(
-            Code::RunOutLags,
-            at,
-            Arg::Length(figures.lag),
-            Arg::Length(figures.needed),
-            Arg::None,
-        ));
+        warnings.push(run_out_lags(call, span, figures.lag, figures.needed));
     }
     if params.thread_high_speed() {
         warnings.push(warn(
@@ -260,16 +252,11 @@ pub fn chain_report(
     let first = chain.plan(0, params, None, TurnRate::ZERO)?;
     let last = chain.plan(chain.len().saturating_sub(1), params, None, TurnRate::ZERO)?;
     let mut warnings = List::default();
-    if last.run_out_lag() != Length::ZERO
+    let lag = last.run_out_lag().abs();
+    if lag > Length::ZERO
         && let Some((call, span)) = strokes.last()
     {
-        let at = call.run_out.map_or(*span, |run_out| run_out.long.span);
-        let at = if at == Span::default() { *span } else { at };
-        let figures = [
-            Arg::Length(last.run_out_lag().abs()),
-            Arg::Length(last.run_out_needed()),
-        ];
-        warnings.push(Alarm::new(Code::RunOutLags, at).with(figures));
+        warnings.push(run_out_lags(call, *span, lag, last.run_out_needed()));
     }
     Ok(ThreadReport {
         passes: 1,
@@ -369,6 +356,13 @@ fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<Thr
         }
     }
     plan
+}
+
+/// The warning for a run-out that is `lag` short of J at the end of K, and the K that it would need.
+fn run_out_lags(call: &ThreadCall, span: Span, lag: Length, needed: Length) -> Alarm {
+    let at = call.run_out.map_or(span, |run_out| run_out.long.span);
+    let at = if at == Span::default() { span } else { at };
+    Alarm::new(Code::RunOutLags, at).with([Arg::Length(lag), Arg::Length(needed)])
 }
 
 /// The alarm for a run-out above the short axis' feed.

@@ -24,9 +24,9 @@ pub(crate) struct Stroked {
     end: Position,
     /// The angle of the helix where the line ends, in millionths of a degree.
     angle: u32,
-    /// Strokes of its chain so far; 0 where no stroke can follow it.
+    /// Strokes of its chain so far.
     count: usize,
-    /// Something but N, F, I, J, K and Q was written after it.
+    /// No stroke can be joined to it: something but N, F, I, J, K and Q was written after it.
     interrupted: bool,
 }
 
@@ -62,22 +62,26 @@ impl ThreadWords {
         if !block.has_any(PLANE_AXES) {
             return Ok(None);
         }
-        let (mut from, mut count) = (modal.clone(), 0);
+        let mut from = modal;
+        let behind;
         if let Some(before) = before {
-            if before.count == 0 || before.interrupted {
+            if before.interrupted {
                 return Err(Alarm::new(Code::StrokeAfterStroke, span));
             }
             if before.count == ChainPart::MOST {
                 let most = [Arg::Int(ChainPart::MOST as i64)];
                 return Err(Alarm::new(Code::ChainTooLong, span).with(most));
             }
-            from.position = before.line_end;
-            count = before.count;
+            behind = Modal {
+                position: before.line_end,
+                ..modal.clone()
+            };
+            from = &behind;
             if let Some(q) = block.find(b'Q') {
                 plan.warn(q.alarm(Code::StartAngleJoined));
             }
         }
-        let Some(mut call) = self.stroke(ThreadCycle::G32, &from, block, span)? else {
+        let Some(mut call) = self.stroke(ThreadCycle::G32, from, block, span)? else {
             return Ok(None);
         };
         call.run_out = self.run_out.of_stroke(span)?;
@@ -95,7 +99,7 @@ impl ThreadWords {
             line_end,
             end: stroke_end(&call, span),
             angle: angle.wrapping_add(turned) % TURN_UDEG,
-            count: count.saturating_add(1),
+            count: before.map_or(1, |before| before.count.saturating_add(1)),
             interrupted: block.has_m(),
         }))
     }
@@ -131,8 +135,9 @@ impl ThreadWords {
             line_end: end,
             end,
             angle: 0,
-            count: 0,
-            interrupted: false,
+            count: 1,
+            // No stroke can be joined to it.
+            interrupted: true,
         }))
     }
 

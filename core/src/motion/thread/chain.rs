@@ -12,14 +12,14 @@ use heapless::Vec;
 use super::pace::Pace;
 use super::plan::ThreadPlan;
 use super::ramp::{DIAGONAL, Machine, Slope, along, seen, slope};
-use super::shape::Shape;
+use super::shape::{Shape, fine};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{ChainPart, Position};
-use crate::motion::ease::{Bounds, Ease, Fine};
+use crate::motion::ease::{Bounds, Ease};
 use crate::motion::lead::turns_of;
 use crate::motion::limits::bounds;
 use crate::motion::wide::{mul_div_up, root_mul_div_up};
-use crate::moves::{Move, MoveKind, ThreadMove};
+use crate::moves::{Move, MoveKind, Stage, ThreadMove};
 use crate::params::Params;
 use crate::units::{
     Axis, Lead, Length, Rpm, TurnRate, Turns, mul_div, narrow_div, product, signed,
@@ -121,6 +121,12 @@ impl Chain {
         self.is_whole
     }
 
+    /// False where a stroke of this part cannot come now.
+    #[must_use]
+    pub fn admits(&self, part: ChainPart) -> bool {
+        self.is_empty() != part.is_joined()
+    }
+
     /// Number and block of a stroke.
     #[must_use]
     pub fn place(&self, index: usize) -> Option<(u32, Span)> {
@@ -161,9 +167,7 @@ impl Chain {
             return Err(mixed);
         }
         self.is_whole = thread.last;
-        let is_run_out = next
-            .tag
-            .is_some_and(|tag| tag.stage == crate::moves::Stage::RunOut);
+        let is_run_out = next.tag.is_some_and(|tag| tag.stage == Stage::RunOut);
         if is_run_out {
             if self.is_empty() || self.run_out.is_some() {
                 return Err(mixed);
@@ -171,7 +175,7 @@ impl Chain {
             self.run_out = Some(*next);
             return Ok(());
         }
-        if self.is_empty() == thread.part.is_joined() || thread.part == ChainPart::Whole {
+        if !self.admits(thread.part) || thread.part == ChainPart::Whole {
             return Err(mixed);
         }
         if self.is_empty() {
@@ -256,26 +260,17 @@ impl Chain {
         let shape = &self.shape_or_alarm(index)?;
         let commanded = commanded.unwrap_or(shape.thread.rpm);
         let pace = &Pace::new(params, commanded, measured).in_chain();
-        pace.check(shape, params, commanded, measured)?;
         let machine = pace.machine(shape, params, pace.margin);
         // Along its line an axis is at most as fast as the long one; within a run-out the short one may be faster.
         let steepest = machine.taper.max(run_out_slope(shape)).max(DIAGONAL);
         self.stop.speed = self.stop.speed.max(seen(machine.speed, steepest));
-        if let Some(before) = index.checked_sub(1) {
-            let corner = corner(&self.shape_or_alarm(before)?, shape, &machine);
-            let time = mul_div(
-                corner.ease.half_nm() as u64,
-                2_000_000_000,
-                machine.speed.max(1),
-            );
-            self.stop.corner = self.stop.corner.max(time);
-        }
+        let before = match index.checked_sub(1) {
+            Some(before) => corner(&self.shape_or_alarm(before)?, shape, &machine).ease,
+            None => Ease::default(),
+        };
         // The run-out and both ends have corners of their own.
-        for half in [
-            machine.plain().half_nm(),
-            machine.straight(steepest).half_nm(),
-        ] {
-            let time = mul_div(half as u64, 2_000_000_000, machine.speed.max(1));
+        for ease in [before, machine.plain(), machine.straight(steepest)] {
+            let time = mul_div(ease.half_nm() as u64, 2_000_000_000, machine.speed.max(1));
             self.stop.corner = self.stop.corner.max(time);
         }
         self.plan(index, params, Some(commanded), measured)
@@ -321,18 +316,6 @@ impl Chain {
         let mut plan = ThreadPlan::default();
         plan.fill(shape, params, Some(commanded), measured, Some(&joints))?;
         Ok(plan)
-    }
-
-    /// Turns of the spindle from the start angle to the end of the chain, without joining and braking.
-    #[must_use]
-    pub fn turns(&self) -> Turns {
-        let mut all = Turns::ZERO;
-        for index in 0..self.len() {
-            if let Some(shape) = self.shape(index) {
-                all += turns_of(shape.thread.lead, shape.fine_length());
-            }
-        }
-        all
     }
 }
 
@@ -408,10 +391,6 @@ fn lead_share(before: Lead, behind: Lead) -> Slope {
     let shift = 64_u32.saturating_sub(below.leading_zeros());
     let (above, below) = (above.wrapping_shr(shift), below.wrapping_shr(shift) as u64);
     signed(narrow_div(above.wrapping_shl(40), below)).min(1 << 62)
-}
-
-const fn fine(length: Length) -> Fine {
-    length.nm().wrapping_shl(16)
 }
 
 #[cfg(test)]

@@ -274,6 +274,12 @@ impl ThreadPlan {
         (!law.is_none()).then(|| law.turns())
     }
 
+    /// The block.
+    #[must_use]
+    pub const fn span(&self) -> Span {
+        self.span
+    }
+
     /// Another stroke takes over before this one comes to rest.
     #[must_use]
     pub const fn goes_on(&self) -> bool {

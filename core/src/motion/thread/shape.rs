@@ -113,6 +113,7 @@ fn step(from: &Position, to: &Position, long_x: bool) -> (Length, Length) {
     if long_x { (x, z) } else { (z, x) }
 }
 
-const fn fine(length: Length) -> Fine {
+/// A length in 2⁻¹⁶ nm.
+pub(super) const fn fine(length: Length) -> Fine {
     length.nm().wrapping_shl(16)
 }

@@ -120,6 +120,18 @@ impl Case {
             .collect()
     }
 
+    /// Turns of the strokes.
+    fn turns(&self) -> f64 {
+        let mut from = self.from;
+        let mut all = 0.0;
+        for (to, lead) in &self.strokes {
+            let long = (to.0 - from.0).abs().max((to.1 - from.1).abs());
+            all += long as f64 / *lead as f64;
+            from = *to;
+        }
+        all
+    }
+
     /// Where the polygon is after `turns` from its start, run-out aside; before and behind its ends on their extension.
     fn polygon(&self, turns: f64) -> (f64, f64) {
         let (mut from, mut left) = (self.from, turns);
@@ -426,8 +438,7 @@ fn by_chance_no_chain_and_no_stop_exceeds_a_limit() {
             };
             let share = draw.within(50, 100) as f64 / 100.0;
             // A fine thread on a slow spindle would take hours.
-            let turns = case.chain().unwrap().turns().raw() as f64;
-            if turns / (most * share) > 100_000.0 {
+            if case.turns() * 2f64.powi(32) / (most * share) > 100_000.0 {
                 continue;
             }
             let rate = |_| (most * share) as i64;
