@@ -22,6 +22,7 @@
 //!   [setpoint](motion::Setpoint) a tick.
 //! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
+//! - [`operating`] is how a machine is operated: its modes, and what is asked of an axis by hand.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
 //! - [`journal`] is what survives a loss of power: the hole a tap is in.
 //! - [`checksum`] tells whether what is kept or compared is whole.
@@ -64,6 +65,7 @@ pub mod journal;
 pub mod link;
 pub mod motion;
 pub mod moves;
+pub mod operating;
 pub mod params;
 pub mod program;
 pub mod signals;

@@ -9,6 +9,7 @@ use leadscrew_core::bus::{
 };
 use leadscrew_core::call::Call;
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, encode_call};
+use leadscrew_core::operating::OperatingMode;
 
 use crate::transfer::Transfer;
 
@@ -18,6 +19,15 @@ pub const NODE: NodeId = NodeId::BOARD;
 pub const BATCH: Object = Object::new(0x5020, 1);
 
 const PATIENCE: Duration = Duration::from_secs(1);
+
+/// An order with the board's present beat; its count is the next after `last`.
+#[must_use]
+pub fn fresh(sim: &Sim, order: Order, last: u8) -> BoardCommand {
+    BoardCommand {
+        echo: Some(sim.board().device().beat()),
+        ..BoardCommand::order(order, last)
+    }
+}
 
 /// The client and the frames that it has heard.
 #[derive(Debug, Default)]
@@ -71,7 +81,10 @@ impl Gateway {
 
     /// Sends an order.
     pub fn order(&mut self, sim: &mut Sim, order: Order) {
-        let command = BoardCommand::order(order, self.count);
+        if order == Order::Run && !sim.board().device().mode().runs() {
+            self.order(sim, Order::Mode(OperatingMode::Automatic));
+        }
+        let command = fresh(sim, order, self.count);
         self.count = command.count;
         sim.receive(&command.frame(NODE));
     }
