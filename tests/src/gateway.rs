@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use leadscrew_board_sim::Sim;
 use leadscrew_core::bus::{
-    BoardCommand, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Object, Order, SdoBuffer,
-    SdoDownload, SdoError, SdoProtocol, SdoUpload,
+    BoardBeat, BoardCommand, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Object, Order,
+    SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
 use leadscrew_core::call::Call;
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, encode_call};
@@ -34,6 +34,8 @@ pub fn fresh(sim: &Sim, order: Order, last: u8) -> BoardCommand {
 pub struct Gateway {
     /// The last status.
     pub status: BoardStatus,
+    /// The last beat.
+    pub beat: BoardBeat,
     /// Every emergency message of the board.
     pub emergencies: Vec<Emcy>,
     /// Every heartbeat and boot-up message of the board.
@@ -70,6 +72,9 @@ impl Gateway {
         self.heard.push(*frame);
         if let Some((NODE, status)) = BoardStatus::decode(frame) {
             self.status = status;
+        }
+        if let Some(beat) = BoardBeat::decode(frame, NODE) {
+            self.beat = beat;
         }
         if let Some((NODE, emcy)) = Emcy::decode(frame) {
             self.emergencies.push(emcy);

@@ -55,8 +55,8 @@ pub struct AxisPress {
 }
 
 impl AxisPress {
-    /// A motion of an axis at `speed`, at most at `top`. `at_rapid`: the override goes to 100 %, else to 150 %. `None` where
-    /// the limits of the axis allow no motion at all.
+    /// A motion of an axis at `speed`, at most at `top`. `at_rapid`: the override goes to 100 %, else to 150 %. `None`
+    /// where the limits of the axis allow no motion at all.
     #[must_use]
     pub fn new(
         (axis, towards): (Axis, Towards),
@@ -211,7 +211,7 @@ impl JogAxis {
         let more = more.min(free).max(Length::ZERO);
         let extended = self.profile.extend(more);
         if extended {
-            self.way = self.way + more;
+            self.way += more;
         }
         extended
     }
@@ -363,3 +363,7 @@ const fn later(present: Option<u32>, renewed: Option<u32>) -> Option<u32> {
         (present, _) => present,
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::arithmetic_side_effects)]
+mod tests;

@@ -5,8 +5,8 @@
 //! the board's answers and the gateway's constants come from here. A row without a clause that its access promises
 //! does not compile.
 //!
-//! Exceptions: the PDOs themselves read and write their communication objects (1400h–1402h, 1800h–1802h, 1804h), and `served` reads and
-//! writes the image of the parameter set and a batch of calls piece by piece.
+//! Exceptions: the PDOs themselves read and write their communication objects (1400h–1402h, 1800h–1802h, 1804h), and
+//! `served` reads and writes the image of the parameter set and a batch of calls piece by piece.
 
 use super::item::{Access, Kind};
 use super::program_buffer::PROGRAM_BYTES;
