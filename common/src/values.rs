@@ -27,7 +27,7 @@ macro_rules! mistake {
 pub use crate::mistake;
 
 /// Reads a decimal as an integer with `decimals` digits after the point; refuses more digits than that.
-fn decimal(text: &str, decimals: usize) -> Result<i64, Mistake> {
+pub fn decimal(text: &str, decimals: usize) -> Result<i64, Mistake> {
     let (negative, digits) = match text.strip_prefix('-') {
         Some(rest) => (true, rest),
         None => (false, text.strip_prefix('+').unwrap_or(text)),

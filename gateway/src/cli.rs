@@ -1,5 +1,6 @@
 //! What can be typed: commands, options, and their help. Parsing only; nothing is done here.
 
+mod by_hand;
 mod examples;
 
 use std::num::NonZeroU32;
@@ -13,6 +14,8 @@ use leadscrew_can::{Address, BitRate};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_language::dialect::Control;
+
+pub use by_hand::{AxisWay, Jog, ModeName, StepLength};
 
 use crate::failure::{Failure, Outcome};
 use crate::values::{At, Mistake, Percent, Ripple, SetSignal, Tolerance, mistake};
@@ -274,6 +277,18 @@ pub enum Command {
     /// Controlled stop (needs a real bus)
     #[command(after_help = examples::STOP)]
     Stop,
+    /// Change the mode of the machine (needs a real bus)
+    #[command(after_help = examples::MODE)]
+    Mode {
+        /// Which one
+        #[arg(value_enum)]
+        mode: ModeName,
+    },
+    /// Move an axis by hand (needs a real bus)
+    ///
+    /// The board moves only while this program lives: it comes to rest by itself when the frames stay away.
+    #[command(after_help = examples::JOG)]
+    Jog(Jog),
     /// Set an override (needs a real bus)
     #[command(after_help = examples::OVERRIDE)]
     Override {

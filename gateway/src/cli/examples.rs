@@ -17,6 +17,18 @@ Exit codes:
   4    the machine stopped on an alarm while running
   130  interrupted; the board was brought to a controlled stop first";
 
+pub(super) const MODE: &str = "\
+Examples:
+  leadscrew mode manual --bus can0
+  leadscrew mode automatic --bus can0      `run` does this by itself where the machine stands";
+
+pub(super) const JOG: &str = "\
+Examples:
+  leadscrew jog Z- --hold --bus can0             until Enter or Ctrl-C
+  leadscrew jog X+ Z+ --hold --rapid --bus can0  both axes
+  leadscrew jog X- --by 0.02 --bus can0          0.02 mm of the diameter
+  leadscrew jog Z+ --by 25 --bus can0";
+
 pub(super) const RETRACT: &str = "\
 Examples:
   leadscrew status --state board.flash              is a tap in a hole?

@@ -70,6 +70,8 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Resume if is_real(cli) => board::order(&cli.global, Order::Resume),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),
         Command::Stop if is_real(cli) => board::order(&cli.global, Order::Stop),
+        Command::Mode { mode } if is_real(cli) => board::mode(&cli.global, *mode),
+        Command::Jog(args) if is_real(cli) => board::jog(&cli.global, args),
         Command::Override { what, percent } if is_real(cli) => {
             board::levels(&cli.global, *what, *percent)
         }

@@ -65,6 +65,8 @@ const fn name(command: &Command) -> &'static str {
         Command::Resume => "resume",
         Command::Reset => "reset",
         Command::Stop => "stop",
+        Command::Mode { .. } => "mode",
+        Command::Jog(_) => "jog",
         Command::Override { .. } => "override",
         Command::Signal { .. } => "signal",
         Command::Retract { .. } => "retract",

@@ -128,13 +128,17 @@ impl Link {
             return Ok(());
         }
         if order == Order::Run {
+            // No mode is changed for a program that is not to run any more.
+            if self.hold_at_once()? {
+                return Ok(());
+            }
             self.ready_to_run()?;
         }
         // A requested hold comes after an order to run, never before it.
         if order == Order::Run && self.hold_at_once()? {
             return Ok(());
         }
-        if order != Order::Run {
+        if !matches!(order, Order::Run | Order::Mode(_)) {
             self.holds_by_itself();
         }
         // A halt is given whatever another client has ordered meanwhile.

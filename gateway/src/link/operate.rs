@@ -4,12 +4,16 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::device::objects::{BEAT, MODE, REFUSED};
-use leadscrew_core::bus::{Beat, BoardCommand, Order};
+use leadscrew_core::bus::{Beat, BoardCommand, BoardState, Order};
 use leadscrew_core::link::Event;
 use leadscrew_core::operating::OperatingMode;
 
 use super::{Link, LinkResult, Trouble};
 
+/// Refusals by the mode, by their numbers.
+const BY_MODE: std::ops::Range<u16> = 4500..4600;
+/// The longest time for an axis to brake.
+const RESTS: Duration = Duration::from_secs(5);
 /// By default a beat comes every 10 ms. Boards above node 31 send none, and are asked.
 const BEAT_COMES: Duration = Duration::from_millis(100);
 
@@ -74,11 +78,47 @@ impl Link {
         self.order(Order::Mode(OperatingMode::Automatic))
     }
 
-    /// Whether the order that was just confirmed was carried out.
+    /// Whether the order that was just confirmed was carried out. What is no refusal by the mode is told by the event log
+    /// alone.
     ///
     /// # Errors
     /// [`Trouble::Refused`].
     pub(super) fn heed_refusal(&mut self) -> LinkResult {
+        match self.refusal()? {
+            Some(reason) if BY_MODE.contains(&reason.number()) => Err(self.refused_by(reason)),
+            _ => Ok(()),
+        }
+    }
+
+    /// The refusal in words.
+    pub fn refused_by(&self, reason: Alarm) -> Trouble {
+        Trouble::Refused {
+            node: self.node().get(),
+            reason,
+        }
+    }
+
+    /// Waits until nothing moves, or some seconds.
+    ///
+    /// # Errors
+    /// The bus is closed.
+    pub fn await_rest(&mut self) -> LinkResult {
+        let until = Instant::now() + RESTS;
+        let moves = |state| matches!(state, BoardState::Run | BoardState::Stopping);
+        loop {
+            self.idle(BEAT_COMES / 5)?;
+            let status = self.seen.status.unwrap_or_default();
+            if !moves(status.state) || Instant::now() >= until {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Why the last request was refused, by the next beat; `None` where it was not.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn refusal(&mut self) -> LinkResult<Option<Alarm>> {
         let before = self.seen.beats;
         let until = Instant::now() + BEAT_COMES;
         while self.seen.beat.is_some() && self.seen.beats == before && Instant::now() < until {
@@ -88,13 +128,9 @@ impl Link {
             Some(told) => told.refused,
             None => u16::try_from(self.read_number(REFUSED)?).unwrap_or(0),
         };
-        match refusal(number) {
-            Some(code) => Err(Trouble::Refused {
-                node: self.node().get(),
-                reason: self.reason_of(code)?,
-            }),
-            None => Ok(()),
-        }
+        Code::from_number(number)
+            .map(|code| self.reason_of(code))
+            .transpose()
     }
 
     /// The refusal with its figures, which are in the board's event log.
@@ -111,11 +147,3 @@ impl Link {
 
 /// A refusal is looked for among so many events.
 const REASON_LIES: u32 = 8;
-
-/// The refusal of a request by its number; what is no refusal by the mode is told by the event log alone.
-fn refusal(number: u16) -> Option<Code> {
-    if !(4500..4600).contains(&number) {
-        return None;
-    }
-    Code::from_number(number)
-}

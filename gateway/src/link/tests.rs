@@ -16,7 +16,7 @@ use leadscrew_core::bus::{
 use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 
-use super::bench::{Fate, between, link, machine};
+use super::bench::{Fate, between, link, machine, machine_of};
 use super::{Inside, Link, Trouble};
 
 fn set(values: &[(&str, i64)]) -> Params {
@@ -551,7 +551,8 @@ fn to_halt_is_ordered_again_behind_whatever_somebody_else_orders() {
         (behind, true),
         (behind, false),
     ] {
-        let inside = machine(Flash::erased());
+        // The other one has no echo.
+        let inside = machine_of(&set(&[("9047", 0)]), Flash::erased());
         let (result, said) = overtaken(&inside, is_heard, theirs, |link| link.order(Order::Hold));
         result.unwrap();
         assert_eq!(said, 2);
@@ -741,8 +742,8 @@ fn a_machine_that_is_to_be_held_is_not_told_to_run() {
         assert!(!sent.iter().any(runs), "{sent:?}");
         // The runner's own is the same one.
         assert_eq!(sent.iter().filter(|frame| holds(frame)).count(), 1);
-        // Behind the order to run, which has the count before it.
+        // Behind the mode and the order to run, which have the counts before it.
         let (_, hold) = BoardCommand::decode(&sent[0]).unwrap();
-        assert_eq!(hold.count, if before { 1 } else { 2 });
+        assert_eq!(hold.count, if before { 1 } else { 3 });
     }
 }

@@ -28,12 +28,12 @@ fn each_is_told_by_its_number_and_the_other_is_named() {
     // One that says nothing for the two seconds that are listened is not named.
     wait_until("the other one is named", || {
         let told = good(&leadscrew(&["status"], &bus));
-        assert!(told.starts_with("node 1   idle\n"), "{told}");
+        assert!(told.starts_with("node 1   idle   mode manual\n"), "{told}");
         told.ends_with("also on this bus: node 2 (`leadscrew status --node 2`)\n")
             .then_some(())
     });
     let told = good(&leadscrew(&["status", "--node", "2"], &bus));
-    assert!(told.starts_with("node 2   idle\n"), "{told}");
+    assert!(told.starts_with("node 2   idle   mode manual\n"), "{told}");
     assert!(!told.contains("also"), "{told}");
     // What is done to one is not done to the other.
     good(&leadscrew(&["override", "feed", "50", "--node", "2"], &bus));

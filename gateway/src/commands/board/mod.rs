@@ -1,5 +1,6 @@
 //! Commands that talk to a board on a real bus. What they share: opening the link, the words for a state, one result.
 
+mod by_hand;
 mod machine;
 mod monitor;
 mod operate;
@@ -14,6 +15,7 @@ use crate::failure::Outcome;
 use crate::link::Link;
 use crate::words::pick;
 
+pub use by_hand::{jog, mode};
 pub use machine::{Greeted, Machine, base};
 pub use monitor::monitor;
 pub use operate::{levels, order, signal};

@@ -5,6 +5,7 @@ use std::path::Path;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
+use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::signals::Signals;
 
 use super::{open, state_name, state_words};
@@ -24,6 +25,7 @@ pub fn status(global: &Global) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     let status = link.status()?;
+    let mode = link.mode()?;
     let journal = link.journal()?;
     let record = TapRecord::decode(&journal).ok().flatten();
     let node = link.node().get();
@@ -38,6 +40,7 @@ pub fn status(global: &Global) -> Outcome {
             json.text("bus", &global.bus.to_string());
             json.integer("node", i64::from(node));
             json.text("state", state_name(status.state));
+            json.text("mode", mode.name());
             match &alarm {
                 Some(alarm) => json.object_at("alarm", |json| alarm.fields(json, false)),
                 None => json.null("alarm"),
@@ -70,7 +73,7 @@ pub fn status(global: &Global) -> Outcome {
             tapping::fields(record.as_ref(), json);
         });
     }
-    let mut text = words(&status, node, lang);
+    let mut text = words(&status, mode, node, lang);
     if let Some(alarm) = alarm {
         text.push_str(&format!(
             "{:04} {}\n     {}\n",
@@ -106,7 +109,7 @@ const fn mirrors(status: &Status, bit: u16) -> bool {
     status.signals & bit != 0
 }
 
-fn words(status: &Status, node: u8, lang: Lang) -> String {
+fn words(status: &Status, mode: OperatingMode, node: u8, lang: Lang) -> String {
     let state = state_words(status.state, lang);
     let place = if status.line > 0 {
         both!(
@@ -119,14 +122,15 @@ fn words(status: &Status, node: u8, lang: Lang) -> String {
         both!("", "")
     };
     let mut text = both!(
-        "node {node}   {state}{en}\n\
+        "node {node}   {state}{en}   mode {mode}\n\
          X {x}  Z {z}  C {c}   (machine coordinates, X a diameter)\n\
          spindle {measured} rpm (commanded {commanded})\n\
          overrides feed {feed} %, rapid {rapid} %, spindle {spindle} %\n",
-        "节点 {node}   {state}{zh}\n\
+        "节点 {node}   {state}{zh}   {mode} 方式\n\
          X {x}  Z {z}  C {c}   （机床坐标，X 为直径）\n\
          主轴 {measured} r/min（指令 {commanded}）\n\
          倍率 进给 {feed} %，快速 {rapid} %，主轴 {spindle} %\n",
+        mode = mode.name(),
         en = place.en,
         zh = place.zh,
         x = number::text::<6>(status.position.x.nm().saturating_mul(2)),
@@ -185,7 +189,7 @@ mod tests {
                 ..bench::status()
             };
             let line = |lang| {
-                let text = words(&status, 1, lang);
+                let text = words(&status, OperatingMode::Manual, 1, lang);
                 text.lines().nth(4).unwrap_or_default().to_owned()
             };
             [line(Lang::En), line(Lang::Zh)]

@@ -1,0 +1,163 @@
+//! `mode` and `jog`: what is typed to operate a machine by hand.
+
+use std::str::FromStr;
+
+use clap::{Args, ValueEnum};
+use leadscrew_core::bus::StepRequest;
+use leadscrew_core::operating::{OperatingMode, Towards};
+
+use crate::values::{Mistake, decimal, mistake};
+
+/// A mode of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModeName {
+    /// Axes move while a key is held.
+    Manual,
+    /// Axes move in steps.
+    Step,
+    /// Axes follow the handwheel.
+    Wheel,
+    /// Reference.
+    Reference,
+    /// Single lines.
+    Mdi,
+    /// Programs.
+    Automatic,
+}
+
+impl ModeName {
+    /// The mode.
+    #[must_use]
+    pub const fn mode(self) -> OperatingMode {
+        match self {
+            Self::Manual => OperatingMode::Manual,
+            Self::Step => OperatingMode::Step,
+            Self::Wheel => OperatingMode::Wheel,
+            Self::Reference => OperatingMode::Reference,
+            Self::Mdi => OperatingMode::Mdi,
+            Self::Automatic => OperatingMode::Automatic,
+        }
+    }
+}
+
+/// An axis and a direction: `X-`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisWay {
+    /// Z, not X.
+    pub on_z: bool,
+    /// The direction.
+    pub towards: Towards,
+}
+
+impl FromStr for AxisWay {
+    type Err = Mistake;
+
+    fn from_str(text: &str) -> Result<Self, Mistake> {
+        let (on_z, towards) = match text {
+            "X+" | "x+" => (false, Towards::Plus),
+            "X-" | "x-" => (false, Towards::Minus),
+            "Z+" | "z+" => (true, Towards::Plus),
+            "Z-" | "z-" => (true, Towards::Minus),
+            _ => {
+                return Err(mistake!(
+                    "expected an axis and a direction: `X+`, `X-`, `Z+` or `Z-`",
+                    "应写轴与方向：`X+`、`X-`、`Z+` 或 `Z-`"
+                ));
+            }
+        };
+        Ok(Self { on_z, towards })
+    }
+}
+
+/// A length in millimetres above zero, to the tenth of a micrometre: of Z, or of the diameter of X.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StepLength {
+    /// In 0.1 µm.
+    pub tenths: i64,
+}
+
+impl FromStr for StepLength {
+    type Err = Mistake;
+
+    fn from_str(text: &str) -> Result<Self, Mistake> {
+        let tenths = decimal(text, 4)?;
+        if tenths <= 0 {
+            return Err(mistake!(
+                "a step is longer than 0; its direction stands with the axis",
+                "步距须大于 0；方向写在轴名之后"
+            ));
+        }
+        Ok(Self { tenths })
+    }
+}
+
+impl StepLength {
+    /// The way of the slide in 0.1 µm.
+    ///
+    /// # Errors
+    /// The slide cannot make it in one step: too long, or half of a tenth of a micrometre.
+    pub fn of_slide(self, way: AxisWay) -> Result<i32, Mistake> {
+        let slide = if way.on_z {
+            self.tenths
+        } else if self.tenths % 2 == 0 {
+            self.tenths / 2
+        } else {
+            return Err(mistake!(
+                "X is a diameter, and its slide moves by whole tenths of a micrometre: give an even last digit",
+                "X 为直径值，滑板按 0.1 微米移动：末位须为偶数"
+            ));
+        };
+        let signed = match way.towards {
+            Towards::Plus => slide,
+            Towards::Minus => -slide,
+        };
+        match i32::try_from(signed) {
+            Ok(signed) if signed.abs() <= StepRequest::LONGEST => Ok(signed),
+            _ => Err(mistake!(
+                "the longest step is 838.8607 mm of the slide",
+                "最大步距为滑板 838.8607 mm"
+            )),
+        }
+    }
+}
+
+/// `jog`.
+#[derive(Args, Debug)]
+pub struct Jog {
+    /// Axis and direction: `X+`, `X-`, `Z+`, `Z-`; with `--hold` one of each axis
+    #[arg(required = true, num_args = 1..=2, value_name = "AXIS")]
+    pub ways: Vec<AxisWay>,
+    /// Go this far, in mm (X: of the diameter), and stop
+    #[arg(long, value_name = "MM", required_unless_present = "hold", conflicts_with_all = ["hold", "feed", "rapid"])]
+    pub by: Option<StepLength>,
+    /// Go until Enter or Ctrl-C, or until this program is gone
+    #[arg(long)]
+    pub hold: bool,
+    /// Speed of the slide in mm/min [default: parameter 9041]
+    #[arg(long, value_name = "MM/MIN", value_parser = clap::value_parser!(u16).range(1..), conflicts_with = "rapid")]
+    pub feed: Option<u16>,
+    /// At jog rapid (parameter 9042)
+    #[arg(long)]
+    pub rapid: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_of_x_is_of_the_diameter() {
+        let way = |text: &str| text.parse::<AxisWay>().unwrap();
+        let step = |text: &str| text.parse::<StepLength>().unwrap();
+        assert_eq!(step("0.02").of_slide(way("X-")), Ok(-100));
+        assert_eq!(step("25").of_slide(way("Z+")), Ok(250_000));
+        assert_eq!(step("838.8607").of_slide(way("Z-")), Ok(-8_388_607));
+        for (text, on) in [("0.0001", "X+"), ("838.8608", "Z+"), ("1677.7216", "X-")] {
+            assert!(step(text).of_slide(way(on)).is_err(), "{text} {on}");
+        }
+        for text in ["0", "-1", "0.00001", "a"] {
+            assert!(text.parse::<StepLength>().is_err(), "{text}");
+        }
+        assert!("C+".parse::<AxisWay>().is_err());
+    }
+}

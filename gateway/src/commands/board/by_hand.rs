@@ -1,0 +1,313 @@
+//! `mode` and `jog`: the machine is operated by hand.
+//!
+//! The board moves only while frames with its newest beat come, so this side has nothing to stop: where it dies, the axis
+//! comes to rest.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use leadscrew_core::bus::{JogRequest, StepRequest};
+use leadscrew_core::operating::{OperatingMode, PressState, Towards};
+
+use super::open;
+use crate::cli::{AxisWay, Global, Jog, ModeName, StepLength};
+use crate::failure::{Failure, Outcome};
+use crate::interrupt;
+use crate::link::Link;
+use crate::number;
+use crate::output;
+use crate::words::{Both, both};
+
+/// A press is renewed so often: with the beat of up to 10 ms before, well within the dead man's 100 ms.
+const RENEWAL: Duration = Duration::from_millis(20);
+/// The board's answer to a press comes with its beat, every 10 ms by default.
+const ANSWER: Duration = Duration::from_secs(1);
+
+/// Enter has been pressed.
+static ENTER: AtomicBool = AtomicBool::new(false);
+
+/// Changes the mode.
+pub fn mode(global: &Global, name: ModeName) -> Outcome {
+    let mut link = open(global)?;
+    link.greet()?;
+    link.hear_status()?;
+    link.set_mode(name.mode())?;
+    let mode = link.mode()?;
+    if global.json {
+        return output::json(|json| {
+            json.flag("ok", true);
+            json.integer("node", i64::from(link.node().get()));
+            json.text("mode", mode.name());
+        });
+    }
+    let text = both!(
+        "node {node}: mode {mode}\n",
+        "节点 {node}：{mode} 方式\n",
+        node = link.node().get(),
+        mode = mode.name()
+    );
+    output::write(text.get(global.lang()).as_bytes())
+}
+
+/// Moves axes by hand.
+pub fn jog(global: &Global, jog: &Jog) -> Outcome {
+    let wish = Wish::of(jog)?;
+    let mut link = open(global)?;
+    link.greet()?;
+    link.hear_status()?;
+    let mode = match wish {
+        Wish::Step { .. } => OperatingMode::Step,
+        Wish::Hold { .. } => OperatingMode::Manual,
+    };
+    link.set_mode(mode)?;
+    if let Wish::Hold { .. } = wish {
+        await_enter(global);
+    }
+    let end = Press::new(&link, wish).carry_out(&mut link)?;
+    tell(global, &mut link, end)
+}
+
+/// What is asked.
+#[derive(Clone, Copy)]
+enum Wish {
+    /// A step of one axis, signed, in 0.1 µm of the slide.
+    Step { on_z: bool, way: i32 },
+    /// Axes move until the end.
+    Hold {
+        x: Option<Towards>,
+        z: Option<Towards>,
+        rapid: bool,
+        mm_per_min: u16,
+    },
+}
+
+impl Wish {
+    fn of(jog: &Jog) -> Outcome<Self> {
+        let usage = |words: Both| Err(Failure::Usage(words));
+        match (jog.by, jog.ways.as_slice()) {
+            (Some(by), &[way]) => Self::step(by, way),
+            (Some(_), _) => usage(both!(
+                "`--by` moves one axis: give the other one a step of its own",
+                "`--by` 只移动一个轴：请对另一轴另行给出步距"
+            )),
+            (None, &[way]) => Ok(Self::hold(jog, &[way])),
+            (None, ways @ &[one, other]) if one.on_z != other.on_z => Ok(Self::hold(jog, ways)),
+            (None, _) => usage(both!(
+                "an axis goes one way at a time: give X and Z once each",
+                "一个轴一次只能向一个方向移动：X 与 Z 各给一次"
+            )),
+        }
+    }
+
+    fn step(by: StepLength, way: AxisWay) -> Outcome<Self> {
+        match by.of_slide(way) {
+            Ok(slide) => Ok(Self::Step {
+                on_z: way.on_z,
+                way: slide,
+            }),
+            Err(mistake) => Err(Failure::Usage(mistake.0)),
+        }
+    }
+
+    fn hold(jog: &Jog, ways: &[AxisWay]) -> Self {
+        let towards = |on_z| {
+            let way = ways.iter().find(|way| way.on_z == on_z);
+            way.map(|way| way.towards)
+        };
+        Self::Hold {
+            x: towards(false),
+            z: towards(true),
+            rapid: jog.rapid,
+            mm_per_min: jog.feed.unwrap_or(0),
+        }
+    }
+}
+
+/// How a press has ended.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// As it was asked.
+    Done,
+    /// At the limit of the travel.
+    Limit,
+    /// The board has ended it: a hold, an alarm, another order, or frames that came too late.
+    Broken,
+}
+
+/// One press or step.
+struct Press {
+    session: u8,
+    number: u8,
+    wish: Wish,
+}
+
+impl Press {
+    /// A session of this process, and a number that the board has not seen of it.
+    fn new(link: &Link, wish: Wish) -> Self {
+        let session = (std::process::id() % 255 + 1) as u8;
+        let last = link.seen.beat.filter(|told| told.session == session);
+        Self {
+            session,
+            number: last.map_or(1, |told| told.press.wrapping_add(1)),
+            wish,
+        }
+    }
+
+    /// The frame with the newest beat.
+    fn send(&self, link: &mut Link, released: bool) -> Outcome {
+        let echo = link.beat()?;
+        let frame = match self.wish {
+            Wish::Step { on_z, way } => StepRequest {
+                session: self.session,
+                count: self.number,
+                on_z,
+                way,
+                echo,
+            }
+            .frame(link.node()),
+            Wish::Hold {
+                x,
+                z,
+                rapid,
+                mm_per_min,
+            } => JogRequest {
+                session: self.session,
+                press: self.number,
+                x: x.filter(|_| !released),
+                z: z.filter(|_| !released),
+                rapid,
+                mm_per_min,
+                echo,
+            }
+            .frame(link.node()),
+        };
+        Ok(link.send(&[frame])?)
+    }
+
+    /// What became of it, once the board has it.
+    fn state(&self, link: &Link) -> Option<PressState> {
+        let told = link.seen.beat?;
+        (told.session == self.session && told.press == self.number).then_some(told.state)
+    }
+
+    /// Renews the press until its end.
+    fn carry_out(&self, link: &mut Link) -> Outcome<End> {
+        let begun = Instant::now();
+        let mut released = false;
+        loop {
+            if !released && self.is_wanted_no_more() {
+                released = true;
+            }
+            self.send(link, released)?;
+            link.idle(RENEWAL)?;
+            match self.state(link) {
+                Some(PressState::Refused) => return Err(refusal(link)),
+                Some(PressState::Limit) => return Ok(End::Limit),
+                Some(PressState::Ended) if released || matches!(self.wish, Wish::Step { .. }) => {
+                    return Ok(End::Done);
+                }
+                Some(PressState::Ended) => return Ok(End::Broken),
+                Some(PressState::None | PressState::Runs) => {}
+                None if begun.elapsed() < ANSWER => {}
+                None => return Err(refusal(link)),
+            }
+            link.check_alive()?;
+            if released && begun.elapsed() > ANSWER && self.state(link).is_none() {
+                return Ok(End::Broken);
+            }
+        }
+    }
+
+    fn is_wanted_no_more(&self) -> bool {
+        interrupt::requested() || ENTER.load(Ordering::Relaxed)
+    }
+}
+
+/// Why the board does not move.
+fn refusal(link: &mut Link) -> Failure {
+    match link.refusal() {
+        Err(trouble) => trouble.into(),
+        Ok(Some(reason)) => link.refused_by(reason).into(),
+        Ok(None) => {
+            let node = link.node().get();
+            Failure::Bus(both!(
+                "node {node} does not answer to a press: its RPDO2, RPDO3 and TPDO5 have to be in use (1401h, 1402h, 1804h)",
+                "节点 {node} 对手动请求没有应答：其 RPDO2、RPDO3 与 TPDO5 须启用（1401h、1402h、1804h）"
+            ))
+        }
+    }
+}
+
+/// Waits for Enter in a thread of its own. The end of the input is none: a script has no keyboard.
+fn await_enter(global: &Global) {
+    if !global.json {
+        let text = both!(
+            "moving until Enter or Ctrl-C",
+            "移动中，按 Enter 或 Ctrl-C 停止"
+        );
+        eprintln!("{}", text.get(global.lang()));
+    }
+    std::thread::spawn(|| {
+        let mut line = String::new();
+        if std::io::stdin()
+            .read_line(&mut line)
+            .is_ok_and(|read| read > 0)
+        {
+            ENTER.store(true, Ordering::Relaxed);
+        }
+    });
+}
+
+/// Where the machine has come to.
+fn tell(global: &Global, link: &mut Link, end: End) -> Outcome {
+    // The answer comes before the axis stands.
+    link.await_rest()?;
+    let status = link.status()?;
+    let (x, z) = (
+        status.position.x.nm().saturating_mul(2),
+        status.position.z.nm(),
+    );
+    let name = match end {
+        End::Done => "done",
+        End::Limit => "limit",
+        End::Broken => "ended",
+    };
+    if global.json {
+        output::json(|json| {
+            json.flag("ok", end != End::Broken);
+            json.integer("node", i64::from(link.node().get()));
+            json.text("end", name);
+            json.decimal::<6>("mx", x);
+            json.decimal::<6>("mz", z);
+        })?;
+    } else {
+        let why = match end {
+            End::Done => both!("", ""),
+            End::Limit => both!(", at the limit of the travel", "，已到行程极限"),
+            End::Broken => both!(", ended by the board", "，由控制板结束"),
+        };
+        let text = both!(
+            "node {node}: machine X {x} Z {z}{en}\n",
+            "节点 {node}：机床坐标 X {x} Z {z}{zh}\n",
+            node = link.node().get(),
+            x = number::text::<6>(x),
+            z = number::text::<6>(z),
+            en = why.en,
+            zh = why.zh
+        );
+        output::write(text.get(global.lang()).as_bytes())?;
+    }
+    if end != End::Broken {
+        return Ok(());
+    }
+    let reason = status.alarm.map_or_else(
+        || {
+            both!(
+                "the board has ended the motion: a feed hold, another order, or frames that came too late (9040)",
+                "控制板结束了移动：进给保持、其他指令，或报文到达过晚（9040）"
+            )
+        },
+        |alarm| crate::diagnostics::alarm_words(&alarm),
+    );
+    Err(Failure::MachineBecause(reason))
+}
