@@ -11,6 +11,7 @@
 
 mod alarms;
 mod bench;
+mod by_hand;
 mod hours;
 mod operator;
 mod parameters;

@@ -11,6 +11,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::{Length, Turns};
 
 use super::bench::{Bench, Counts, End, Wire};
+use super::by_hand;
 use super::operator::{Mood, Operator};
 use super::programs::{self, Program};
 use super::script::Draws;
@@ -145,7 +146,8 @@ impl Shift {
         }
         let choice = self.bench.random.within(0, 99);
         let (name, job): (&str, fn(&mut Self)) = match choice {
-            0..=84 => ("a program", Self::run),
+            0..=78 => ("a program", Self::run),
+            79..=84 => ("the axes by hand", |shift| by_hand::job(&mut shift.bench)),
             85..=92 => ("another set of parameters", Self::push),
             93..=94 => ("a set or value that is refused", Self::refused),
             95 => ("writing is locked", Self::locked),
