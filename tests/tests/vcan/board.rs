@@ -46,7 +46,9 @@ fn is_motion(frame: &Frame) -> bool {
     match frame.id().service() {
         Some((_, node)) => drives.contains(&node.get()),
         None => {
-            frame.id() == CobId::SYNC || frame.payload().get(1).is_some_and(|n| drives.contains(n))
+            let to = frame.payload().get(1);
+            frame.id() == CobId::SYNC
+                || frame.id() == CobId::NMT && to.is_some_and(|node| drives.contains(node))
         }
     }
 }

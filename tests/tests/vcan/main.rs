@@ -5,6 +5,7 @@
 
 mod board;
 mod bus;
+mod by_hand;
 mod faults;
 mod killed;
 mod machine;
