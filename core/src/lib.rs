@@ -23,6 +23,7 @@
 //! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
+//! - [`offsets`] are work offsets and tools: a table that a board keeps and a gateway resolves programs with.
 //! - [`journal`] is what survives a loss of power: the hole a tap is in.
 //! - [`checksum`] tells whether what is kept or compared is whole.
 //! - [`link`] is what gateway and board say to each other: calls, events, status, parameter sets, as bytes.
@@ -64,6 +65,7 @@ pub mod journal;
 pub mod link;
 pub mod motion;
 pub mod moves;
+pub mod offsets;
 pub mod params;
 pub mod program;
 pub mod signals;
