@@ -96,15 +96,31 @@ impl<F: NorFlash> Store<F> {
     /// Reads what a board starts with; `built_in` makes what it has of its own. Behind [`recover`](Self::recover).
     #[inline(never)]
     pub fn power_up(&mut self, built_in: impl Fn() -> Params) -> PowerUp {
+        let mut up = self.params(built_in);
         let (mut a, mut b) = ([0; BUFFER], [0; BUFFER]);
-        let mark = self.mark(&mut a);
+        let mark = self.mark(Region::OffsetsMark, &mut a);
+        let a = self.read(Region::OffsetsA, &mut a);
+        let b = self.read(Region::OffsetsB, &mut b);
+        up.offsets.take(held(&mark), a, b);
+        up
+    }
+
+    // The buffers are on the stack for as long as they are needed.
+    #[inline(never)]
+    fn params(&mut self, built_in: impl Fn() -> Params) -> PowerUp {
+        let (mut a, mut b) = ([0; BUFFER], [0; BUFFER]);
+        let mark = self.mark(Region::ParametersMark, &mut a);
         let a = self.read(Region::ParametersA, &mut a);
         let b = self.read(Region::ParametersB, &mut b);
         PowerUp::of(built_in, held(&mark), a, b)
     }
 
-    fn mark(&mut self, buffer: &mut [u8; BUFFER]) -> Result<Option<Few>, StoreError> {
-        let bytes = self.read(Region::ParametersMark, buffer)?;
+    fn mark(
+        &mut self,
+        region: Region,
+        buffer: &mut [u8; BUFFER],
+    ) -> Result<Option<Few>, StoreError> {
+        let bytes = self.read(region, buffer)?;
         Ok(bytes.map(|bytes| bytes.first_chunk().copied().unwrap_or_default()))
     }
 

@@ -17,6 +17,7 @@ mod board;
 mod feed;
 mod hold;
 mod inside;
+mod offsets;
 mod params;
 mod presence;
 mod round_trip;
@@ -41,6 +42,7 @@ use round_trip::RoundTrip;
 pub use board::BoardParams;
 pub use feed::Feed;
 pub use inside::Inside;
+pub use offsets::BoardOffsets;
 pub use traffic::Traffic;
 pub use trouble::{LinkResult, Trouble, reason};
 

@@ -5,13 +5,15 @@
 use heapless::Deque;
 
 use super::log::Log;
-use super::parameter_store::ParameterStore;
+use super::offset_store::OffsetStore;
 use super::program_buffer::ProgramBuffer;
 use super::protection::WriteProtection;
 use super::recorder::RunRecorder;
+use super::shelf::Shelf;
 use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Command;
+use crate::board::kept::Kept;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::bus::{
@@ -70,7 +72,9 @@ pub struct ObjectValues {
     /// 1001h and 1003h.
     pub emcy: EmcyProducer<{ HISTORY as usize }>,
     /// The stored sets and the change under way.
-    pub parameter_store: ParameterStore,
+    pub parameter_store: Shelf,
+    /// The table of offsets and tools.
+    pub offset_store: OffsetStore,
     pub snapshot: Snapshot,
     /// Commands for the tick, in order.
     pub commands: Deque<Command, COMMANDS>,
@@ -169,7 +173,8 @@ impl ObjectValues {
             commands: Deque::new(),
             signals: None,
             drops_tap: false,
-            parameter_store: ParameterStore::default(),
+            parameter_store: Shelf::new(Kept::Parameters),
+            offset_store: OffsetStore::new(),
             protection: WriteProtection::default(),
             staged: false,
             named: false,
@@ -201,6 +206,9 @@ impl ObjectValues {
     pub fn order(&mut self, order: Order) -> bool {
         let command = match order {
             Order::Run => {
+                if self.refuses_run() {
+                    return false;
+                }
                 // A program is dropped together with the parameters for which it was sent.
                 let waited = !self.is_changing() && self.program_buffer.run();
                 if waited {
@@ -223,6 +231,19 @@ impl ObjectValues {
             }
         };
         self.command(command);
+        true
+    }
+
+    /// A waiting program was resolved with another table of offsets than the one in force; a warning in the event log says
+    /// so.
+    fn refuses_run(&mut self) -> bool {
+        let named = self.program_buffer.offsets();
+        let waits = self.program_buffer.is_loading();
+        let Some(alarm) = self.offset_store.refuses(named).filter(|_| waits) else {
+            // While a table is being stored, nothing begins.
+            return self.offset_store.shelf.is_busy();
+        };
+        self.log.push(self.tick, &Event::Warning(alarm));
         true
     }
 

@@ -11,7 +11,7 @@ use leadscrew_core::units::Rpm;
 
 pub use self::tell::no_figures;
 use self::work::Ran;
-use super::Machine;
+use super::{Base, Machine};
 use crate::cli::{Drive, Global, Run};
 use crate::commands::run::passes;
 use crate::diagnostics;
@@ -51,13 +51,12 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let program = source.name();
     let answer = Answer::Run { program: &program };
     alone_in(global, &global.params, &global.set, answer)?;
-    let machine = Machine::meet(global)?;
-    let mut setup = Setup::over(
-        global,
-        Some(machine.params.clone()),
-        Some(source.path()),
-        answer,
-    )?;
+    let mut machine = Machine::meet(global)?;
+    let base = Base {
+        offsets: machine.table()?,
+        params: machine.params.clone(),
+    };
+    let mut setup = Setup::over(global, Some(base), Some(source.path()), answer)?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
     let status = link.status()?;

@@ -207,7 +207,7 @@ impl Runner<'_> {
         self.prepare_board()?;
         let mut under_way = Feeding {
             feeder: Feeder::new(self.setup, self.source)?,
-            feed: Feed::new(program_number()),
+            feed: Feed::new(program_number(), self.setup.revision()),
             started: false,
             looked: Instant::now(),
         };
@@ -280,7 +280,7 @@ impl Runner<'_> {
                 self.ran.variables = Some(feeder.variables().clone());
                 if feeder.next_pass() {
                     // Each pass is a program of its own for the board.
-                    (*feed, *started) = (Feed::new(program_number()), false);
+                    (*feed, *started) = (Feed::new(program_number(), self.setup.revision()), false);
                     self.ran.finished = false;
                     // The number that was seen last is one of the pass before.
                     (self.before, self.link.seen.place) = (self.ran.moves, None);
