@@ -329,17 +329,27 @@ impl PowerUp {
     /// Decides from the contents of the regions. `built_in` makes the board's built-in set. No table of offsets is known.
     #[must_use]
     pub fn of(built_in: impl Fn() -> Params, mark: Held<'_>, a: Held<'_>, b: Held<'_>) -> Self {
-        let mut up = Self {
-            params: built_in(),
-            found: Found::Newest,
-            offsets: KeptOffsets::default(),
-            shelved: Shelved::default(),
-        };
-        let places = [Place::of(a, &mut up.params), Place::of(b, &mut up.params)];
-        (up.shelved, up.found) = decide(mark, places);
-        let source = match up.found {
-            Found::Newest => up.shelved.stored,
-            Found::Older => up.shelved.before,
+        let mut up = Self::given(&built_in());
+        up.take(built_in, mark, a, b);
+        up
+    }
+
+    /// The same in place: a chip's stack has no room for copies [D146].
+    pub fn take(
+        &mut self,
+        built_in: impl Fn() -> Params,
+        mark: Held<'_>,
+        a: Held<'_>,
+        b: Held<'_>,
+    ) {
+        let places = [
+            Place::of(a, &mut self.params),
+            Place::of(b, &mut self.params),
+        ];
+        (self.shelved, self.found) = decide(mark, places);
+        let source = match self.found {
+            Found::Newest => self.shelved.stored,
+            Found::Older => self.shelved.before,
             Found::Nothing | Found::Lost | Found::Foreign { .. } => None,
         };
         let held = match source {
@@ -350,11 +360,10 @@ impl PowerUp {
         let loaded = held
             .ok()
             .flatten()
-            .is_some_and(|bytes| KeptSet::decode(bytes, &mut up.params).is_ok());
+            .is_some_and(|bytes| KeptSet::decode(bytes, &mut self.params).is_ok());
         if !loaded {
-            up.params = built_in();
+            self.params = built_in();
         }
-        up
     }
 }
 

@@ -3,6 +3,7 @@
 mod kept;
 mod network;
 mod objects;
+mod offsets;
 mod parameters;
 mod position;
 mod programs;
