@@ -201,12 +201,7 @@ impl<'a> Setup<'a> {
 
     /// Position of the drives at power-up.
     pub fn power_up(&self) -> Position {
-        let at = self.global.at.unwrap_or_default();
-        Position {
-            x: Length::from_nm(at.x_nm),
-            z: Length::from_nm(at.z_nm),
-            c: Angle::from_udeg(at.c_udeg),
-        }
+        power_up(self.global)
     }
 
     /// Start position of the tool. An axis with a tap in its hole stands at the bottom [D26].
@@ -254,6 +249,16 @@ impl<'a> Setup<'a> {
     /// The machine file beside the program, as it is shown.
     pub fn machine(&self) -> Option<String> {
         self.machine.as_deref().map(words::path)
+    }
+}
+
+/// Position of simulated drives at power-up.
+pub fn power_up(global: &Global) -> Position {
+    let at = global.at.unwrap_or_default();
+    Position {
+        x: Length::from_nm(at.x_nm),
+        z: Length::from_nm(at.z_nm),
+        c: Angle::from_udeg(at.c_udeg),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::link::{Inside, Link};
-use crate::setup::{Answer, Setup, alone_in};
+use crate::setup::{self, Answer, Setup, alone_in};
 use crate::state::{StateFile, stored_set};
 use crate::words::{Both, both};
 
@@ -168,7 +168,11 @@ fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
             zh = reason.zh
         ))
     };
-    let mut sim = Sim::power_up(&Params::slant_bed(), &PlantOptions::default(), flash)
+    let options = PlantOptions {
+        at: setup::power_up(global),
+        ..PlantOptions::default()
+    };
+    let mut sim = Sim::power_up(&Params::slant_bed(), &options, flash)
         .map(Box::new)
         .map_err(told)?;
     sim.join(global.board()?)
