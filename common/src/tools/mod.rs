@@ -1,7 +1,7 @@
 //! The table of offsets and tools as text: keys, values, files.
 //!
-//! A key names one value: `T1.X`, `T1.wear.Z`, `T1.radius`, `G54.Z`, `shift.X`. Lengths are in millimetres, of X in diameter.
-//! This module must not know boards or links.
+//! A key names one value: `T1.X`, `T1.wear.Z`, `T1.radius`, `G54.Z`, `shift.X`. Lengths are in millimetres, of X in
+//! diameter. This module must not know boards or links.
 
 mod difference;
 mod file;

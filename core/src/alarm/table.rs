@@ -1215,8 +1215,8 @@ codes! {
         "M99 使主程序重新开始：此处只执行一遍", "无需处理；程序结束处请写 M30";
 
     /// G41 or G42 with a tool whose radius is zero; {0} the number of the offset.
-    NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set parameters 9201 to 9216 (radius) and 9301 to 9316 (tip direction) for this tool, and call the tool before it",
-        "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请为该刀具设定参数 9201…9216（半径）和 9301…9316（刀尖方向），并先调用刀具";
+    NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set radius and tip direction of this tool (`leadscrew tools set T{0}.radius=0.4 T{0}.tip=3`, without a tool table parameters 9201 to 9216 and 9301 to 9316), and call the tool before it",
+        "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请设定该刀具的半径和刀尖方向（`leadscrew tools set T{0}.radius=0.4 T{0}.tip=3`；无刀具表时为参数 9201…9216 和 9301…9316），并先调用刀具";
 
     /// M99 in the main program, in a run.
     MainBeginsAgain = 4996, "M99 begins the main program again and again", "Ctrl-C brings the machine to a stop, and `--passes 20` ends the run after 20 passes; write M30 where the program is to end",

@@ -1,8 +1,8 @@
 //! The tables of offsets and tools that a board keeps: the choice between them at power-up.
 //!
-//! A table is kept as a parameter set is ([`kept`](super::kept)): two places in turn and a mark. Its revision is its number,
-//! and its bytes are its image. A fault withholds no motion: what is withheld is `run`, for a program names the revision it
-//! was resolved with [D288].
+//! A table is kept as a parameter set is ([`kept`](super::kept)): two places in turn and a mark. Its revision is its
+//! number, and its bytes are its image. A fault withholds no motion: what is withheld is `run`, for a program names the
+//! revision it was resolved with [D288].
 //!
 //! Pure: bytes in, a decision out.
 

@@ -253,8 +253,8 @@ impl ObjectValues {
         })
     }
 
-    /// The content of the region that was to be read. A set becomes the draft. It was good when it was stored, but the board
-    /// may have had another number then.
+    /// The content of the region that was to be read. A set becomes the draft. It was good when it was stored, but the
+    /// board may have had another number then.
     pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
         if !self.parameter_store.awaits_content() {
             return;

@@ -142,8 +142,8 @@ impl Device {
         self.values.parameter_store.found()
     }
 
-    /// True while a change of the parameter set, or of offsets, is being stored, or waits for its owner. No call goes to the
-    /// planner.
+    /// True while a change of the parameter set, or of offsets, is being stored, or waits for its owner. No call goes to
+    /// the planner.
     #[must_use]
     pub fn is_changing(&self) -> bool {
         self.values.is_changing() || self.values.offset_store.shelf.is_busy()

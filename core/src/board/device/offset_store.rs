@@ -1,5 +1,5 @@
-//! The table of offsets and tools on a board: object 5011h. Bytes are staged, checked and stored; nothing here knows what an
-//! offset is for.
+//! The table of offsets and tools on a board: object 5011h. Bytes are staged, checked and stored; nothing here knows what
+//! an offset is for.
 //!
 //! A change is a whole image with the revision after the board's last one: whoever has not seen the last change makes none
 //! [D286]. It needs no write enable and no password, and it does not restart the application [D287].

@@ -1,8 +1,8 @@
 //! The objects as an SDO server sees them: values by object, in pieces.
 //!
 //! A value is put together in one buffer before a read and after a write. So a value cannot change in the middle of a
-//! transfer, and a write has no effect before its end. Two images are longer than the buffer: that of the parameters is made
-//! and taken value by value, that of the offsets has buffers of its own.
+//! transfer, and a write has no effect before its end. Two images are longer than the buffer: that of the parameters is
+//! made and taken value by value, that of the offsets has buffers of its own.
 
 use super::change::Change;
 use super::dictionary::{Access, Kind, Place, find};

@@ -1,6 +1,6 @@
 //! What a board keeps in two places with a mark, and its change as a transaction [D116]: staged, checked as a whole,
-//! stored, marked as the newest, in force. Permission and checks come before. A failure on the way leaves the old content in
-//! force.
+//! stored, marked as the newest, in force. Permission and checks come before. A failure on the way leaves the old content
+//! in force.
 //!
 //! ```text
 //! Idle ─► Load ─► Set ─► Mark ─► Idle, the draft comes into force
@@ -10,8 +10,8 @@
 //! Loading, storing and marking are effects: the shelf asks, the owner carries them out and answers. Meanwhile no call goes
 //! to the planner, so the machine still stands when the new content comes into force.
 //!
-//! Knows which content is stored in which place, by number and identity; must not know the content itself, flash, objects or
-//! frames.
+//! Knows which content is stored in which place, by number and identity; must not know the content itself, flash, objects
+//! or frames.
 
 use crate::alarm::{Alarm, Code};
 use crate::board::kept::{Found, Kept, Mark, Shelved, Slot};

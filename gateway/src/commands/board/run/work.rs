@@ -310,8 +310,8 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// Another client may have changed offsets or tools since this program was resolved. The board refuses it then; here the
-    /// reason is told.
+    /// Another client may have changed offsets or tools since this program was resolved. The board refuses it then; here
+    /// the reason is told.
     fn same_offsets(&mut self) -> Outcome {
         let (now, named) = (self.link.offsets_revision()?, self.setup.revision());
         if now == named {
