@@ -121,7 +121,13 @@ impl<'a> Setup<'a> {
             None => (None, Table::Unknown),
         };
         let base = base.or_else(|| stored.clone());
+        let tap = match &kept {
+            Some((state, flash)) => state.journal(flash)?,
+            None => None,
+        };
         let table = match &kept {
+            // The way out of a hole needs no offsets: a damaged table does not keep a tap in it.
+            Some(_) if tap.is_some_and(|record| record.in_hole) => Table::Unknown,
             Some((state, flash)) => Table::Board(state.offsets(flash)?.map(Box::new)),
             None => table,
         };
@@ -167,10 +173,6 @@ impl<'a> Setup<'a> {
                 file = words::path(path)
             )));
         }
-        let tap = match &kept {
-            Some((state, flash)) => state.journal(flash)?,
-            None => None,
-        };
         Ok(Self {
             global,
             params,

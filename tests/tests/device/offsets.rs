@@ -10,11 +10,13 @@ use leadscrew_core::board::device::objects::{
 use leadscrew_core::board::device::{CommitState, UNMARKED};
 use leadscrew_core::board::{Event, Mark, Region};
 use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError, SdoProtocol};
+use leadscrew_core::call::{Hand, TapAxis, TapNotes, TapSpindle};
+use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::link::{EventReader, decode_alarm};
 use leadscrew_core::offsets::image::{BYTES, Image, sum};
 use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::params::Params;
-use leadscrew_core::units::Diameter;
+use leadscrew_core::units::{CentiRpm, Diameter, Lead, Length, Turns};
 use leadscrew_store::Store;
 use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::calls;
@@ -306,6 +308,38 @@ fn a_table_that_cannot_be_stored_does_not_come_into_force() {
     sim.flash_mut().set_broken(false);
     push(&mut gateway, &mut sim, 2).expect("the next");
     assert_eq!(states(&mut gateway, &mut sim), [DONE, 2, 0]);
+}
+
+/// Only G30 P99 can move then, and no offset counts for it.
+#[test]
+fn a_damaged_table_keeps_no_tap_in_its_hole() {
+    let record = TapRecord {
+        sequence: 1,
+        in_hole: true,
+        hole: TapHole {
+            axis: TapAxis::Z,
+            level: Length::ZERO,
+            bottom: Length::from_nm(-20_000_000),
+            lead: Lead::new(2_000_000_000, 1000).expect("a lead"),
+            hand: Hand::Right,
+            spindle: TapSpindle::First,
+            speed: CentiRpm::new(20_000),
+            notes: TapNotes::default(),
+        },
+        position: Length::from_nm(-20_000_000),
+        angle: Turns::default(),
+    };
+    let mut flash = Flash::erased();
+    let mut store = Store::new(&mut flash).expect("a store");
+    let region = Region::TapJournal;
+    store.write(region, &record.encode()).expect("written");
+    let (region, garbage) = (Region::OffsetsA, [1; 40]);
+    store.write(region, &garbage).expect("written");
+    let (mut sim, mut gateway, _) = power_up(flash);
+    assert_eq!(states(&mut gateway, &mut sim)[2], 3, "nothing is whole");
+    let out = calls("G30 P99 S200\nM30\n", &Params::sheets());
+    assert!(Upload::new(1, &out).feed(&mut gateway, &mut sim));
+    assert_eq!(run(&mut gateway, &mut sim), Ok(()));
 }
 
 /// Neither a write enable nor a password is asked for: offsets are the operator's everyday work.

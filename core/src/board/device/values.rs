@@ -235,10 +235,11 @@ impl ObjectValues {
     }
 
     /// A waiting program was resolved with another table of offsets than the one in force; a warning in the event log says
-    /// so.
+    /// so. With a tap in its hole only the way out can move, and no offset counts for it.
     fn refuses_run(&mut self) -> bool {
         let named = self.program_buffer.offsets();
-        let waits = self.program_buffer.is_loading();
+        let in_hole = self.snapshot.tap.is_some_and(|tap| tap.in_hole);
+        let waits = self.program_buffer.is_loading() && !in_hole;
         let Some(alarm) = self.offset_store.refuses(named).filter(|_| waits) else {
             // While a table is being stored, nothing begins.
             return self.offset_store.shelf.is_busy();
