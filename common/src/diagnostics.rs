@@ -298,6 +298,7 @@ pub fn figure(arg: Arg, lang: Lang, inch: bool) -> String {
             Some(state) => format!("{value:04X}h ({})", state.name()),
             None => format!("{value:04X}h"),
         },
+        Arg::Mode(mode) => mode.name().to_owned(),
     }
 }
 

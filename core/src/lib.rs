@@ -22,6 +22,7 @@
 //!   [setpoint](motion::Setpoint) a tick.
 //! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
+//! - [`operating`] is how a machine is operated: its modes, and what is asked of an axis by hand.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
 //! - [`offsets`] are work offsets and tools: a table that a board keeps and a gateway resolves programs with.
 //! - [`journal`] is what survives a loss of power: the hole a tap is in.
@@ -66,6 +67,7 @@ pub mod link;
 pub mod motion;
 pub mod moves;
 pub mod offsets;
+pub mod operating;
 pub mod params;
 pub mod program;
 pub mod signals;

@@ -4,12 +4,13 @@ use core::time::Duration;
 
 use leadscrew_board_sim::Sim;
 use leadscrew_core::bus::{
-    BoardCommand, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Object, Order, SdoBuffer,
-    SdoDownload, SdoError, SdoProtocol, SdoUpload,
+    BoardBeat, BoardCommand, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Object, Order,
+    SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
 use leadscrew_core::call::Call;
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, encode_call};
 use leadscrew_core::offsets::Revision;
+use leadscrew_core::operating::OperatingMode;
 
 use crate::transfer::Transfer;
 
@@ -20,11 +21,22 @@ pub const BATCH: Object = Object::new(0x5020, 1);
 
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// An order with the board's present beat; its count is the next after `last`.
+#[must_use]
+pub fn fresh(sim: &Sim, order: Order, last: u8) -> BoardCommand {
+    BoardCommand {
+        echo: Some(sim.board().device().beat()),
+        ..BoardCommand::order(order, last)
+    }
+}
+
 /// The client and the frames that it has heard.
 #[derive(Debug, Default)]
 pub struct Gateway {
     /// The last status.
     pub status: BoardStatus,
+    /// The last beat.
+    pub beat: BoardBeat,
     /// Every emergency message of the board.
     pub emergencies: Vec<Emcy>,
     /// Every heartbeat and boot-up message of the board.
@@ -62,6 +74,9 @@ impl Gateway {
         if let Some((NODE, status)) = BoardStatus::decode(frame) {
             self.status = status;
         }
+        if let Some(beat) = BoardBeat::decode(frame, NODE) {
+            self.beat = beat;
+        }
         if let Some((NODE, emcy)) = Emcy::decode(frame) {
             self.emergencies.push(emcy);
         }
@@ -72,7 +87,10 @@ impl Gateway {
 
     /// Sends an order.
     pub fn order(&mut self, sim: &mut Sim, order: Order) {
-        let command = BoardCommand::order(order, self.count);
+        if order == Order::Run && !sim.board().device().mode().runs() {
+            self.order(sim, Order::Mode(OperatingMode::Automatic));
+        }
+        let command = fresh(sim, order, self.count);
         self.count = command.count;
         sim.receive(&command.frame(NODE));
     }

@@ -1,4 +1,5 @@
-//! The flash of a microcontroller: words of 8 bytes that are written once, and pages of 2 KiB that are erased whole.
+//! The flash of a microcontroller: words of 8 bytes that are written once, and pages of 4 KiB that are erased whole (two of
+//! an STM32G474's).
 //! The power can fail at any byte of both.
 //!
 //! A word during whose write the power fails is torn: its first bytes are new, the rest is erased. A torn word reads
@@ -120,7 +121,7 @@ impl Flash {
     /// Bytes of a word.
     pub const WORD: usize = 8;
     /// Bytes of a page.
-    pub const PAGE: usize = 2048;
+    pub const PAGE: usize = 4096;
     /// Bytes in all.
     pub const SIZE: usize = 8 * Self::PAGE;
     /// Bytes of an [image](Self::image).

@@ -13,6 +13,7 @@ pub use table::{Code, Lang};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use crate::operating::OperatingMode;
 use crate::units::{Angle, Diameter, Feed, Length, Rpm};
 
 /// A place in the program text: the line (from 1) and the columns (from 1, `end` exclusive) of a word.
@@ -81,6 +82,8 @@ pub enum Arg {
     Key(u32),
     /// A CiA 402 statusword, printed like [`Arg::Hex`], followed by the name of its state.
     Statusword(u16),
+    /// A mode of the machine.
+    Mode(OperatingMode),
 }
 
 /// An alarm or a warning: what ([`Code`]), where, at which word, and up to four figures for the template.

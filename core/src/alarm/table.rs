@@ -1031,6 +1031,35 @@ codes! {
     /// Bytes that are no table, or a commit of a table that is not staged.
     OffsetsIncomplete = 4585, "this is no whole tool table, or not the one that was staged: it has not been taken", "send it again; use the program and the board of one release",
         "刀具表不完整，或与暂存的不同：未采用", "请重新发送；程序与控制板应为同一版本";
+    // -- 4500–4599 operating: board/ ---------------------------------------------------------------------------------
+    /// A request that the present mode does not let in: the mode that is needed, and the present one.
+    WrongMode = 4501, "this needs the machine in mode {0}, and it is in mode {1}", "change the mode first (`leadscrew mode {0}`), while the machine stands",
+        "此操作需要 {0} 方式，而机床处于 {1} 方式", "请先在机床静止时切换方式（`leadscrew mode {0}`）";
+    /// A request that has to wait for the end of the program.
+    ProgramUnderWay = 4502, "a program is under way", "wait for its end, or reset; then ask again",
+        "程序正在运行", "请等待其结束或复位，然后重试";
+    /// A request to a machine that stands on an alarm.
+    AlarmStands = 4504, "the machine stands on an alarm", "remove its cause and reset; then ask again",
+        "机床处于报警状态", "请排除原因并复位，然后重试";
+    /// Another session moves the machine by hand.
+    AnotherOperator = 4505, "another operator moves the machine by hand", "let them finish; one moves it at a time",
+        "另一操作者正在手动移动机床", "请等其结束；同一时间只能由一人移动";
+    /// Nothing moves by hand while feed hold is on.
+    HoldIsOn = 4506, "feed hold is on: nothing moves by hand", "release the contact and resume",
+        "进给保持有效：手动不移动", "请释放按钮并恢复运行";
+    /// The machine starts, comes to rest, or is moved by hand.
+    NotAtRest = 4507, "the machine is not at rest", "wait until it stands and its drives are up, then ask again",
+        "机床未静止", "请等待其停止且驱动器就绪，然后重试";
+    /// An order without an echo of the board's time, or with an old one.
+    OrderTooOld = 4508, "an order came too late, or did not say when it was given: it has not been carried out",
+        "give it again; a sender of its own has to send back the beat of 5002h:01 (9047)",
+        "指令到达过晚或未注明发出时间：未执行", "请重新下达；自编的发送方须回传 5002h:01 的节拍（9047）";
+    /// More steps than wait.
+    StepsWait = 4511, "three steps wait already: this one has not been taken", "wait until the axis has made them",
+        "已有三步在等待：此步未被接受", "请等待该轴走完";
+    /// A step that would leave the travel: axis, how far is free.
+    StepBeyondLimit = 4540, "the step would leave the travel of axis {0}: {1} are free", "make a shorter step, or look at the soft limits (1320, 1321)",
+        "该步将超出 {0} 轴行程：尚余 {1}", "请减小步距，或检查软限位（1320、1321）";
 
     // -- 4800–4811: what a program hardly means; a number may be allowed -----------------------------------------------
     /// A thread of a height that its pitch hardly has; {0} height, {1} pitch, {2} their ratio.

@@ -16,6 +16,7 @@
 
 mod carry_out;
 mod orders;
+mod press;
 mod store;
 
 use self::orders::Orders;

@@ -44,4 +44,6 @@ pub enum Command {
     RapidOverride(u8),
     /// Spindle override in percent, 50…120; frozen inside a thread cycle.
     SpindleOverride(u8),
+    /// The press that is alive is over: axes that are moved by hand brake.
+    Release,
 }

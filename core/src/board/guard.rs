@@ -74,12 +74,23 @@ impl Guard {
         if !ends && moves.clone().all(|next| harmless(&next.kind)) {
             return Ok(());
         }
-        let args = [
-            Arg::Letter(hole.letter()),
-            hole.figure(hole.bottom),
-            Arg::None,
-            Arg::None,
-        ];
-        Err(Alarm::new(Code::TapInHole, call.span).with(args))
+        Err(Alarm::new(Code::TapInHole, call.span).with(figures(hole)))
     }
+
+    /// Why nothing may be moved by hand; `None` where no tap is in a hole.
+    #[must_use]
+    pub fn refusal(&self) -> Option<Alarm> {
+        let hole = self.hole.as_ref()?;
+        Some(Alarm::of(Code::TapInHole, &figures(hole)))
+    }
+}
+
+/// Axis and bottom of the hole.
+fn figures(hole: &TapHole) -> [Arg; 4] {
+    [
+        Arg::Letter(hole.letter()),
+        hole.figure(hole.bottom),
+        Arg::None,
+        Arg::None,
+    ]
 }

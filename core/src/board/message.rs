@@ -20,6 +20,8 @@ pub(super) enum Order {
     DiscardTap,
     /// An entry of the tap journal has been stored, or could not be.
     Stored(u32, Result<(), StoreError>),
+    /// An axis is to be moved by hand: the press waits in its own queue.
+    Press,
     /// The application begins anew with the parts that wait in their own queue.
     BeginAnew,
 }

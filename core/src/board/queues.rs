@@ -21,10 +21,13 @@ use super::ticker::{Ends as TickerEnds, Notice, Setup};
 use crate::bus::Frame;
 use crate::journal::TapRecord;
 use crate::link::Event;
+use crate::motion::Press;
 
 // One place of a ring stays empty.
 const ORDERS: usize = 17;
 const SETUPS: usize = 2;
+/// Presses: a press and its renewals, and the place that stays empty.
+const PRESSES: usize = 4;
 /// The reports that wait at most, and the place that stays empty.
 const REPORTS: usize = 4;
 const ENTRIES: usize = 3;
@@ -38,6 +41,7 @@ pub struct Queues {
     detours: Detours,
     orders: Queue<Order, ORDERS>,
     setups: Queue<Setup, SETUPS>,
+    presses: Queue<Press, PRESSES>,
     events: Events,
     entries: Queue<TapRecord, ENTRIES>,
     notices: Queue<Notice, NOTICES>,
@@ -50,6 +54,7 @@ pub struct TickEnds<'q> {
     pub(super) ticker: TickerEnds<'q>,
     pub(super) orders: Consumer<'q, Order>,
     pub(super) setups: Consumer<'q, Setup>,
+    pub(super) presses: Consumer<'q, Press>,
     pub(super) entries: Producer<'q, TapRecord>,
     pub(super) notices: Producer<'q, Notice>,
     pub(super) strangers: Producer<'q, Frame>,
@@ -62,6 +67,7 @@ pub struct BackgroundEnds<'q> {
     pub(super) detours: DetourIn<'q>,
     pub(super) orders: Producer<'q, Order>,
     pub(super) setups: Producer<'q, Setup>,
+    pub(super) presses: Producer<'q, Press>,
     pub(super) events: Consumer<'q, Event>,
     pub(super) entries: Consumer<'q, TapRecord>,
     pub(super) notices: Consumer<'q, Notice>,
@@ -78,6 +84,7 @@ impl Queues {
             detours: Detours::new(),
             orders: Queue::new(),
             setups: Queue::new(),
+            presses: Queue::new(),
             events: Events::new(),
             entries: Queue::new(),
             notices: Queue::new(),
@@ -92,6 +99,7 @@ impl Queues {
         let (detours_in, detours_out) = self.detours.split();
         let (orders_in, orders_out) = self.orders.split();
         let (setups_in, setups_out) = self.setups.split();
+        let (presses_in, presses_out) = self.presses.split();
         let (events_in, events_out) = self.events.split();
         let (entries_in, entries_out) = self.entries.split();
         let (notices_in, notices_out) = self.notices.split();
@@ -105,6 +113,7 @@ impl Queues {
             },
             orders: orders_out,
             setups: setups_out,
+            presses: presses_out,
             entries: entries_in,
             notices: notices_in,
             strangers: strangers_in,
@@ -115,6 +124,7 @@ impl Queues {
             detours: detours_in,
             orders: orders_in,
             setups: setups_in,
+            presses: presses_in,
             events: events_out,
             entries: entries_out,
             notices: notices_out,

@@ -7,6 +7,7 @@ use crate::bus::BoardState;
 use crate::call::TapSpindle;
 use crate::journal::TapRecord;
 use crate::motion::{Cut, Motion, Setpoint};
+use crate::operating::PressState;
 use crate::signals::Signals;
 use crate::units::{Rpm, TurnRate, Turns};
 
@@ -45,6 +46,8 @@ pub struct Snapshot {
     pub tap: Option<TapRecord>,
     /// The operator's settings.
     pub operator: Operator,
+    /// Number of the last press by hand, and what became of it.
+    pub jog: (u8, PressState),
     /// The operator's contacts; [`Contacts::default`] where the board has none.
     pub contacts: Contacts,
 }
@@ -67,6 +70,7 @@ impl Snapshot {
             spindle_in_use: ticker.tap_spindle(),
             tap: ticker.tap_entry(),
             operator: *ticker.operator(),
+            jog: ticker.jog(),
             contacts,
         }
     }
@@ -79,6 +83,7 @@ impl Snapshot {
             (State::Starting, _) => BoardState::Starting,
             (State::Stopping(Outcome::Reset), _) => BoardState::Stopping,
             (_, Motion::Hold) | (State::Held, _) => BoardState::Hold,
+            (State::ByHand, _) => BoardState::Run,
             (_, Motion::Dwell) => BoardState::Dwell,
             (_, Motion::Wait) => BoardState::Wait,
             (_, Motion::Run) => BoardState::Run,
@@ -126,7 +131,7 @@ impl Snapshot {
         match self.state {
             State::Starting | State::Alarm(_) => true,
             State::Idle => !self.in_program,
-            State::Running | State::Held | State::Stopping(_) => false,
+            State::Running | State::Held | State::ByHand | State::Stopping(_) => false,
         }
     }
 

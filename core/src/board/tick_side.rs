@@ -250,6 +250,11 @@ impl<'a> TickSide<'a> {
                 let _ = ticker.discard_tap();
             }
             Order::Stored(sequence, result) => ticker.stored(sequence, result),
+            Order::Press => {
+                if let Some(press) = take(&mut self.ends.presses) {
+                    ticker.press(&press);
+                }
+            }
             Order::BeginAnew => self.begin_anew(),
         }
     }

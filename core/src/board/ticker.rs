@@ -13,6 +13,7 @@
 //! |---|---|
 //! | [`State`] | where the machine is; every change of it is in `transition` |
 //! | `Course` | how far the program has come, and where single block stops |
+//! | `Jog` | axes that are moved by hand |
 //! | `Away` | the way out of a stroke and back |
 //! | `SpindleMode` | what the spindles are told: a speed, or position mode |
 //! | `Journal` | the entry of the tap in its hole |
@@ -22,6 +23,7 @@
 mod anew;
 mod away;
 mod begin;
+mod by_hand;
 mod course;
 mod journal;
 mod setup;
@@ -55,7 +57,7 @@ use crate::bus::Setpoints;
 use crate::call::Position;
 use crate::journal::TapRecord;
 use crate::link::Event;
-use crate::motion::{Conditions, Epoch, Executor, Setpoint, Task};
+use crate::motion::{Conditions, Epoch, Executor, Jog, Setpoint, Task};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
 use crate::units::Length;
@@ -109,6 +111,8 @@ pub struct Ticker {
     spindle: SpindleMode,
     /// The state of the stored parameters at power-up.
     found: Found,
+    /// Ticks since power-up; it wraps.
+    now: u32,
     /// Ticks since the machine came to rest on its alarm.
     stood: u32,
     operator: Operator,
@@ -120,6 +124,7 @@ pub struct Ticker {
     notice: Option<Notice>,
     journal: Journal,
     drives: Drives,
+    jog: Jog,
     executor: Executor,
 }
 
@@ -135,6 +140,7 @@ impl Ticker {
             slipped: false,
             awaits: false,
             switching: Switching::Nothing,
+            now: 0,
             stood: 0,
             course: Course::new(),
             away: Away::new(),
@@ -147,6 +153,7 @@ impl Ticker {
             notice: None,
             journal: Journal::new(tap, given.second),
             drives: Drives::new(&setup.figures),
+            jog: Jog::new(),
             executor: Executor::new(given.arrival),
         }
     }
@@ -172,6 +179,9 @@ impl Ticker {
     // Called in many places.
     #[inline(never)]
     pub(super) const fn command(&mut self, command: Command) {
+        if let Command::Release = command {
+            self.jog.release();
+        }
         self.operator.take(command);
     }
 
@@ -199,6 +209,7 @@ impl Ticker {
         ends: &mut Ends<'_>,
         output: &mut Output,
     ) {
+        self.now = self.now.wrapping_add(1);
         for frame in received {
             self.drives.hear(frame);
         }
@@ -210,6 +221,9 @@ impl Ticker {
         let instant = self.take_up(ends);
 
         let moved = !self.executor.is_free();
+        if self.jog.is_busy() {
+            self.move_by_hand();
+        }
         let setpoint = &mut output.setpoint;
         self.execute(setpoint, ends);
         if let Some((number, line, motion)) = instant {
@@ -412,7 +426,7 @@ impl Ticker {
         // Frozen in a thread cycle, and also while a reset leaves that cycle.
         let frozen = match self.state {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
-            State::Starting | State::Idle | State::Alarm(_) => None,
+            State::Starting | State::Idle | State::ByHand | State::Alarm(_) => None,
         };
         self.spindle
             .set_percent(frozen.unwrap_or(self.operator.spindle_percent()));

@@ -3,11 +3,12 @@
 //! | PDO | bytes | object | content |
 //! |---|---|---|---|
 //! | RPDO1 | 0 | 5000h:01 | count: a new value for every new order |
-//! | | 1 | 5000h:02 | order: 0 none, 1 run, 2 hold, 3 resume, 4 reset, 5 stop |
+//! | | 1 | 5000h:02 | order: 0 none, 1 run, 2 hold, 3 resume, 4 reset, 5 stop, 6 cancel, 16–21 mode, 32–39 reference |
 //! | | 2 | 5000h:03 | switches: bit 0 single block, bit 1 dry run; bits 4 and 5: change that switch |
 //! | | 3 | 5000h:04 | feed override in percent; 255: no change |
 //! | | 4 | 5000h:05 | rapid override in percent; 255: no change |
 //! | | 5 | 5000h:06 | spindle override in percent; 255: no change |
+//! | | 6–7 | 5000h:07 | echo: the newest beat that the sender has heard; run, resume, mode and reference need one (9047) |
 //! | TPDO1 | 0 | 5001h:02 | state, see [`BoardState`] |
 //! | | 1 | 5001h:03 | flags, see [`BoardFlags`] |
 //! | | 2–3 | 5001h:04 | number of the alarm; 0: none |
@@ -20,10 +21,18 @@
 //! | | 2–5 | 5001h:0B | spindle speed in 0.001 rpm, positive M03 |
 //! | | 6–7 | 5001h:0C | synchronism error in 10 nm; −32768: nothing is synchronised |
 //!
+//! What moves by hand is in [`manual`].
+//!
 //! All values are little-endian. **A frame that is lost or comes twice does no harm** [D96]. Overrides and switches are
 //! levels: a repetition changes nothing. An order needs a count: the board takes the order once and sends its count in
 //! TPDO1. The sender repeats the frame until TPDO1 has that count. Two senders may use the same count. The board still
 //! takes both orders if they differ; two equal orders are no conflict.
+
+mod manual;
+mod order;
+
+pub use self::manual::{BoardBeat, JogRequest, StepRequest};
+pub use self::order::{AxisSet, Beat, Order, OrderGate};
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -32,38 +41,6 @@ use super::frame::{CobId, Frame, NodeId, Service};
 use super::mapping::Mapped;
 use super::pdo::MilliRpm;
 use crate::units::{Length, Turns};
-
-/// An order of an operator; the board does it once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(u8)]
-pub enum Order {
-    /// Begin the program.
-    Run = 1,
-    /// Feed hold.
-    Hold = 2,
-    /// Continue after feed hold or single block.
-    Resume = 3,
-    /// Stop, empty the queue, clear an alarm.
-    Reset = 4,
-    /// Emergency stop.
-    Stop = 5,
-}
-
-impl Order {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Run, Self::Hold, Self::Resume, Self::Reset, Self::Stop];
-
-    const fn from_raw(raw: u8) -> Option<Self> {
-        match raw {
-            1 => Some(Self::Run),
-            2 => Some(Self::Hold),
-            3 => Some(Self::Resume),
-            4 => Some(Self::Reset),
-            5 => Some(Self::Stop),
-            _ => None,
-        }
-    }
-}
 
 /// RPDO1 of the board. `None` means no change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,17 +59,20 @@ pub struct BoardCommand {
     pub rapid: Option<u8>,
     /// Spindle override in percent, up to 254.
     pub spindle: Option<u8>,
+    /// The newest beat that the sender has heard.
+    pub echo: Option<Beat>,
 }
 
 impl BoardCommand {
     /// The objects in its bytes.
-    pub const MAPPING: [Mapped; 6] = [
+    pub const MAPPING: [Mapped; 7] = [
         Mapped::new(0x5000, 1, 8),
         Mapped::new(0x5000, 2, 8),
         Mapped::new(0x5000, 3, 8),
         Mapped::new(0x5000, 4, 8),
         Mapped::new(0x5000, 5, 8),
         Mapped::new(0x5000, 6, 8),
+        Mapped::new(0x5000, 7, 16),
     ];
     const AS_IT_IS: u8 = 255;
 
@@ -122,40 +102,54 @@ impl BoardCommand {
             }
         }
         let order = match self.order {
-            Some(order) => order as u8,
+            Some(order) => order.raw(),
             None => 0,
         };
-        Frame::of(
-            CobId::of(Service::Rpdo1, node),
-            [
-                self.count,
-                order,
-                switch(self.single_block, 0) | switch(self.dry_run, 1),
-                percent(self.feed),
-                percent(self.rapid),
-                percent(self.spindle),
-            ],
-        )
+        let switches = switch(self.single_block, 0) | switch(self.dry_run, 1);
+        let (feed, rapid) = (percent(self.feed), percent(self.rapid));
+        let (id, spindle) = (CobId::of(Service::Rpdo1, node), percent(self.spindle));
+        match self.echo {
+            None => Frame::of(id, [self.count, order, switches, feed, rapid, spindle]),
+            Some(echo) => {
+                let [low, high] = echo.ms().to_le_bytes();
+                Frame::of(
+                    id,
+                    [self.count, order, switches, feed, rapid, spindle, low, high],
+                )
+            }
+        }
     }
 
-    /// Count and order of a frame that is known to carry a command, and the bytes of its settings (5000h:03 to 06).
-    pub(crate) fn raw(frame: &Frame) -> Option<(u8, Option<Order>, &[u8; 4])> {
+    /// A frame that is known to carry a command.
+    pub(crate) fn raw(frame: &Frame) -> Option<RawCommand<'_>> {
         let (&[count, order], settings) = frame.payload().split_first_chunk::<2>()?;
         let order = match order {
             0 => None,
             _ => Some(Order::from_raw(order)?),
         };
-        Some((count, order, settings.first_chunk()?))
+        let (settings, behind) = settings.split_first_chunk::<4>()?;
+        let echo = behind.first_chunk::<2>();
+        Some(RawCommand {
+            count,
+            order,
+            settings,
+            echo: echo.map(|bytes| Beat::new(u16::from_le_bytes(*bytes))),
+        })
     }
 
-    /// The board and its command, if `frame` is a board command. Bytes after the sixth have no meaning. A frame with an
-    /// unknown order is no command.
+    /// The board and its command, if `frame` is a board command. A frame of six bytes has no echo. A frame with an unknown
+    /// order is no command.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Rpdo1, node) = frame.id().service()? else {
             return None;
         };
-        let (count, order, &[switches, feed, rapid, spindle]) = Self::raw(frame)?;
+        let RawCommand {
+            count,
+            order,
+            settings: &[switches, feed, rapid, spindle],
+            echo,
+        } = Self::raw(frame)?;
         let switch = |bit: u8| (switches >> bit & 0x10 != 0).then_some(switches >> bit & 1 != 0);
         let percent = |percent| (percent != Self::AS_IT_IS).then_some(percent);
         Some((
@@ -168,43 +162,20 @@ impl BoardCommand {
                 feed: percent(feed),
                 rapid: percent(rapid),
                 spindle: percent(spindle),
+                echo,
             },
         ))
     }
 }
 
-/// Passes an order on once, however often its frame comes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct OrderGate {
-    last: Option<(u8, Order)>,
-}
-
-impl OrderGate {
-    /// A gate before the first order: the gate takes the first order with any count.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { last: None }
-    }
-
-    /// The order of a command, unless it repeats the last order.
-    pub fn take(&mut self, count: u8, order: Option<Order>) -> Option<Order> {
-        let order = order?;
-        let this = Some((count, order));
-        if self.last == this {
-            return None;
-        }
-        self.last = this;
-        Some(order)
-    }
-
-    /// The count of the last order, for [`BoardStatus::count`]; 0 before the first.
-    #[must_use]
-    pub const fn count(&self) -> u8 {
-        match self.last {
-            Some((count, _)) => count,
-            None => 0,
-        }
-    }
+/// RPDO1 as it came.
+pub(crate) struct RawCommand<'f> {
+    pub(crate) count: u8,
+    pub(crate) order: Option<Order>,
+    /// 5000h:03 to 06.
+    pub(crate) settings: &'f [u8; 4],
+    /// 5000h:07, in a frame of eight bytes.
+    pub(crate) echo: Option<Beat>,
 }
 
 /// State of the machine.

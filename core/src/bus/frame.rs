@@ -85,6 +85,11 @@ impl CobId {
         Self(service as u16 | node.0 as u16)
     }
 
+    /// An identifier outside the default set: `base`, a multiple of 80h, and the node number.
+    pub(crate) const fn free(base: u16, node: NodeId) -> Self {
+        Self((base | node.0 as u16) & 0x7FF)
+    }
+
     /// The service and the node of this identifier in the CiA 301 default set; `None` for NMT, SYNC, the time stamp and
     /// unused identifiers.
     #[must_use]

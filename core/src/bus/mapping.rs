@@ -1,4 +1,5 @@
-//! The PDO parameters of a node: communication (1400h–1403h, 1800h–1803h) and mapping (1600h–1603h, 1A00h–1A03h).
+//! The PDO parameters of a node: communication (1400h, 1800h and behind them) and mapping (1600h, 1A00h and
+//! behind them).
 //!
 //! The mapping is fixed, so 16xxh and 1Axxh are read-only. A client can change only two communication parameters:
 //! whether a PDO is used, and the event time of a TPDO.
@@ -45,8 +46,9 @@ impl Mapped {
 /// The communication of one PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PdoCommunication {
-    service: Service,
-    node: NodeId,
+    id: CobId,
+    /// A TPDO.
+    is_sent: bool,
     /// The PDO is used.
     valid: bool,
     /// Event time of a TPDO in milliseconds: it is sent again after this time; 0: never by time.
@@ -70,16 +72,27 @@ impl PdoCommunication {
     /// A PDO that `node` receives as `service` ([`Service::Rpdo1`] …); its content takes effect at once.
     #[must_use]
     pub const fn received(service: Service, node: NodeId) -> Self {
-        Self::sent(service, node, 0)
+        Self {
+            id: CobId::of(service, node),
+            is_sent: false,
+            valid: true,
+            event_ms: 0,
+        }
     }
 
     /// A PDO that `node` sends as `service` ([`Service::Tpdo1`] …), every `event_ms` milliseconds.
     #[must_use]
     pub const fn sent(service: Service, node: NodeId, event_ms: u16) -> Self {
+        Self::sent_as(CobId::of(service, node), true, event_ms)
+    }
+
+    /// A PDO that is sent with this identifier, every `event_ms` milliseconds, if it is `valid`.
+    #[must_use]
+    pub const fn sent_as(id: CobId, valid: bool, event_ms: u16) -> Self {
         Self {
-            service,
-            node,
-            valid: true,
+            id,
+            is_sent: true,
+            valid,
             event_ms,
         }
     }
@@ -96,17 +109,10 @@ impl PdoCommunication {
         self.event_ms
     }
 
-    const fn is_sent(&self) -> bool {
-        matches!(
-            self.service,
-            Service::Tpdo1 | Service::Tpdo2 | Service::Tpdo3 | Service::Tpdo4
-        )
-    }
-
     const fn cob_id(&self) -> u32 {
-        let id = CobId::of(self.service, self.node).get() as u32;
+        let id = self.id.get() as u32;
         let valid = if self.valid { 0 } else { Self::INVALID };
-        let rtr = if self.is_sent() { Self::NO_RTR } else { 0 };
+        let rtr = if self.is_sent { Self::NO_RTR } else { 0 };
         id | valid | rtr
     }
 
@@ -115,7 +121,7 @@ impl PdoCommunication {
         match sub {
             0 | Self::TRANSMISSION => Ok(1),
             Self::COB_ID => Ok(4),
-            Self::EVENT_TIMER if self.is_sent() => Ok(2),
+            Self::EVENT_TIMER if self.is_sent => Ok(2),
             _ => Err(Abort::NoSubIndex),
         }
     }
@@ -123,11 +129,11 @@ impl PdoCommunication {
     /// The value of sub-index `sub`.
     pub const fn read(&self, sub: u8) -> Result<u32, Abort> {
         match sub {
-            0 if self.is_sent() => Ok(Self::EVENT_TIMER as u32),
+            0 if self.is_sent => Ok(Self::EVENT_TIMER as u32),
             0 => Ok(Self::TRANSMISSION as u32),
             Self::COB_ID => Ok(self.cob_id()),
             Self::TRANSMISSION => Ok(Self::EVENT as u32),
-            Self::EVENT_TIMER if self.is_sent() => Ok(self.event_ms as u32),
+            Self::EVENT_TIMER if self.is_sent => Ok(self.event_ms as u32),
             _ => Err(Abort::NoSubIndex),
         }
     }
@@ -146,7 +152,7 @@ impl PdoCommunication {
             }
             Self::TRANSMISSION if value == Self::EVENT as u32 => Ok(()),
             Self::TRANSMISSION => Err(Abort::Value),
-            Self::EVENT_TIMER if self.is_sent() => {
+            Self::EVENT_TIMER if self.is_sent => {
                 if value > u16::MAX as u32 {
                     return Err(Abort::TooHigh);
                 }

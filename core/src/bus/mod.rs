@@ -36,7 +36,8 @@ mod spindle;
 mod sync;
 
 pub use board_pdo::{
-    BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus, Order, OrderGate,
+    AxisSet, Beat, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState,
+    BoardStatus, JogRequest, Order, OrderGate, StepRequest,
 };
 pub use cia402::{Controlword, State, Statusword};
 pub use controller::{BusState, Controller, ErrorCounts};

@@ -115,6 +115,10 @@ impl Put for Arg {
             Self::Hex(number) => one(writer, 12, number),
             Self::Key(key) => one(writer, 13, key),
             Self::Statusword(word) => one(writer, 14, word),
+            Self::Mode(mode) => {
+                writer.byte(15);
+                writer.byte(*mode as u8);
+            }
         }
     }
 }

@@ -57,10 +57,8 @@
 use super::rate::{PathRate, Rate, Travel};
 use crate::units::{Divisor, Length};
 
-/// The number of ticks that the profile can look back: the longest ramp n1 + n2.
+/// The number of ticks that a machine's profile can look back: the longest ramp n1 + n2.
 pub const CAPACITY: u16 = 2048;
-
-const MASK: usize = CAPACITY as usize - 1;
 
 /// The two means of a motion and the largest rate for which they are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,9 +118,10 @@ pub struct Progress {
     pub done: bool,
 }
 
-/// The one long-lived profile of a machine: about 8 KiB, most of it the ring of past inputs.
+/// A long-lived profile. Most of it is the ring of the last `N` inputs, 4 bytes each: 8 KiB for the path of a machine. `N`
+/// is a power of two, and the longest ramp in ticks.
 #[derive(Clone, Debug)]
-pub struct Profile {
+pub struct Profile<const N: usize = { CAPACITY as usize }> {
     /// R: the length that has not been put in yet, in 1/256 nm.
     left: u64,
     /// A.
@@ -145,23 +144,28 @@ pub struct Profile {
     abandoned: bool,
     /// Slot of the next input.
     head: usize,
-    ring: [u32; CAPACITY as usize],
+    ring: [u32; N],
 }
 
-impl Default for Profile {
+impl<const N: usize> Default for Profile<N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Profile {
+impl<const N: usize> Profile<N> {
+    const MASK: usize = {
+        assert!(N.is_power_of_two() && N <= CAPACITY as usize);
+        N.wrapping_sub(1)
+    };
+
     /// A profile at rest with nothing to do.
     #[must_use]
     // [D146]
     #[inline(always)]
     pub const fn new() -> Self {
         Self {
-            ring: [0; CAPACITY as usize],
+            ring: [0; N],
             head: 0,
             filled: 0,
             ramp: Ramp {
@@ -196,10 +200,10 @@ impl Profile {
     }
 
     /// Starts a motion of `length` from rest. At [`Rate::FULL`] its rate is `nominal`, or the ramp's cap if that is
-    /// less. Returns false and changes nothing while the last motion is not done.
+    /// less. Returns false and changes nothing while the last motion is not done, or for a ramp of more than `N` ticks.
     #[must_use]
     pub const fn begin(&mut self, length: Length, nominal: PathRate, ramp: Ramp) -> bool {
-        if !self.at_rest() || self.left != 0 {
+        if !self.at_rest() || self.left != 0 || ramp.ticks() > N as u32 {
             return false;
         }
         self.filled = 0;
@@ -257,19 +261,29 @@ impl Profile {
         PathRate::from_raw(self.ramp.area.divide(self.speed as u64).0 as u32)
     }
 
+    /// Makes a motion that ends by itself longer. False where there is none, or where it was abandoned.
+    pub(super) fn extend(&mut self, more: Length) -> bool {
+        if self.abandoned || self.left == 0 && self.at_rest() {
+            return false;
+        }
+        self.left = self.left.saturating_add(to_units(more));
+        true
+    }
+
     /// One tick at `rate`. Constant work, no division.
     pub fn tick(&mut self, rate: Rate) -> Progress {
+        self.tick_at(rate.of(self.nominal))
+    }
+
+    /// One tick; `wanted` is the path rate that is aimed for.
+    pub(super) fn tick_at(&mut self, wanted: PathRate) -> Progress {
         let cap = i64::from(self.ramp.cap.raw());
         let window = self.ramp.n1.wrapping_add(self.ramp.n2);
         let c = self.older();
         let lowest = c.wrapping_sub(cap).max(0) as u32;
         let highest = c.wrapping_add(cap).min(cap) as u32;
 
-        let wanted = if self.abandoned {
-            0
-        } else {
-            rate.of(self.nominal).raw()
-        };
+        let wanted = if self.abandoned { 0 } else { wanted.raw() };
         if wanted > self.level {
             self.raise(wanted);
         }
@@ -337,16 +351,16 @@ impl Profile {
         if ticks > self.filled {
             return 0;
         }
-        let slot = self.head.wrapping_sub(usize::from(ticks)) & MASK;
+        let slot = self.head.wrapping_sub(usize::from(ticks)) & Self::MASK;
         i64::from(self.ring.get(slot).copied().unwrap_or(0))
     }
 
     fn store(&mut self, input: u32) {
-        if let Some(slot) = self.ring.get_mut(self.head & MASK) {
+        if let Some(slot) = self.ring.get_mut(self.head & Self::MASK) {
             *slot = input;
         }
-        self.head = self.head.wrapping_add(1) & MASK;
-        self.filled = self.filled.wrapping_add(1).min(CAPACITY);
+        self.head = self.head.wrapping_add(1) & Self::MASK;
+        self.filled = self.filled.wrapping_add(1).min(N as u16);
     }
 
     fn watch_peak(&mut self, input: u32, window: u16) {

@@ -48,6 +48,19 @@ pub(super) fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Op
     Ramp::new(PathRate::from_raw(rate), n1, m.saturating_sub(n1))
 }
 
+/// The ramp for a motion that may go up to `cap` and has to stop at any time, within `most` ticks. Where the ramp to `cap`
+/// would be longer, the motion is slower. `None` where not even the lowest rate has so short a ramp.
+pub(super) fn ramp_within(cap: PathRate, limits: &PathLimits, most: u16) -> Option<Ramp> {
+    let cap = cap.raw().min(limits.speed.raw()).max(2);
+    let ticks = smallest(limits, Figure::Rate(cap)).map_or(most, |ticks| ticks.min(most));
+    let (n1, rate) = split(ticks, limits);
+    Ramp::new(
+        PathRate::from_raw(rate.min(cap)),
+        n1,
+        ticks.saturating_sub(n1),
+    )
+}
+
 /// Number of profile ticks from rest at the start to rest at the end, at [`super::Rate::FULL`] throughout. Zero for no
 /// length.
 pub(super) fn duration_ticks(length: Length, nominal: PathRate, ramp: &Ramp) -> u64 {

@@ -363,6 +363,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x31E9_AA8F),
     // The tolerance of a corner: 9033.
     (2, 0x080D_790C),
+    // Jogging, and the age of an order: 9040 to 9043, 9047.
+    (2, 0xC736_4277),
 ];
 
 #[test]

@@ -8,11 +8,11 @@ use core::time::Duration;
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError, Victim};
 use leadscrew_core::bus::{
-    Abort, BlockSize, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
-    BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy,
-    ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, Increments, MilliRpm, Mode,
-    NmtCommand, NmtState, NodeId, Object, Order, Periods, Scale, SdoProtocol, SpindleCommand,
-    SpindleDemand, Statusword, SyncProducer,
+    Abort, AxisSet, Beat, BlockSize, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle,
+    BoardState, BoardStatus, BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig,
+    DriveStatus, Emcy, ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, Increments,
+    JogRequest, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order, Periods, Scale,
+    SdoProtocol, SpindleCommand, SpindleDemand, Statusword, StepRequest, SyncProducer,
 };
 use leadscrew_core::call::{
     ArcCall, Aux, Call, CallKind, ChainPart, CutIn, Extraction, FeedRate, GrooveCall, Hand,
@@ -25,6 +25,7 @@ use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::moves::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::offsets::Offsets;
 use leadscrew_core::offsets::image::BYTES;
+use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Dialect, Options, Way};
 use leadscrew_core::signals::Signals;
@@ -149,7 +150,10 @@ records! {
     FollowingLimit { increments time standing }
     Object { index sub }
     HeartbeatWatch { node ms }
-    BoardCommand { count order single_block dry_run feed rapid spindle }
+    BoardCommand { count order single_block dry_run feed rapid spindle echo }
+    BoardBeat { beat mode session press state refused }
+    JogRequest { session press x z rapid mm_per_min echo }
+    StepRequest { session count on_z way echo }
     BoardFlags { hold single_block dry_run program locked }
     BoardStatus { state flags alarm count late credit }
     BoardPlace { line number }
@@ -182,7 +186,14 @@ choices! {
         NmtCommand::Start, NmtCommand::Stop, NmtCommand::PreOperational, NmtCommand::ResetNode,
     } or NmtCommand::ResetCommunication;
     SdoProtocol { SdoProtocol::Short, SdoProtocol::Segmented } or SdoProtocol::Block;
-    Order { Order::Run, Order::Hold, Order::Resume, Order::Reset } or Order::Stop;
+    Order {
+        Order::Run, Order::Hold, Order::Resume, Order::Reset, Order::Stop, Order::Cancel, Order::Mode(any()),
+    } or Order::Home(any());
+    OperatingMode {
+        OperatingMode::Manual, OperatingMode::Step, OperatingMode::Wheel, OperatingMode::Reference, OperatingMode::Mdi,
+    } or OperatingMode::Automatic;
+    Towards { Towards::Plus } or Towards::Minus;
+    PressState { PressState::None, PressState::Runs, PressState::Ended, PressState::Limit } or PressState::Refused;
     NmtState { NmtState::BootUp, NmtState::Stopped, NmtState::Operational } or NmtState::PreOperational;
     FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
     Aux { Aux::M(any()) } or Aux::T(any());
@@ -216,7 +227,7 @@ choices! {
     } or Intrusion::Network(Victim { letter: any(), node: any() });
     Command {
         Command::Hold, Command::Resume, Command::Reset, Command::Stop, Command::SingleBlock(any()),
-        Command::FeedOverride(any()), Command::RapidOverride(any()), Command::Trouble(any()),
+        Command::FeedOverride(any()), Command::RapidOverride(any()), Command::Trouble(any()), Command::Release,
     } or Command::SpindleOverride(any());
     MoveKind {
         MoveKind::Rapid, MoveKind::Feed(any()),
@@ -243,6 +254,18 @@ impl Any for Lead {
 impl Any for TurnRatio {
     fn any() -> Self {
         Self::of_travel(any(), any())
+    }
+}
+
+impl Any for Beat {
+    fn any() -> Self {
+        Self::new(any())
+    }
+}
+
+impl Any for AxisSet {
+    fn any() -> Self {
+        Self::from_bits(any()).unwrap_or_default()
     }
 }
 

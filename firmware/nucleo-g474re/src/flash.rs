@@ -10,10 +10,12 @@ use embassy_stm32::pac::FLASH;
 use embassy_stm32::pac::flash::regs::Cr;
 use leadscrew_parts::{WordDevice, WordError, WordFlash};
 
-/// Bytes of a page.
-const PAGE: usize = 2048;
+/// Bytes of a page of the chip.
+const CHIP_PAGE: usize = 2048;
+/// Bytes that are erased together: two pages of the chip. A parameter set has to fit into them.
+const PAGE: usize = 2 * CHIP_PAGE;
 /// Pages for the regions.
-const PAGES: usize = 16;
+const PAGES: usize = 8;
 /// The address where they begin: the second bank.
 const START: u32 = 0x0804_0000;
 
@@ -24,7 +26,7 @@ const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 /// this flag and the reads.
 static UNREADABLE: AtomicBool = AtomicBool::new(false);
 /// Bytes from a word to another one of the same page, far enough that no read of one fetches both.
-const ELSEWHERE: u32 = PAGE as u32 / 2;
+const ELSEWHERE: u32 = CHIP_PAGE as u32 / 2;
 
 /// The pages of the second bank.
 pub struct Bank(());
@@ -141,11 +143,15 @@ impl WordDevice for Bank {
     }
 
     fn erase(&mut self, page: u32) -> Result<(), WordError> {
-        let mut bits = Cr(0);
-        bits.set_per(true);
-        bits.set_bker(true);
-        bits.set_pnb((page / PAGE as u32) as u8);
-        change(bits, &|| FLASH.cr().modify(|w| w.set_strt(true)))
+        let first = (page / CHIP_PAGE as u32) as u8;
+        for number in [first, first + 1] {
+            let mut bits = Cr(0);
+            bits.set_per(true);
+            bits.set_bker(true);
+            bits.set_pnb(number);
+            change(bits, &|| FLASH.cr().modify(|w| w.set_strt(true)))?;
+        }
+        Ok(())
     }
 }
 

@@ -127,6 +127,9 @@ impl Link {
         if order == Order::Hold && self.is_held_already(STATUS)? {
             return Ok(());
         }
+        if order == Order::Run {
+            self.ready_to_run()?;
+        }
         // A requested hold comes after an order to run, never before it.
         if order == Order::Run && self.hold_at_once()? {
             return Ok(());
@@ -153,17 +156,21 @@ impl Link {
                 break;
             }
         }
-        done
+        done?;
+        if order.needs_echo() {
+            self.heed_refusal()?;
+        }
+        Ok(())
     }
 
     /// Sends a command until the board confirms its count. A command without an order is a level and is sent three times. A
     /// later command of another client is newer, so this command is not repeated after it.
-    fn command(&mut self, command: BoardCommand, name: &'static str) -> LinkResult {
+    fn command(&mut self, mut command: BoardCommand, name: &'static str) -> LinkResult {
         let node = self.node();
-        let frame = command.frame(node);
+        command.echo = self.echo_for(&command)?;
         let before = self.seen.status.unwrap_or_default().count;
         let mut boots = self.seen.boots;
-        self.put(&[frame])?;
+        self.put(&[command.frame(node)])?;
         let mut again = Instant::now() + REPEAT;
         let end = Instant::now() + CONFIRMED;
         let (mut sent, mut confirmed, mut overtaken) = (1, false, false);
@@ -208,7 +215,9 @@ impl Link {
                 self.start_node()?;
             }
             if over && !overtaken {
-                self.put(&[frame])?;
+                // The order shows its age: each repetition is a fresh one.
+                command.echo = self.echo_for(&command)?;
+                self.put(&[command.frame(node)])?;
                 sent += 1;
                 again = Instant::now() + REPEAT;
             }
@@ -417,5 +426,8 @@ const fn order_name(order: Order) -> &'static str {
         Order::Resume => "resume",
         Order::Reset => "reset",
         Order::Stop => "stop",
+        Order::Cancel => "cancel",
+        Order::Mode(_) => "mode",
+        Order::Home(_) => "home",
     }
 }

@@ -6,6 +6,7 @@
 //! transfer  SDO transfers of whole values      feed     a program in batches, as the board has room
 //! params    a parameter set as a transaction   inside   a simulated board in this process, as a bus
 //! hold      the immediate hold                 round_trip  the time of an answer
+//! operate   mode, beat, refusals
 //! ```
 //!
 //! A [`Link`] is one end of a bus and one board on it. It hears all frames while it waits: statuses, emergencies and
@@ -18,6 +19,7 @@ mod feed;
 mod hold;
 mod inside;
 mod offsets;
+mod operate;
 mod params;
 mod presence;
 mod round_trip;
@@ -32,8 +34,8 @@ use std::time::{Duration, Instant};
 
 use leadscrew_can::{Address, BitRate, Can, Filter, Health, Received};
 use leadscrew_core::bus::{
-    BoardPlace, BoardSpindle, BoardStatus, CobId, Emcy, Frame, NmtCommand, NmtState, NodeId,
-    Service,
+    BoardBeat, BoardPlace, BoardSpindle, BoardStatus, CobId, Emcy, Frame, NmtCommand, NmtState,
+    NodeId, Service,
 };
 
 use hold::Hold;
@@ -66,6 +68,10 @@ pub struct Seen {
     pub place: Option<BoardPlace>,
     /// Its newest TPDO3.
     pub spindle: Option<BoardSpindle>,
+    /// Its newest TPDO5.
+    pub beat: Option<BoardBeat>,
+    /// Number of TPDO5s.
+    pub beats: u64,
     /// Its NMT state by its last heartbeat, or by an NMT command since.
     pub state: Option<NmtState>,
     /// Number of its boot-up messages.
@@ -98,6 +104,12 @@ impl Seen {
                 // The node reports its new state by its boot-up message.
                 NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.state,
             };
+        }
+        if let Some(beat) = BoardBeat::decode(frame, board) {
+            self.beat = Some(beat);
+            self.beats += 1;
+            self.last = Some(Instant::now());
+            return;
         }
         let Some((_, node)) = frame.id().service() else {
             return;

@@ -126,6 +126,13 @@ pub enum Trouble {
         /// It has taken another order meanwhile, or has started again.
         overtaken: bool,
     },
+    /// The board does not carry an order out.
+    Refused {
+        /// The number.
+        node: u8,
+        /// The reason.
+        reason: Alarm,
+    },
     /// The board's answer makes no sense.
     Strange {
         /// The number.
@@ -148,6 +155,7 @@ fn object_name(object: Object) -> Both {
         0x2000..0x5000 => both!("parameter {no}", "参数 {no}", no = object.index - 0x2000),
         0x5000 => both!("command", "命令"),
         0x5001 => both!("status", "状态"),
+        0x5002 => both!("operation by hand", "手动操作"),
         0x5010 => both!("parameter set", "参数集"),
         0x5011 => both!("offsets and tools", "偏置与刀具"),
         0x5020 => both!("program", "程序"),
@@ -463,6 +471,15 @@ impl Trouble {
                  own stop button works without this bus",
                 "节点 {node} 没有确认 `{order}`（对象 5001h:05h，最后一条命令的计数）：请查看机床；机床自带的急停不依赖此总线"
             ),
+            Self::Refused { node, reason } => {
+                let why = alarm_words(reason);
+                both!(
+                    "node {node} does not do it: {en}",
+                    "节点 {node} 未执行：{zh}",
+                    en = why.en,
+                    zh = why.zh
+                )
+            }
             Self::Strange { node, object } => both!(
                 "node {node}: object {index:04X}h:{sub:02X}h holds bytes that mean nothing to this program: bring board and \
                  `leadscrew` to one version",
@@ -477,7 +494,7 @@ impl Trouble {
 impl From<Trouble> for Failure {
     fn from(trouble: Trouble) -> Self {
         match trouble {
-            Trouble::Parameters { .. } | Trouble::Offsets { .. } => {
+            Trouble::Parameters { .. } | Trouble::Offsets { .. } | Trouble::Refused { .. } => {
                 Self::WrongBecause(trouble.words())
             }
             _ => Self::Bus(trouble.words()),

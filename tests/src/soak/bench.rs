@@ -12,10 +12,11 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::{Event, Outcome, State};
 use leadscrew_core::bus::{
-    Abort, BoardCommand, BoardState, BoardStatus, Frame, NmtCommand, NmtState, NodeId, Object,
-    Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
+    Abort, BoardBeat, BoardCommand, BoardState, BoardStatus, Frame, NmtCommand, NmtState, NodeId,
+    Object, Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
 use leadscrew_core::call::Position;
+use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::params::Params;
 
 use super::alarms::Latch;
@@ -85,7 +86,7 @@ pub struct Counts {
     /// Programs carried out to their end.
     pub finished: u64,
     /// Orders by kind: run, hold, resume, reset, stop.
-    pub orders: [u64; 5],
+    pub orders: [u64; 6],
     /// Alarms.
     pub alarms: u64,
     /// Alarms of the bus.
@@ -139,6 +140,8 @@ pub struct Bench {
     pub params: Params,
     /// The board's last status.
     pub status: BoardStatus,
+    /// The board's last beat.
+    pub beat: BoardBeat,
     /// The watch.
     pub watch: Watch,
     /// The operator.
@@ -179,6 +182,7 @@ impl Bench {
             sim,
             options,
             status: BoardStatus::default(),
+            beat: BoardBeat::default(),
             watch: Watch::new(&params, options.drives.lag != 0),
             params,
             operator: Operator::default(),
@@ -259,9 +263,20 @@ impl Bench {
         if self.pending.is_some() {
             return;
         }
-        self.counts.orders[order as usize - 1] += 1;
+        let place = match order {
+            Order::Run => 0,
+            Order::Hold => 1,
+            Order::Resume => 2,
+            Order::Reset => 3,
+            Order::Stop => 4,
+            Order::Cancel | Order::Mode(_) | Order::Home(_) => 5,
+        };
+        self.counts.orders[place] += 1;
         self.random.act(|| format!("order: {order:?}"));
-        let command = BoardCommand::order(order, self.status.count);
+        let command = BoardCommand {
+            echo: Some(self.beat.beat),
+            ..BoardCommand::order(order, self.status.count)
+        };
         self.pending = Some(Pending {
             command,
             since: self.now,
@@ -379,6 +394,9 @@ impl Bench {
                 self.status
             );
             if self.now - pending.sent >= REPEAT_TICKS {
+                // Each repetition shows its own age.
+                let mut pending = pending;
+                pending.command.echo = Some(self.beat.beat);
                 self.pending = Some(Pending {
                     sent: self.now,
                     ..pending
@@ -422,6 +440,8 @@ impl Bench {
                 if let Some((NODE, status)) = BoardStatus::decode(&frame) {
                     self.status = status;
                     self.heard = self.now;
+                } else if let Some(beat) = BoardBeat::decode(&frame, NODE) {
+                    self.beat = beat;
                 } else if !self.received.is_full() {
                     let _ = self.received.push_back(frame);
                 }
@@ -472,6 +492,9 @@ impl Bench {
 
     /// Gives an order and waits for the board's answer.
     pub fn ordered(&mut self, order: Order) {
+        if order == Order::Run && !self.sim.board().device().mode().runs() {
+            self.ordered(Order::Mode(OperatingMode::Automatic));
+        }
         self.until("an order before", ANSWER_TICKS, |bench| {
             !bench.is_ordering()
         });

@@ -50,7 +50,7 @@ impl core::fmt::Display for Soaked {
             counts,
             judged,
         } = self;
-        let [run, hold, resume, reset, stop] = counts.orders;
+        let [run, hold, resume, reset, stop, other] = counts.orders;
         writeln!(f, "{:>12} ticks in {shifts} shifts", counts.ticks)?;
         writeln!(
             f,
@@ -59,7 +59,7 @@ impl core::fmt::Display for Soaked {
         )?;
         writeln!(
             f,
-            "{:>12} orders: {run} run, {hold} hold, {resume} resume, {reset} reset, {stop} stop; all answered",
+            "{:>12} orders: {run} run, {hold} hold, {resume} resume, {reset} reset, {stop} stop, {other} others; all answered",
             counts.orders.iter().sum::<u64>()
         )?;
         writeln!(

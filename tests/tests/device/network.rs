@@ -143,8 +143,11 @@ fn the_count_of_the_last_order_outlives_the_communication() {
     sim.receive(&NmtCommand::Start.frame(Some(NODE)));
     steps(&mut sim, &mut gateway, 100);
     assert_eq!(gateway.status.count, hold.count);
+    let echo = sim.board().device().beat().ms().to_le_bytes();
+    let told = gateway.write(&mut sim, Object::new(0x5000, 7), &echo, SdoProtocol::Short);
+    assert_eq!(told, Ok(()));
     let order = Object::new(0x5000, 2);
-    let resume = [Order::Resume as u8];
+    let resume = [Order::Resume.raw()];
     let resumed = gateway.write(&mut sim, order, &resume, SdoProtocol::Short);
     assert_eq!(resumed, Ok(()));
     sim.receive(&hold.frame(NODE));

@@ -246,7 +246,8 @@ fn the_operator_works_by_sdo_too() {
     assert_eq!(write(&mut sim, 4, 50), Ok(()));
     assert_eq!(write(&mut sim, 3, 0x11), Ok(()));
     assert_eq!(write(&mut sim, 2, 2), Ok(()));
-    assert_eq!(write(&mut sim, 2, 6), Err(refused(Abort::TooHigh)));
+    assert_eq!(write(&mut sim, 2, 40), Err(refused(Abort::TooHigh)));
+    assert_eq!(write(&mut sim, 2, 7), Err(refused(Abort::Value)));
     sim.step();
     let operator = *sim.board().ticker().operator();
     assert!(operator.hold && operator.single_block);

@@ -2,10 +2,11 @@
 
 use leadscrew_board_sim::line::{Faults, Noise, Way};
 use leadscrew_core::alarm::Code;
-use leadscrew_core::bus::{BoardCommand, BoardState, Object, Order, SdoProtocol};
+use leadscrew_core::bus::{BoardState, Object, Order, SdoProtocol};
 use leadscrew_core::link::{ImageWriter, identity};
+use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::params::Params;
-use leadscrew_tests::gateway::{BATCH, NODE, Upload};
+use leadscrew_tests::gateway::{BATCH, NODE, Upload, fresh};
 use leadscrew_tests::machine::calls;
 
 use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm};
@@ -186,10 +187,15 @@ fn between_gateway_and_board_a_program_arrives_whole_or_not_at_all() {
             bench.sim.spoil(gateway(seed, BAD));
             spoilt += upload(&mut bench, &mut program);
             // An order is repeated until its count is read in the status.
-            let command = BoardCommand::order(Order::Run, 41);
-            while bench.gateway.status.count != 42 {
-                bench.sim.receive(&command.frame(NODE));
-                bench.ticks(10);
+            for (order, last) in [
+                (Order::Mode(OperatingMode::Automatic), 40),
+                (Order::Run, 41),
+            ] {
+                while bench.gateway.status.count != last + 1 {
+                    let command = fresh(&bench.lathe.sim, order, last);
+                    bench.sim.receive(&command.frame(NODE));
+                    bench.ticks(10);
+                }
             }
             bench.until(&what, 60_000, |bench| bench.state_is_idle_again());
             assert_eq!(bench.alarm, None, "{what}");
@@ -221,9 +227,9 @@ fn orders_act_once_each() {
                 0 => (Order::Hold, BoardState::Hold),
                 _ => (Order::Resume, BoardState::Run),
             };
-            let command = BoardCommand::order(order, 100 + round);
             let mut tries = 0;
-            while bench.gateway.status.count != command.count {
+            while bench.gateway.status.count != 101 + round {
+                let command = fresh(&bench.lathe.sim, order, 100 + round);
                 bench.sim.receive(&command.frame(NODE));
                 bench.ticks(10);
                 tries += 1;

@@ -1,6 +1,7 @@
 //! The device's requests, as orders to the tick.
 
 use super::BackgroundSide;
+use super::press::plan_press;
 use crate::board::message::Order;
 use crate::board::queue::put;
 use crate::board::ticker::Setup;
@@ -15,6 +16,15 @@ impl BackgroundSide<'_> {
         {
             self.ends
                 .order(&mut self.state.orders, Order::Command(command));
+        }
+        if self.ends.has_room()
+            && self.ends.presses.ready()
+            && let Some(asked) = self.state.device.asked()
+        {
+            let press = plan_press(&asked, &self.state.params, &self.state.limits);
+            // There is room.
+            let _ = put(&mut self.ends.presses, press);
+            self.ends.order(&mut self.state.orders, Order::Press);
         }
         if self.ends.has_room()
             && let Some(signals) = self.state.device.signals()

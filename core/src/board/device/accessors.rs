@@ -10,7 +10,8 @@ use super::values::{ObjectValues, Told};
 use crate::board::command::Command;
 use crate::board::store::copy;
 use crate::bus::{
-    Abort, BoardPlace, BoardSpindle, BoardStatus, HeartbeatProducer, HeartbeatWatch, Object, Order,
+    Abort, Beat, BoardBeat, BoardPlace, BoardSpindle, BoardStatus, HeartbeatProducer,
+    HeartbeatWatch, Mapped, Object, Order,
 };
 use crate::link::{encode_alarm, encode_changes};
 use crate::params::Params;
@@ -70,10 +71,7 @@ impl ObjectValues {
             8 | 9 => (Told::Place, &BoardPlace::MAPPING[..]),
             _ => (Told::Spindle, &BoardSpindle::MAPPING[..]),
         };
-        let before = mapping.iter().take_while(|mapped| mapped.object.sub != sub);
-        let bits = before.fold(0, |bits: u32, mapped| bits.wrapping_add(mapped.bits.into()));
-        let raw = u64::from_le_bytes(self.tell(told).exactly().unwrap_or_default());
-        raw.wrapping_shr(bits) as i64
+        self.mapped(told, mapping, sub)
     }
 
     /// Single block and dry run in the form of 5000h:03.
@@ -156,14 +154,35 @@ impl ObjectValues {
     }
 
     /// An order by its number; 0 is none.
-    pub(super) fn order_number(&mut self, number: u32) -> Result<(), Abort> {
-        if let Some(place) = (number as usize).checked_sub(1)
-            && let Some(&order) = Order::ALL.get(place)
-            && !self.order(order)
-        {
+    pub(super) fn order_number(&mut self, number: u32, params: &Params) -> Result<(), Abort> {
+        if number == 0 {
+            return Ok(());
+        }
+        let order = Order::from_raw(number as u8).ok_or(Abort::Value)?;
+        let echo = self.echo.take();
+        if !self.is_fresh((self.count, order), echo, params) {
             return Err(Abort::State);
         }
+        self.order(order).map_err(|_| Abort::State)
+    }
+
+    /// The echo for the order that is written next.
+    pub(super) fn put_echo(&mut self, value: u32) -> Result<(), Abort> {
+        self.echo = Some(Beat::new(value as u16));
         Ok(())
+    }
+
+    /// A value of 5002h, taken from the PDO that has it.
+    pub(super) fn beat_fact(&self, sub: u8) -> i64 {
+        self.mapped(Told::Beat, &BoardBeat::MAPPING, sub)
+    }
+
+    /// The value with this sub-index in a PDO.
+    fn mapped(&self, told: Told, mapping: &[Mapped], sub: u8) -> i64 {
+        let before = mapping.iter().take_while(|mapped| mapped.object.sub != sub);
+        let bits = before.fold(0, |bits: u32, mapped| bits.wrapping_add(mapped.bits.into()));
+        let raw = u64::from_le_bytes(self.tell(told).exactly().unwrap_or_default());
+        raw.wrapping_shr(bits) as i64
     }
 
     /// A switch or an override of 5000h.

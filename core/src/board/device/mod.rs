@@ -27,15 +27,18 @@ pub mod dictionary;
 mod health;
 mod item;
 mod log;
+mod mode;
 mod obey;
 pub mod objects;
 mod offset_store;
+mod operating;
 mod program_buffer;
 mod protection;
 mod recorder;
 mod ring;
 mod served;
 mod shelf;
+mod steps;
 mod table;
 mod tell;
 mod threads;
@@ -48,8 +51,9 @@ pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 
 use heapless::Deque;
 
+pub use self::operating::Asked;
 use self::served::Served;
-use self::values::ObjectValues;
+use self::values::{ObjectValues, Told};
 use super::command::Command;
 use super::kept::{Found, PowerUp};
 use super::nodes::DriveNodes;
@@ -61,13 +65,14 @@ use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code};
 use crate::bus::FdFrame;
 use crate::bus::{
-    BlockSize, CobId, Controller, Cycle, Frame, HeartbeatEvent, HeartbeatWatch, NmtSlave, NmtState,
-    NodeId, OrderGate, Periods, SdoServer, Service,
+    Beat, BlockSize, CobId, Controller, Cycle, Frame, HeartbeatEvent, HeartbeatWatch, NmtSlave,
+    NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
 };
 use crate::call::Call;
 use crate::link::Event;
 use crate::link::ThreadCertificate;
 use crate::offsets::image::Image;
+use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
 
@@ -89,8 +94,8 @@ pub struct Device {
     sdo: SdoServer,
     patience: Periods,
     gate: OrderGate,
-    /// Time since the last TPDO1, 2 and 3.
-    since: [Periods; 3],
+    /// Time since the last TPDO1, 2, 3 and 5.
+    since: [Periods; Told::ALL.len()],
     /// The alarm of the last emergency message, which has no more of it than its number.
     told: Option<Code>,
     /// A restart of the application is requested. It waits until the machine stands.
@@ -119,7 +124,7 @@ impl Device {
             sdo: SdoServer::new(node, patience, BlockSize::MAX),
             patience,
             gate: OrderGate::new(),
-            since: [Periods::new(0); 3],
+            since: [Periods::new(0); Told::ALL.len()],
             urgent: Deque::new(),
             answers: Deque::new(),
             told: None,
@@ -294,7 +299,9 @@ impl Device {
                     self.answer(answer);
                 }
             }
-            Service::Rpdo1 if self.nmt.state().allows_pdo() => self.command_of(frame),
+            Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 if self.nmt.state().allows_pdo() => {
+                self.process(service, frame, params);
+            }
             // Only a node with this number sends these frames, and this is the board itself.
             Service::Tpdo1 | Service::Heartbeat | Service::SdoReply | Service::Emcy => {
                 self.values.command(Command::Halt(Code::NodeTwice));
@@ -345,6 +352,7 @@ impl Device {
         // 64 bits of ticks do not overflow.
         self.values.tick = self.values.tick.wrapping_add(elapsed.get().into());
         self.values.snapshot = snapshot;
+        self.values.elapse(elapsed, params);
         let (measured, late) = (self.values.measured.as_ref(), self.values.late);
         if elapsed != Periods::new(0) {
             // Only a network asks for the hash, which takes time.
@@ -368,7 +376,7 @@ impl Device {
         self.watch_bus(elapsed, params);
         self.tell_alarms();
         self.transfer(elapsed, params);
-        self.beat(elapsed, params);
+        self.heartbeat(elapsed, params);
         self.tell_status(elapsed, params);
         worked
     }
@@ -403,6 +411,23 @@ impl Device {
     /// The next command for the tick. Read all of them after every [`receive`](Self::receive) and [`poll`](Self::poll).
     pub fn command(&mut self) -> Option<Command> {
         self.values.commands.pop_front()
+    }
+
+    /// What is asked of the axes by hand, once. Read it after the commands.
+    pub const fn asked(&mut self) -> Option<Asked> {
+        self.values.operating.take()
+    }
+
+    /// The board's time, as TPDO5 tells it.
+    #[must_use]
+    pub const fn beat(&self) -> Beat {
+        self.values.operating.beat()
+    }
+
+    /// The mode of the machine.
+    #[must_use]
+    pub const fn mode(&self) -> OperatingMode {
+        self.values.operating.mode()
     }
 
     /// The inputs, if they were set over the bus.

@@ -7,7 +7,10 @@ use super::served::Served;
 use super::tell::HEARTBEAT_ERROR;
 use crate::alarm::Code;
 use crate::board::command::Command;
-use crate::bus::{BoardCommand, Emcy, Frame, NmtEvent, NmtState};
+use crate::bus::{
+    BoardCommand, Emcy, Frame, JogRequest, NmtEvent, NmtState, PdoCommunication, Service,
+    StepRequest,
+};
 use crate::params::Params;
 
 /// The reaction of a running program to the loss of the gateway.
@@ -76,21 +79,41 @@ impl Device {
         self.say(boot_up);
     }
 
-    pub(super) fn command_of(&mut self, frame: &Frame) {
-        if !self.values.pdos.command().is_valid() {
-            return;
+    /// RPDO1, 2 or 3.
+    pub(super) fn process(&mut self, service: Service, frame: &Frame, params: &Params) {
+        let [command, jog, step] = self.values.pdos.received().map(PdoCommunication::is_valid);
+        match service {
+            Service::Rpdo1 if command => self.command_of(frame, params),
+            Service::Rpdo2 if jog => {
+                if let Some(request) = JogRequest::payload(frame) {
+                    self.values.jog(&request, params);
+                }
+            }
+            Service::Rpdo3 if step => {
+                if let Some(request) = StepRequest::payload(frame) {
+                    self.values.step(&request, params);
+                }
+            }
+            _ => {}
         }
-        let Some((count, order, settings)) = BoardCommand::raw(frame) else {
+    }
+
+    fn command_of(&mut self, frame: &Frame, params: &Params) {
+        let Some(raw) = BoardCommand::raw(frame) else {
             return;
         };
         let values = &mut self.values;
         // The objects from 5000h:03 on, one byte each.
-        for (sub, value) in (3..).zip(settings) {
+        for (sub, value) in (3..).zip(raw.settings) {
             values.setting(sub, *value);
         }
-        if let Some(order) = self.gate.take(count, order) {
+        if let Some(order) = raw.order
+            && self.gate.is_new(raw.count, order)
+            && values.is_fresh((raw.count, order), raw.echo, params)
+        {
+            self.gate.take(raw.count, raw.order);
             // A refused order is in the event log.
-            values.order(order);
+            let _ = values.order(order);
         }
         values.count = self.gate.count();
     }

@@ -5,20 +5,20 @@
 //! the board's answers and the gateway's constants come from here. A row without a clause that its access promises
 //! does not compile.
 //!
-//! Exceptions: the PDOs themselves read and write their communication objects (1400h, 1800h–1802h), and `served` reads and
-//! writes the image of the parameter set and a batch of calls piece by piece.
+//! Exceptions: the PDOs themselves read and write their communication objects (1400h–1402h, 1800h–1802h, 1804h), and
+//! `served` reads and writes the image of the parameter set and a batch of calls piece by piece.
 
 use super::item::{Access, Kind};
 use super::program_buffer::PROGRAM_BYTES;
 use super::table::{
-    Line, PRODUCT, SENDS_SYNC, Value, cob_id, event_timer, fixed, item, map, mapped, of_node, text,
-    transmission, with, within,
+    Line, PRODUCT, SENDS_SYNC, Value, cob_id, event_timer, fixed, item, map, mapped, of_node,
+    own_id, text, transmission, with, within,
 };
 use super::values::ObjectValues;
 use crate::alarm::Alarm;
 use crate::bus::{
-    Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, HeartbeatWatch, Object, Service,
-    SyncProducer,
+    Abort, Beat, BoardBeat, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, HeartbeatWatch,
+    Object, Order, Service, SyncProducer,
 };
 use crate::link::{BATCH_BYTES, VERSION, identity};
 use crate::params::{Params, TABLE_KEY};
@@ -162,12 +162,20 @@ objects! {
     SDO_ANSWER = of_node(0x1200, 2, "COB-ID server to client", Const, 0x580);
     RPDO1_COB_ID = cob_id(0x1400, Service::Rpdo1);
     RPDO1_TRANSMISSION = transmission(0x1400);
+    RPDO2_COB_ID = cob_id(0x1401, Service::Rpdo2);
+    RPDO2_TRANSMISSION = transmission(0x1401);
+    RPDO3_COB_ID = cob_id(0x1402, Service::Rpdo3);
+    RPDO3_TRANSMISSION = transmission(0x1402);
     RPDO1_MAPPED_1 = map(0x1600, 1, &BoardCommand::MAPPING);
     RPDO1_MAPPED_2 = map(0x1600, 2, &BoardCommand::MAPPING);
     RPDO1_MAPPED_3 = map(0x1600, 3, &BoardCommand::MAPPING);
     RPDO1_MAPPED_4 = map(0x1600, 4, &BoardCommand::MAPPING);
     RPDO1_MAPPED_5 = map(0x1600, 5, &BoardCommand::MAPPING);
     RPDO1_MAPPED_6 = map(0x1600, 6, &BoardCommand::MAPPING);
+    RPDO1_MAPPED_7 = map(0x1600, 7, &BoardCommand::MAPPING);
+    // A press and a step are no objects: alone, none of their bytes means anything.
+    RPDO2_COUNT = fixed(0x1601, 0, "mapped objects", U8, 0);
+    RPDO3_COUNT = fixed(0x1602, 0, "mapped objects", U8, 0);
     TPDO1_COB_ID = cob_id(0x1800, Service::Tpdo1);
     TPDO1_TRANSMISSION = transmission(0x1800);
     TPDO1_EVENT_TIMER = event_timer(0x1800);
@@ -181,6 +189,9 @@ objects! {
     TPDO4_COB_ID = of_node(0x1803, 1, "COB-ID", Read, SETPOINTS_UNUSED),
         get |values, params| values.setpoints_cob_id(SETPOINTS_UNUSED, params);
     TPDO4_TRANSMISSION = fixed(0x1803, 2, "transmission type", U8, 1);
+    TPDO5_COB_ID = own_id(0x1804, BoardBeat::BASE);
+    TPDO5_TRANSMISSION = transmission(0x1804);
+    TPDO5_EVENT_TIMER = event_timer(0x1804);
     TPDO1_MAPPED_1 = map(0x1A00, 1, &BoardStatus::MAPPING);
     TPDO1_MAPPED_2 = map(0x1A00, 2, &BoardStatus::MAPPING);
     TPDO1_MAPPED_3 = map(0x1A00, 3, &BoardStatus::MAPPING);
@@ -194,12 +205,18 @@ objects! {
     TPDO3_MAPPED_3 = map(0x1A02, 3, &BoardSpindle::MAPPING);
     // What it carries are objects of the drives, and none of the board's.
     TPDO4_COUNT = fixed(0x1A03, 0, "mapped objects", U8, 0);
+    TPDO5_MAPPED_1 = map(0x1A04, 1, &BoardBeat::MAPPING);
+    TPDO5_MAPPED_2 = map(0x1A04, 2, &BoardBeat::MAPPING);
+    TPDO5_MAPPED_3 = map(0x1A04, 3, &BoardBeat::MAPPING);
+    TPDO5_MAPPED_4 = map(0x1A04, 4, &BoardBeat::MAPPING);
+    TPDO5_MAPPED_5 = map(0x1A04, 5, &BoardBeat::MAPPING);
+    TPDO5_MAPPED_6 = map(0x1A04, 6, &BoardBeat::MAPPING);
     COMMAND_COUNT = mapped(0x5000, 1, "count", U8, Both),
         get |values, _| values.count,
         set |values, value, _| values.put_count(value);
-    COMMAND_ORDER = within(mapped(0x5000, 2, "order", U8, Both), 0, 5),
+    COMMAND_ORDER = within(mapped(0x5000, 2, "order", U8, Both), 0, Order::LAST as u16),
         get |_, _| 0,
-        set |values, value, _| values.order_number(value);
+        set |values, value, params| values.order_number(value, params);
     COMMAND_SWITCHES = mapped(0x5000, 3, "switches", U8, Both),
         get |values, _| values.switches_now(),
         set |values, value, _| values.put_setting(3, value);
@@ -212,6 +229,9 @@ objects! {
     SPINDLE_OVERRIDE = mapped(0x5000, 6, "spindle override", U8, Both),
         get |values, _| values.snapshot.operator.spindle_percent(),
         set |values, value, _| values.put_setting(6, value);
+    ORDER_ECHO = mapped(0x5000, 7, "echo", U16, Both),
+        get |values, _| values.echo.map_or(0, Beat::ms),
+        set |values, value, _| values.put_echo(value);
     STATUS_RECORD = item(0x5001, 1, "record", Domain, Read),
         bytes |values, params| values.status_bytes(params);
     STATE = mapped(0x5001, 2, "state", U8, Read),
@@ -236,6 +256,18 @@ objects! {
         get |values, _| values.fact(11);
     SYNC_ERROR = mapped(0x5001, 12, "synchronism error", I16, Read),
         get |values, _| values.fact(12);
+    BEAT = mapped(0x5002, 1, "beat", U16, Read),
+        get |values, _| values.beat_fact(1);
+    MODE = mapped(0x5002, 2, "mode", U8, Read),
+        get |values, _| values.beat_fact(2);
+    SESSION = mapped(0x5002, 3, "session that moves by hand", U8, Read),
+        get |values, _| values.beat_fact(3);
+    PRESS = mapped(0x5002, 4, "last press or step", U8, Read),
+        get |values, _| values.beat_fact(4);
+    PRESS_STATE = mapped(0x5002, 5, "what became of it", U8, Read),
+        get |values, _| values.beat_fact(5);
+    REFUSED = mapped(0x5002, 6, "why the last request was refused", U16, Read),
+        get |values, _| values.beat_fact(6);
     IMAGE = item(0x5010, 1, "image", Domain, Both);
     CHANGE_STATE = item(0x5010, 2, "state of the last change", U8, Read),
         get |values, _| values.parameter_store.state() as u8;

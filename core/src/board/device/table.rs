@@ -65,17 +65,24 @@ pub static GROUPS: &[Group] = &[
     group(0x1020, "Identity of the parameter set"),
     group(0x1200, "SDO server"),
     group(0x1400, "RPDO1 communication"),
+    group(0x1401, "RPDO2 communication"),
+    group(0x1402, "RPDO3 communication"),
     group(0x1600, "RPDO1 mapping"),
+    group(0x1601, "RPDO2 mapping"),
+    group(0x1602, "RPDO3 mapping"),
     group(0x1800, "TPDO1 communication"),
     group(0x1801, "TPDO2 communication"),
     group(0x1802, "TPDO3 communication"),
     group(0x1803, "TPDO4 communication"),
+    group(0x1804, "TPDO5 communication"),
     group(0x1A00, "TPDO1 mapping"),
     group(0x1A01, "TPDO2 mapping"),
     group(0x1A02, "TPDO3 mapping"),
     group(0x1A03, "TPDO4 mapping"),
+    group(0x1A04, "TPDO5 mapping"),
     group(0x5000, "Command"),
     group(0x5001, "Status"),
+    group(0x5002, "Operation by hand"),
     group(0x5010, "Parameter set"),
     group(0x5011, "Offsets and tools"),
     group(0x5020, "Program"),
@@ -101,7 +108,7 @@ impl Line {
         let read = matches!(self.row.access, Access::Read | Access::Both);
         let written = matches!(self.row.access, Access::Write | Access::Both);
         // The PDOs read and write their own communication objects.
-        if let 0x1400..0x1803 = self.row.object.index {
+        if let 0x1400..=0x1802 | 0x1804 = self.row.object.index {
             return !get && !set && !bytes;
         }
         match self.row.kind {
@@ -260,10 +267,15 @@ pub(super) const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Line {
 
 pub(super) const fn cob_id(index: u16, service: Service) -> Line {
     let rtr = match service {
-        Service::Rpdo1 => 0,
+        Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 => 0,
         _ => 1 << 30,
     };
     of_node(index, 1, "COB-ID", Both, rtr | service as u32)
+}
+
+/// A PDO that is sent with an identifier outside the default set.
+pub(super) const fn own_id(index: u16, base: u16) -> Line {
+    of_node(index, 1, "COB-ID", Both, 1 << 30 | base as u32)
 }
 
 pub(super) const fn transmission(index: u16) -> Line {

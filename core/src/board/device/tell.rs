@@ -88,7 +88,7 @@ impl Device {
         }
     }
 
-    pub(super) fn beat(&mut self, elapsed: Periods, params: &Params) {
+    pub(super) fn heartbeat(&mut self, elapsed: Periods, params: &Params) {
         if self.values.heartbeat.elapse(elapsed) {
             let heartbeat = self.nmt.heartbeat();
             self.say(heartbeat);

@@ -6,6 +6,8 @@ use heapless::Deque;
 
 use super::log::Log;
 use super::offset_store::OffsetStore;
+use super::mode::Request;
+use super::operating::Operating;
 use super::program_buffer::ProgramBuffer;
 use super::protection::WriteProtection;
 use super::recorder::RunRecorder;
@@ -17,8 +19,9 @@ use crate::board::kept::Kept;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::bus::{
-    BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame, HeartbeatConsumer,
-    HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Order, PdoCommunication, Service,
+    Beat, BoardBeat, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame,
+    HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Order,
+    PdoCommunication, Service,
 };
 use crate::link::Event;
 use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
@@ -35,6 +38,10 @@ pub struct ObjectValues {
     pub node: NodeId,
     /// Count of the last accepted order.
     pub count: u8,
+    /// 5000h:07: the echo for the next order that is written.
+    pub(super) echo: Option<Beat>,
+    /// Mode, beat and presses.
+    pub operating: Operating,
     /// Dry run. It is only stored and read here: the feeds of a call are resolved before it comes.
     pub dry_run: bool,
     /// A request to drop the tap journal's record.
@@ -85,47 +92,54 @@ pub struct ObjectValues {
     pub(super) draft: Params,
 }
 
-/// TPDO1 to 3.
+/// TPDO1 to 3, and TPDO5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Told {
     Status,
     Place,
     Spindle,
+    Beat,
 }
 
 impl Told {
-    pub const ALL: [Self; 3] = [Self::Status, Self::Place, Self::Spindle];
+    pub const ALL: [Self; 4] = [Self::Status, Self::Place, Self::Spindle, Self::Beat];
 }
 
-/// The communication of the board's PDOs: RPDO1, and TPDO1 to 3.
+/// The communication of the board's PDOs: RPDO1 to 3, TPDO1 to 3, and TPDO5.
 #[derive(Debug)]
-pub struct Pdos([PdoCommunication; 4]);
+pub struct Pdos([PdoCommunication; 7]);
 
 impl Pdos {
     #[inline(never)]
     pub const fn new(node: NodeId, event_ms: u16) -> Self {
+        // Above that node the identifier belongs to somebody else.
+        let has_beat = node.get() <= BoardBeat::LAST_NODE;
         Self([
             PdoCommunication::received(Service::Rpdo1, node),
+            PdoCommunication::received(Service::Rpdo2, node),
+            PdoCommunication::received(Service::Rpdo3, node),
             PdoCommunication::sent(Service::Tpdo1, node, event_ms),
             PdoCommunication::sent(Service::Tpdo2, node, event_ms),
             PdoCommunication::sent(Service::Tpdo3, node, event_ms),
+            PdoCommunication::sent_as(BoardBeat::id(node), has_beat, event_ms),
         ])
     }
 
-    pub const fn command(&self) -> &PdoCommunication {
-        let [command, ..] = &self.0;
-        command
+    /// RPDO1, 2 and 3.
+    pub const fn received(&self) -> [&PdoCommunication; 3] {
+        let [command, jog, step, ..] = &self.0;
+        [command, jog, step]
     }
 
     /// The PDOs of [`Told::ALL`].
     pub fn sent(&self, place: usize) -> Option<&PdoCommunication> {
-        let [_, sent @ ..] = &self.0;
+        let [_, _, _, sent @ ..] = &self.0;
         sent.get(place)
     }
 
     /// Event timer of the status.
     pub const fn event_ms(&self) -> u16 {
-        let [_, status, ..] = &self.0;
+        let [_, _, _, status, ..] = &self.0;
         status.event_ms()
     }
 
@@ -133,9 +147,12 @@ impl Pdos {
     const fn place(index: u16) -> usize {
         match index {
             0x1400 => 0,
-            0x1800 => 1,
-            0x1801 => 2,
-            0x1802 => 3,
+            0x1401 => 1,
+            0x1402 => 2,
+            0x1800 => 3,
+            0x1801 => 4,
+            0x1802 => 5,
+            0x1804 => 6,
             _ => usize::MAX,
         }
     }
@@ -163,6 +180,8 @@ impl ObjectValues {
             late: 0,
             measured: None,
             count: 0,
+            echo: None,
+            operating: Operating::default(),
             dry_run: false,
             pdos: Pdos::new(node, ms(params.status_period_ms())),
             watch: watch(params),
@@ -201,25 +220,45 @@ impl ObjectValues {
         self.heartbeat = HeartbeatProducer::new(ms(params.heartbeat_ms()), params.tick_us());
     }
 
-    /// An order of the operator, by RPDO1 or by SDO. False for a `run` without a waiting program; a warning in the event
-    /// log says so [D110]. The other orders act at once, or when the machine has come to rest.
-    pub fn order(&mut self, order: Order) -> bool {
+    /// An order of the operator, by RPDO1 or by SDO, that is not too old.
+    ///
+    /// # Errors
+    /// Why it is not carried out; the event log says so too [D110].
+    pub fn order(&mut self, order: Order) -> Result<(), Alarm> {
+        let done = self.carry_out(order);
+        match &done {
+            Ok(()) => self.accept(),
+            Err(alarm) => self.deny(alarm),
+        }
+        done
+    }
+
+    fn carry_out(&mut self, order: Order) -> Result<(), Alarm> {
         let command = match order {
             Order::Run => {
-                if self.refuses_run() {
-                    return false;
-                }
+                self.let_in(Request::Run)?;
+                self.same_offsets()?;
                 // A program is dropped together with the parameters for which it was sent.
-                let waited = !self.is_changing() && self.program_buffer.run();
-                if waited {
-                    self.recorder.begin(self.program_buffer.program());
-                } else {
-                    self.warn(Code::NothingToRun);
+                if self.is_changing() || !self.program_buffer.run() {
+                    return Err(Alarm::of(Code::NothingToRun, &[]));
                 }
-                return waited;
+                self.recorder.begin(self.program_buffer.program());
+                return Ok(());
+            }
+            Order::Mode(mode) => return self.change_mode(mode),
+            Order::Home(_) => {
+                self.let_in(Request::Home)?;
+                return Err(Alarm::of(Code::NothingToRun, &[]));
+            }
+            Order::Cancel => {
+                self.end_press();
+                return Ok(());
             }
             Order::Hold => Command::Hold,
-            Order::Resume => Command::Resume,
+            Order::Resume => {
+                self.let_in(Request::Resume)?;
+                Command::Resume
+            }
             Order::Reset => {
                 // The calls of the program are dropped with it.
                 self.program_buffer.close();
@@ -231,21 +270,21 @@ impl ObjectValues {
             }
         };
         self.command(command);
-        true
+        Ok(())
     }
 
-    /// A waiting program was resolved with another table of offsets than the one in force; a warning in the event log says
-    /// so. With a tap in its hole only the way out can move, and no offset counts for it.
-    fn refuses_run(&mut self) -> bool {
-        let named = self.program_buffer.offsets();
+    /// A waiting program runs with the table of offsets that it was resolved with. With a tap in its hole only the way out can
+    /// move, and no offset counts for it.
+    fn same_offsets(&self) -> Result<(), Alarm> {
+        if self.offset_store.shelf.is_busy() {
+            return Err(Alarm::of(Code::OffsetsAtWork, &[]));
+        }
         let in_hole = self.snapshot.tap.is_some_and(|tap| tap.in_hole);
-        let waits = self.program_buffer.is_loading() && !in_hole;
-        let Some(alarm) = self.offset_store.refuses(named).filter(|_| waits) else {
-            // While a table is being stored, nothing begins.
-            return self.offset_store.shelf.is_busy();
-        };
-        self.log.push(self.tick, &Event::Warning(alarm));
-        true
+        if in_hole || !self.program_buffer.is_loading() {
+            return Ok(());
+        }
+        let refused = self.offset_store.refuses(self.program_buffer.offsets());
+        refused.map_or(Ok(()), Err)
     }
 
     /// A warning without figures, for the event log.
@@ -308,6 +347,7 @@ impl ObjectValues {
             Told::Status => self.status().frame(self.node),
             Told::Place => self.place().frame(self.node),
             Told::Spindle => self.spindle().frame(self.node),
+            Told::Beat => self.told_beat().frame(self.node),
         }
     }
 

@@ -40,6 +40,8 @@ impl Ticker {
             notice,
             journal,
             drives,
+            now: _,
+            jog,
             executor,
         } = self;
         *state = State::Starting;
@@ -61,6 +63,7 @@ impl Ticker {
         *notice = Some(Notice::Restart(position.unwrap_or_default(), epoch));
         journal.begin_anew(given.second);
         drives.begin_anew(&setup.figures);
+        jog.begin_anew();
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.
         executor.set_position(told);

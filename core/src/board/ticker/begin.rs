@@ -137,7 +137,7 @@ impl Ticker {
     pub(super) fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_>) {
         match self.state {
             State::Stopping(_) => {
-                if !self.executor.is_free() || self.away.is_under_way() {
+                if !self.executor.is_free() || self.away.is_under_way() || self.jog.moves() {
                     return;
                 }
                 if self.away.takes_clearing()
@@ -177,6 +177,11 @@ impl Ticker {
                     && !self.course.must_go_on(ends)
                 {
                     self.transition_to_held(&mut ends.events);
+                }
+            }
+            State::ByHand => {
+                if !self.jog.is_busy() {
+                    self.transition_from_by_hand();
                 }
             }
             State::Alarm(_) => self.stood = self.stood.saturating_add(1),

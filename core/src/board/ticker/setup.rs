@@ -3,10 +3,10 @@
 use super::surface;
 use crate::board::drives::Figures;
 use crate::board::kept::Found;
-use crate::motion::Arrival;
+use crate::motion::{Arrival, AxisTravel};
 use crate::params::Params;
 use crate::spindle::Observer;
-use crate::units::{Axis, Ticks};
+use crate::units::{Axis, Length, Ticks};
 
 /// All that a ticker needs of a parameter set, checked. The background makes it, because that takes longer than a tick may
 /// [D131].
@@ -47,6 +47,9 @@ pub(super) struct Given {
     pub ahead_x: Ticks,
     pub ahead_z: Ticks,
     pub arrival: Arrival,
+    /// The travel of the axes that can be moved by hand.
+    pub travel_x: AxisTravel,
+    pub travel_z: AxisTravel,
     /// Ticks in a second.
     pub second: u32,
     /// Leaving position mode waits for RGTAP = 0 (5200.2).
@@ -71,6 +74,10 @@ impl Given {
             .saturating_add(1000)
             .saturating_mul(u64::from(ticks_per_minute / 60))
             / 1000;
+        let travel = |axis| AxisTravel {
+            low: Length::from_nm(params.soft_limit_minus(axis)),
+            high: Length::from_nm(params.soft_limit_plus(axis)),
+        };
         let ahead = |axis| Ticks::one_and(params.latency_us(axis), tick_us);
         Some(Self {
             ahead_x: ahead(Axis::X),
@@ -80,6 +87,8 @@ impl Given {
                 speed_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
                 ticks_per_minute,
             },
+            travel_x: travel(Axis::X),
+            travel_z: travel(Axis::Z),
             second: ticks_per_minute / 60,
             waits_for_rgtap: params.tap_wait_rgtap(),
             edge_time: params.encoder_edge_time(),

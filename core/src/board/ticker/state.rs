@@ -5,6 +5,7 @@ use crate::alarm::{Alarm, Code};
 use crate::board::operator::Operator;
 use crate::call::TapSpindle;
 use crate::motion::{Cut, Executor, Law, Task};
+use crate::operating::PressState;
 use crate::spindle::Observer;
 use crate::units::{Rpm, Turns};
 
@@ -19,6 +20,8 @@ pub enum State {
     Running,
     /// At rest by feed hold or single block.
     Held,
+    /// Axes are moved by hand.
+    ByHand,
     /// Coming to rest after an alarm, an emergency stop or a reset.
     Stopping(Outcome),
     /// At rest after an alarm, until reset.
@@ -150,7 +153,7 @@ impl Ticker {
     #[must_use]
     pub const fn needs_spindle(&self) -> bool {
         let brakes = match self.state {
-            State::Idle | State::Running | State::Held | State::Stopping(_) => true,
+            State::Idle | State::Running | State::Held | State::ByHand | State::Stopping(_) => true,
             State::Alarm(_) => {
                 self.observer.is_turning() && self.stood <= self.given.arrival.speed_ticks
             }
@@ -163,6 +166,12 @@ impl Ticker {
     #[must_use]
     pub const fn in_program(&self) -> bool {
         self.course.in_program()
+    }
+
+    /// Number of the last press, and what became of it.
+    #[must_use]
+    pub const fn jog(&self) -> (u8, PressState) {
+        self.jog.last()
     }
 
     /// The thread or hole of the last segment that was carried to its end without a stop.

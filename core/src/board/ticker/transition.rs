@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! Starting ─► Idle ◄─► Running ◄─► Held
+//!     ▲         ▲ ▲ ◄─► ByHand
 //!     ▲         ▲          │ each of them
 //!     │         └─ reset ── Stopping ── alarm ─► Alarm
 //!     └──────────────────── reset ──────────────────┘
@@ -42,6 +43,17 @@ impl Ticker {
         emit(events, Event::Finished);
     }
 
+    /// Axes begin to be moved by hand.
+    pub(super) const fn transition_to_by_hand(&mut self) {
+        self.state = State::ByHand;
+    }
+
+    /// The axes that were moved by hand stand, and nobody presses. What is planned from now on begins here.
+    pub(super) fn transition_from_by_hand(&mut self) {
+        self.restart(self.executor.position());
+        self.state = State::Idle;
+    }
+
     /// A segment begins, or the path goes on.
     pub(super) const fn transition_to_running(&mut self) {
         self.state = State::Running;
@@ -56,6 +68,7 @@ impl Ticker {
     /// The axes come to rest on their path, and what is queued is forgotten.
     pub(super) fn transition_to_stopping_on_alarm(&mut self, alarm: &Alarm, ends: &mut Ends<'_>) {
         self.executor.stop(self.course.current(ends));
+        self.jog.release();
         // A reset may have been on its way out of a thread: an alarm moves nothing any more.
         self.away.forget();
         self.spindle.stop();
@@ -69,6 +82,7 @@ impl Ticker {
     /// stops on its path, as anything else does.
     pub(super) fn transition_to_stopping_by_reset(&mut self, ends: &Ends<'_>) {
         self.course.forget_pauses();
+        self.jog.release();
         self.away.forget();
         self.spindle.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);

@@ -18,6 +18,7 @@ fn commands_have_their_bytes() {
         feed: Some(150),
         rapid: Some(0),
         spindle: Some(120),
+        echo: None,
     };
     let frame = settings.frame(NODE);
     assert_eq!(frame.payload(), [0, 0, 0x31, 150, 0, 120]);
@@ -31,10 +32,17 @@ fn commands_have_their_bytes() {
         .payload(),
         [0, 0, 0x22, 255, 255, 255]
     );
-    for (number, order) in (1..).zip(Order::ALL) {
-        let frame = BoardCommand::order(order, 255).frame(NODE);
-        assert_eq!(frame.payload()[..2], [0, number]);
-        assert_eq!(BoardCommand::decode(&frame).unwrap().1.order, Some(order));
+    for order in (0..=u8::MAX).filter_map(Order::from_raw) {
+        let fresh = BoardCommand {
+            echo: Some(Beat::new(0x0201)),
+            ..BoardCommand::order(order, 255)
+        };
+        let frame = fresh.frame(NODE);
+        assert_eq!(
+            frame.payload(),
+            [0, order.raw(), 0, 255, 255, 255, 0x01, 0x02]
+        );
+        assert_eq!(BoardCommand::decode(&frame), Some((NODE, fresh)));
     }
 }
 
@@ -44,25 +52,10 @@ fn a_command_that_makes_no_sense_is_none() {
     let with = |bytes: &[u8]| BoardCommand::decode(&Frame::new(id, bytes).unwrap());
     assert!(with(&[0, 5, 0, 255, 255, 255]).is_some());
     assert!(with(&[0, 5, 0, 255, 255, 255, 0, 0]).is_some());
-    assert_eq!(with(&[0, 6, 0, 255, 255, 255]), None);
+    assert_eq!(with(&[0, 7, 0, 255, 255, 255]), None);
     assert_eq!(with(&[0, 5, 0, 255, 255]), None);
     let other = Frame::new(CobId::of(Service::Rpdo2, NODE), &[0; 6]).unwrap();
     assert_eq!(BoardCommand::decode(&other), None);
-}
-
-#[test]
-fn an_order_is_taken_once_and_another_at_once() {
-    let mut gate = OrderGate::new();
-    assert_eq!(gate.count(), 0);
-    assert_eq!(gate.take(0, Some(Order::Hold)), Some(Order::Hold));
-    assert_eq!(gate.take(0, Some(Order::Hold)), None);
-    // Settings alone are no order, and leave the count.
-    assert_eq!(gate.take(9, None), None);
-    assert_eq!(gate.count(), 0);
-    assert_eq!(gate.take(1, Some(Order::Hold)), Some(Order::Hold));
-    assert_eq!(gate.take(1, Some(Order::Stop)), Some(Order::Stop));
-    assert_eq!(gate.take(1, Some(Order::Stop)), None);
-    assert_eq!(gate.count(), 1);
 }
 
 #[test]
@@ -178,7 +171,11 @@ fn mappings_are_as_long_as_their_frames() {
     let lengths = [
         (
             Mapped::bytes(&BoardCommand::MAPPING),
-            BoardCommand::default().frame(NODE),
+            BoardCommand {
+                echo: Some(Beat::default()),
+                ..BoardCommand::default()
+            }
+            .frame(NODE),
         ),
         (
             Mapped::bytes(&BoardStatus::MAPPING),
@@ -191,6 +188,10 @@ fn mappings_are_as_long_as_their_frames() {
         (
             Mapped::bytes(&BoardSpindle::MAPPING),
             BoardSpindle::default().frame(NODE),
+        ),
+        (
+            Mapped::bytes(&BoardBeat::MAPPING),
+            BoardBeat::default().frame(NODE),
         ),
     ];
     for (bytes, frame) in lengths {

@@ -56,7 +56,7 @@ fn begin(watch: &mut Watch, units: u64, nominal: u32, ramp: Ramp) {
 
 #[test]
 fn constant_pulse_is_the_time_optimal_ramp() {
-    let mut profile = Profile::new();
+    let mut profile = <Profile>::new();
     assert!(profile.begin(
         Length::from_nm(10),
         PathRate::from_raw(256),
@@ -132,7 +132,7 @@ fn no_operator_breaks_a_limit_or_the_end() {
 
 #[test]
 fn hold_then_resume_ends_where_it_should() {
-    let mut profile = Profile::new();
+    let mut profile = <Profile>::new();
     assert!(profile.begin(
         Length::from_nm(1_000),
         PathRate::from_raw(2_560),
@@ -162,7 +162,7 @@ fn hold_then_resume_ends_where_it_should() {
 
 #[test]
 fn abandoned_while_moving_stops_and_leaves_nothing() {
-    let mut profile = Profile::new();
+    let mut profile = <Profile>::new();
     let ramp = ramp(2_560, 5, 4);
     assert!(profile.begin(Length::from_nm(1_000), PathRate::from_raw(2_560), ramp));
     for _ in 0..20 {
@@ -188,7 +188,7 @@ fn abandoned_while_moving_stops_and_leaves_nothing() {
 
 #[test]
 fn abandoned_at_rest_is_done_at_once() {
-    let mut profile = Profile::new();
+    let mut profile = <Profile>::new();
     assert!(profile.begin(Length::from_nm(3), PathRate::from_raw(256), ramp(256, 1, 1)));
     profile.abandon();
     assert_eq!(
@@ -202,7 +202,7 @@ fn abandoned_at_rest_is_done_at_once() {
 
 #[test]
 fn a_longer_ramp_does_not_see_the_motion_before() {
-    let mut profile = Profile::new();
+    let mut profile = <Profile>::new();
     let run = |profile: &mut Profile, ramp| {
         assert!(profile.begin(Length::from_nm(50), PathRate::from_raw(256), ramp));
         let mut travels = Vec::new();

@@ -178,6 +178,7 @@ impl Apart {
         let command = BoardCommand {
             count: self.count,
             order: Some(order),
+            echo: Some(self.background.state().device().beat()),
             ..BoardCommand::default()
         };
         let start = NmtCommand::Start.frame(None);

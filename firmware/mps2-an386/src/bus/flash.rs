@@ -11,8 +11,8 @@ use leadscrew_parts::{WordDevice, WordError, WordFlash};
 use leadscrew_store::{BUFFER, Store};
 
 const WORD: usize = 8;
-const PAGE: usize = 2048;
-const SIZE: usize = 8 * PAGE;
+const PAGE: usize = 4096;
+const SIZE: usize = 4 * PAGE;
 
 /// The mark before a flash that was erased once; memory at power-up does not look like it.
 const MARK: u64 = 0x4C53_464C_4153_4831;

@@ -64,7 +64,7 @@ fn path() {
 
 #[inline(never)]
 fn profile() {
-    let mut profile = Profile::new();
+    let mut profile = <Profile>::new();
     while any() {
         sink(profile.begin(any(), any(), any()));
         sink(profile.tick(any()));

@@ -5,9 +5,10 @@ use core::time::Duration;
 
 use audit::any::{any, sink};
 use leadscrew_core::bus::{
-    Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
-    HeartbeatProducer, HeartbeatWatch, NmtSlave, Object, Objects, OrderGate, PdoCommunication,
-    SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload, Service,
+    Abort, Beat, BoardBeat, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer,
+    HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, JogRequest, NmtSlave, Object, Objects,
+    Order, OrderGate, PdoCommunication, SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload,
+    Service, StepRequest,
 };
 
 /// Calls all entries of this module.
@@ -136,7 +137,16 @@ fn board_pdos() {
         let command = BoardCommand::decode(&any());
         sink(command.and_then(|(_, command)| gate.take(command.count, command.order)));
         sink(gate.count());
+        sink(gate.is_new(any(), any()));
     }
+    sink(any::<BoardBeat>().frame(any()));
+    sink(BoardBeat::decode(&any(), any()));
+    sink(any::<Beat>().age_of(any()));
+    sink(any::<JogRequest>().frame(any()));
+    sink(JogRequest::decode(&any()));
+    sink(any::<StepRequest>().frame(any()));
+    sink(StepRequest::decode(&any()));
+    sink(Order::from_raw(any()));
     sink(any::<BoardCommand>().frame(any()));
     sink(BoardCommand::order(any(), any()));
     sink(any::<BoardStatus>().frame(any()));

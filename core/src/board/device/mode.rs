@@ -1,0 +1,191 @@
+//! What each mode of the machine lets in: one table, without state.
+//!
+//! Must not know how a request comes, or how it is carried out. `docs/operating.md` has the table for people.
+
+use crate::alarm::{Alarm, Arg, Code};
+use crate::board::snapshot::Snapshot;
+use crate::board::ticker::{Outcome, State};
+use crate::operating::OperatingMode;
+
+/// What somebody asks of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Move axes while a press is alive.
+    Jog,
+    /// Move an axis by a length.
+    Step,
+    /// Find the reference.
+    Home,
+    /// Begin the program, or the line.
+    Run,
+    /// Go on after a hold.
+    Resume,
+    /// Change the mode.
+    Change,
+}
+
+/// What the machine is doing, as far as a request has to know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doing {
+    /// The drives are up, and nothing moves or is about to.
+    Nothing,
+    /// The drives are being enabled.
+    Starting,
+    /// Axes are moved by hand.
+    ByHand,
+    /// A program is under way.
+    Program,
+    /// A program is held.
+    Held,
+    /// Coming to rest after a reset.
+    Stopping,
+    /// Coming to rest on an alarm.
+    Failing,
+    /// Standing on an alarm.
+    Alarm,
+}
+
+impl Doing {
+    /// What the machine was doing at this instant.
+    pub const fn of(snapshot: &Snapshot) -> Self {
+        match snapshot.state {
+            State::Starting => Self::Starting,
+            State::Idle if snapshot.in_program => Self::Program,
+            State::Idle => Self::Nothing,
+            State::Running => Self::Program,
+            State::Held => Self::Held,
+            State::ByHand => Self::ByHand,
+            State::Stopping(Outcome::Reset) => Self::Stopping,
+            State::Stopping(Outcome::Alarm(_)) => Self::Failing,
+            State::Alarm(_) => Self::Alarm,
+        }
+    }
+}
+
+/// Lets a request in, or says why not.
+///
+/// # Errors
+/// [`Code::WrongMode`], [`Code::ProgramUnderWay`], [`Code::AlarmStands`], [`Code::NotAtRest`].
+pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), Alarm> {
+    use OperatingMode::{Automatic, Manual, Reference, Step};
+    let needed = match request {
+        Request::Jog => Manual,
+        Request::Step => Step,
+        Request::Home => Reference,
+        Request::Run if mode.runs() => mode,
+        Request::Run => Automatic,
+        Request::Resume | Request::Change => mode,
+    };
+    let refusal = match (request, doing) {
+        (Request::Resume, _) => return Ok(()),
+        (Request::Change, Doing::Nothing | Doing::Starting | Doing::ByHand | Doing::Alarm) => {
+            return Ok(());
+        }
+        (_, Doing::Program | Doing::Held) => Code::ProgramUnderWay,
+        (_, Doing::Failing | Doing::Alarm) => Code::AlarmStands,
+        (_, Doing::Starting | Doing::Stopping) => Code::NotAtRest,
+        (_, _) if needed != mode => {
+            return Err(Alarm::of(
+                Code::WrongMode,
+                &[Arg::Mode(needed), Arg::Mode(mode)],
+            ));
+        }
+        // The next press, or the next step, may come while the last one comes to rest.
+        (Request::Jog | Request::Step, Doing::ByHand) | (_, Doing::Nothing) => return Ok(()),
+        (_, Doing::ByHand) => Code::NotAtRest,
+    };
+    Err(Alarm::of(refusal, &[]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REQUESTS: [Request; 6] = [
+        Request::Jog,
+        Request::Step,
+        Request::Home,
+        Request::Run,
+        Request::Resume,
+        Request::Change,
+    ];
+
+    fn answer(mode: OperatingMode, request: Request, doing: Doing) -> u16 {
+        admit(mode, request, doing).map_or_else(|alarm| alarm.number(), |()| 0)
+    }
+
+    /// Columns: jog, step, home, run, resume, change.
+    #[test]
+    fn the_table_at_rest() {
+        use OperatingMode::{Automatic, Manual, Mdi, Reference, Step, Wheel};
+        for (mode, wanted) in [
+            (Manual, [0, 4501, 4501, 4501, 0, 0]),
+            (Step, [4501, 0, 4501, 4501, 0, 0]),
+            (Wheel, [4501, 4501, 4501, 4501, 0, 0]),
+            (Reference, [4501, 4501, 0, 4501, 0, 0]),
+            (Mdi, [4501, 4501, 4501, 0, 0, 0]),
+            (Automatic, [4501, 4501, 4501, 0, 0, 0]),
+        ] {
+            let told = REQUESTS.map(|request| answer(mode, request, Doing::Nothing));
+            assert_eq!(told, wanted, "{mode:?}");
+        }
+    }
+
+    #[test]
+    fn the_table_while_something_goes_on() {
+        use OperatingMode::{Automatic, Manual};
+        for (doing, by_hand, by_program) in [
+            (
+                Doing::Program,
+                [4502, 4502, 4502, 4502, 0, 4502],
+                [4502, 4502, 4502, 4502, 0, 4502],
+            ),
+            (
+                Doing::Held,
+                [4502, 4502, 4502, 4502, 0, 4502],
+                [4502, 4502, 4502, 4502, 0, 4502],
+            ),
+            (
+                Doing::ByHand,
+                [0, 4501, 4501, 4501, 0, 0],
+                [4501, 4501, 4501, 4507, 0, 0],
+            ),
+            (
+                Doing::Starting,
+                [4507, 4507, 4507, 4507, 0, 0],
+                [4507, 4507, 4507, 4507, 0, 0],
+            ),
+            (
+                Doing::Stopping,
+                [4507, 4507, 4507, 4507, 0, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507],
+            ),
+            (
+                Doing::Failing,
+                [4504, 4504, 4504, 4504, 0, 4504],
+                [4504, 4504, 4504, 4504, 0, 4504],
+            ),
+            (
+                Doing::Alarm,
+                [4504, 4504, 4504, 4504, 0, 0],
+                [4504, 4504, 4504, 4504, 0, 0],
+            ),
+        ] {
+            let told = |mode| REQUESTS.map(|request| answer(mode, request, doing));
+            assert_eq!(told(Manual), by_hand, "{doing:?}");
+            assert_eq!(told(Automatic), by_program, "{doing:?}");
+        }
+    }
+
+    #[test]
+    fn a_refusal_names_both_modes() {
+        let alarm = admit(OperatingMode::Mdi, Request::Jog, Doing::Nothing).unwrap_err();
+        assert_eq!(
+            alarm.args[..2],
+            [
+                Arg::Mode(OperatingMode::Manual),
+                Arg::Mode(OperatingMode::Mdi)
+            ]
+        );
+    }
+}

@@ -1,0 +1,312 @@
+//! How the machine is operated: its mode, its beat, and who moves it by hand.
+//!
+//! ```text
+//! RPDO1 ─► order ─► (fresh?) ─► (does the mode let it in?) ─► command to the tick
+//! RPDO2, RPDO3 ─► press or step ─► (fresh? whose? the mode?) ─► Asked, planned by the owner ─► tick
+//! ```
+//!
+//! A refusal says why: in the event log, in 5002h:06 and in TPDO5. What is refused stays refused: the renewals of a refused
+//! press move nothing, whatever the mode is by then.
+//!
+//! Must not know how an axis moves. The tick watches the deadline of a press by itself.
+
+use super::mode::{Doing, Request, admit};
+use super::steps::Steps;
+use super::values::ObjectValues;
+use crate::alarm::{Alarm, Code};
+use crate::board::command::Command;
+use crate::board::guard::Guard;
+use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest};
+use crate::link::Event;
+use crate::operating::{OperatingMode, PressState, Towards};
+use crate::params::Params;
+use crate::units::Length;
+
+/// A step of this length or less is made whole, though nobody renews it.
+const SHORT: Length = Length::from_nm(1_000_000);
+
+/// What is asked of the axes by hand, before it is planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// Number of the press, as the board counts.
+    pub number: u8,
+    /// Which way X is to go.
+    pub x: Option<Towards>,
+    /// Which way Z is to go.
+    pub z: Option<Towards>,
+    /// At rapid.
+    pub rapid: bool,
+    /// Speed of the slide in mm/min; `None`: 9041.
+    pub mm_per_min: Option<u16>,
+    /// A step of this length.
+    pub way: Option<Length>,
+    /// The last tick in which the press is alive.
+    pub until: Option<u32>,
+}
+
+/// The mode, the beat and the presses.
+#[derive(Debug, Default)]
+pub struct Operating {
+    mode: OperatingMode,
+    /// The board's time since power-up.
+    time_us: u64,
+    /// The alarm for which the last request was refused.
+    refused: Option<Code>,
+    /// The count of the order that was told to be too old.
+    told_old: Option<u8>,
+    /// The session that moves, or has moved, the machine by hand; 0: nobody.
+    session: u8,
+    /// Its last press or step.
+    press: u8,
+    /// That press was not let in.
+    denied: bool,
+    /// The number of that press for the tick: presses of all sessions are counted on.
+    number: u8,
+    /// How long the axes have stood since.
+    stood: Periods,
+    steps: Steps,
+    asked: Option<Asked>,
+}
+
+impl Operating {
+    /// The mode.
+    pub const fn mode(&self) -> OperatingMode {
+        self.mode
+    }
+
+    /// The beat.
+    pub const fn beat(&self) -> Beat {
+        Beat::new((self.time_us / 1000) as u16)
+    }
+
+    /// What is asked of the axes, once.
+    pub const fn take(&mut self) -> Option<Asked> {
+        self.asked.take()
+    }
+
+    /// Nobody presses any more: what is asked and not planned is forgotten.
+    const fn forget(&mut self) {
+        self.asked = None;
+        self.denied = true;
+    }
+}
+
+impl ObjectValues {
+    /// Lets time pass.
+    pub(super) fn elapse(&mut self, by: Periods, params: &Params) {
+        let us = u64::from(by.get()).saturating_mul(params.tick_us().into());
+        let operating = &mut self.operating;
+        operating.time_us = operating.time_us.wrapping_add(us);
+        if Doing::of(&self.snapshot) == Doing::ByHand || operating.asked.is_some() {
+            operating.stood = Periods::new(0);
+        } else {
+            operating.stood = operating.stood.plus(by);
+            operating.steps = Steps::default();
+        }
+    }
+
+    /// TPDO5.
+    pub(super) fn told_beat(&self) -> BoardBeat {
+        let operating = &self.operating;
+        BoardBeat {
+            beat: operating.beat(),
+            mode: operating.mode,
+            session: operating.session,
+            press: operating.press,
+            state: self.press_state(),
+            refused: operating.refused.map_or(0, Code::number),
+        }
+    }
+
+    /// What became of the last press.
+    fn press_state(&self) -> PressState {
+        let operating = &self.operating;
+        let (number, state) = self.snapshot.jog;
+        if operating.session == 0 {
+            PressState::None
+        } else if operating.denied {
+            PressState::Refused
+        } else if number == operating.number {
+            state
+        } else {
+            // On its way to the tick.
+            PressState::Runs
+        }
+    }
+
+    /// An order of RPDO1 or 5000h that needs no echo, or whose echo is young enough. An old order is told once, and is not
+    /// taken: its sender may give it again.
+    pub(super) fn is_fresh(
+        &mut self,
+        (count, order): (u8, Order),
+        echo: Option<Beat>,
+        params: &Params,
+    ) -> bool {
+        let most = params.order_age_ms();
+        let age = echo.and_then(|echo| self.operating.beat().age_of(echo));
+        if most == 0 || !order.needs_echo() || age.is_some_and(|age| u32::from(age) <= most) {
+            self.operating.told_old = None;
+            return true;
+        }
+        if self.operating.told_old != Some(count) {
+            self.operating.told_old = Some(count);
+            self.deny(&Alarm::of(Code::OrderTooOld, &[]));
+        }
+        false
+    }
+
+    /// Refuses a request, in the event log and in 5002h:06.
+    pub(super) fn deny(&mut self, alarm: &Alarm) {
+        self.operating.refused = Some(alarm.code);
+        self.log.push(self.tick, &Event::Warning(*alarm));
+    }
+
+    /// Asks the mode whether a request may come in.
+    pub(super) fn let_in(&self, request: Request) -> Result<(), Alarm> {
+        admit(self.operating.mode, request, Doing::of(&self.snapshot))
+    }
+
+    /// A request has been let in.
+    pub(super) const fn accept(&mut self) {
+        self.operating.refused = None;
+    }
+
+    /// Changes the mode, which moves nothing and ends every press.
+    pub(super) fn change_mode(&mut self, mode: OperatingMode) -> Result<(), Alarm> {
+        if mode == self.operating.mode {
+            return Ok(());
+        }
+        self.let_in(Request::Change)?;
+        self.end_press();
+        self.operating.mode = mode;
+        Ok(())
+    }
+
+    /// Ends the press that is alive.
+    pub(super) fn end_press(&mut self) {
+        if self.operating.asked.is_some() {
+            self.operating.forget();
+        }
+        self.command(Command::Release);
+    }
+
+    /// A press, its renewal or its release (RPDO2).
+    pub(super) fn jog(&mut self, request: &JogRequest, params: &Params) {
+        let Some(until) = self.deadline(request.echo, params) else {
+            return;
+        };
+        let Some(is_new) = self.claim(request.session, request.press, params) else {
+            return;
+        };
+        if request.is_release() {
+            self.end_press();
+            return;
+        }
+        if is_new {
+            let admitted = self.admit_by_hand(Request::Jog);
+            self.count_press(request.session, request.press, admitted);
+        }
+        if self.operating.denied {
+            return;
+        }
+        self.operating.asked = Some(Asked {
+            number: self.operating.number,
+            x: request.x,
+            z: request.z,
+            rapid: request.rapid,
+            mm_per_min: (request.mm_per_min != 0).then_some(request.mm_per_min),
+            way: None,
+            until: Some(until),
+        });
+    }
+
+    /// A step (RPDO3), or its renewal.
+    pub(super) fn step(&mut self, request: &StepRequest, params: &Params) {
+        let Some(until) = self.deadline(request.echo, params) else {
+            return;
+        };
+        let Some(is_new) = self.claim(request.session, request.count, params) else {
+            return;
+        };
+        // 0.1 µm are 100 nm; the way has 24 bits.
+        let way = Length::from_nm(i64::from(request.way).saturating_mul(100));
+        if is_new {
+            let admitted = self.admit_by_hand(Request::Step).and_then(|()| {
+                let position = &self.snapshot.setpoint.position;
+                self.operating
+                    .steps
+                    .admit(request.on_z, way, position, params)
+            });
+            self.count_press(request.session, request.count, admitted);
+        }
+        if self.operating.denied {
+            return;
+        }
+        let towards = if way < Length::ZERO {
+            Towards::Minus
+        } else {
+            Towards::Plus
+        };
+        self.operating.asked = Some(Asked {
+            number: self.operating.number,
+            x: (!request.on_z).then_some(towards),
+            z: request.on_z.then_some(towards),
+            rapid: false,
+            mm_per_min: None,
+            way: Some(way.abs()),
+            until: (way.abs() > SHORT).then_some(until),
+        });
+    }
+
+    /// The last tick in which a frame with this echo moves anything; `None` for an echo that is too old or of the future.
+    fn deadline(&self, echo: Beat, params: &Params) -> Option<u32> {
+        let age = self.operating.beat().age_of(echo)?;
+        let left_ms = params.dead_man_ms().checked_sub(age.into())?;
+        let left = Periods::from_ms(left_ms, params.tick_us())?;
+        // Ticks wrap.
+        Some((self.tick as u32).wrapping_add(left.get()))
+    }
+
+    /// Whose turn it is: `Some(true)` for a new press, `Some(false)` for a renewal, `None` for a frame that does nothing.
+    fn claim(&mut self, session: u8, press: u8, params: &Params) -> Option<bool> {
+        let operating = &self.operating;
+        if operating.session == session {
+            let ahead = press.wrapping_sub(operating.press) as i8;
+            return (ahead >= 0).then_some(ahead > 0);
+        }
+        let window = Periods::from_ms(params.dead_man_ms(), params.tick_us()).unwrap_or_default();
+        if operating.session != 0 && operating.stood < window {
+            if operating.refused != Some(Code::AnotherOperator) {
+                self.deny(&Alarm::of(Code::AnotherOperator, &[]));
+            }
+            return None;
+        }
+        Some(true)
+    }
+
+    /// What no mode lets in: a tap in its hole, a feed hold.
+    fn admit_by_hand(&self, request: Request) -> Result<(), Alarm> {
+        self.let_in(request)?;
+        if let Some(alarm) = Guard::of(self.snapshot.tap.as_ref()).refusal() {
+            return Err(alarm);
+        }
+        if self.snapshot.operator.hold {
+            return Err(Alarm::of(Code::HoldIsOn, &[]));
+        }
+        Ok(())
+    }
+
+    /// A new press: refused or not, its renewals are no new ones.
+    fn count_press(&mut self, session: u8, press: u8, admitted: Result<(), Alarm>) {
+        let operating = &mut self.operating;
+        (operating.session, operating.press) = (session, press);
+        operating.denied = admitted.is_err();
+        match admitted {
+            Ok(()) => {
+                operating.number = operating.number.wrapping_add(1);
+                self.accept();
+            }
+            Err(alarm) => self.deny(&alarm),
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Steps by hand that have been let in since the axes stood: they go on from each other.
+//!
+//! Must not know where the axis is by now.
+
+use crate::alarm::{Alarm, Arg, Code};
+use crate::call::Position;
+use crate::params::Params;
+use crate::units::{Axis, Diameter, Length};
+
+/// The step under way and those that wait.
+const MOST: u8 = 4;
+
+/// The steps of one axis, from where it stood.
+#[derive(Debug, Default)]
+pub struct Steps {
+    count: u8,
+    on_z: bool,
+    /// Where the last of them ends.
+    end: Length,
+    /// The way of all of them, signed.
+    way: Length,
+}
+
+impl Steps {
+    /// Lets a step of this way in. `at`: where the machine stands, if nothing moves.
+    ///
+    /// # Errors
+    /// [`Code::StepsWait`], [`Code::NotAtRest`] for another axis or the other direction, [`Code::StepBeyondLimit`].
+    pub fn admit(
+        &mut self,
+        on_z: bool,
+        way: Length,
+        at: &Position,
+        params: &Params,
+    ) -> Result<(), Alarm> {
+        if self.count >= MOST {
+            return Err(Alarm::of(Code::StepsWait, &[]));
+        }
+        let goes_on = self.on_z == on_z && self.way.signum() == way.signum();
+        if self.count > 0 && !goes_on {
+            return Err(Alarm::of(Code::NotAtRest, &[]));
+        }
+        let (axis, stands) = if on_z {
+            (Axis::Z, at.z)
+        } else {
+            (Axis::X, at.x)
+        };
+        let (from, before) = match self.count {
+            0 => (stands, Length::ZERO),
+            _ => (self.end, self.way),
+        };
+        let free = if way < Length::ZERO {
+            from - Length::from_nm(params.soft_limit_minus(axis))
+        } else {
+            Length::from_nm(params.soft_limit_plus(axis)) - from
+        };
+        if way.abs() > free {
+            let free = free.max(Length::ZERO);
+            let told = match axis {
+                Axis::X => Arg::Diameter(Diameter::of_radius(free)),
+                _ => Arg::Length(free),
+            };
+            let figures = [Arg::Letter(axis.letter()), told];
+            return Err(Alarm::of(Code::StepBeyondLimit, &figures));
+        }
+        *self = Self {
+            count: self.count.saturating_add(1),
+            on_z,
+            end: from + way,
+            way: before + way,
+        };
+        Ok(())
+    }
+}

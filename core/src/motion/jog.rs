@@ -1,0 +1,369 @@
+//! Axes that are moved by hand: a press moves X, Z or both until it is over; a step moves one of them by a length.
+//!
+//! ```text
+//! press (which way, how fast, until when) ─► a profile for each axis ─► position
+//! ```
+//!
+//! Each axis has a profile of its own: one may brake while the other begins. A motion begins with the whole way to the
+//! limit of the travel, so it ends exactly there from any speed; a press that is over abandons the rest. An axis turns
+//! round from rest only.
+//!
+//! A press is alive until its tick, which its renewals put off. A press that has ended is dead: no renewal moves anything.
+//!
+//! Must not know who presses, over which wire, or what the drives do.
+
+use super::limits::{Limits, Pace};
+use super::profile::{Profile, Ramp};
+use super::rate::{PathRate, Rate};
+use super::shape;
+use crate::call::Position;
+use crate::operating::{PressState, Towards};
+use crate::units::{Axis, Length};
+
+/// The longest ramp of a motion by hand, in ticks.
+const TICKS: usize = 1024;
+
+/// How far an axis may go, in machine coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisTravel {
+    /// The smallest coordinate.
+    pub low: Length,
+    /// The greatest coordinate.
+    pub high: Length,
+}
+
+impl AxisTravel {
+    /// How far it is from `at` to the end in this direction; zero at it and beyond it.
+    fn free(&self, at: Length, towards: Towards) -> Length {
+        let way = match towards {
+            Towards::Plus => self.high - at,
+            Towards::Minus => at - self.low,
+        };
+        way.max(Length::ZERO)
+    }
+}
+
+/// The motion of one axis that a press asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisPress {
+    /// Which way.
+    pub towards: Towards,
+    /// The speed at an override of 100 %.
+    pub speed: PathRate,
+    /// The ramp: no override goes beyond its cap.
+    pub ramp: Ramp,
+}
+
+impl AxisPress {
+    /// A motion of an axis at `speed`, at most at `top`. `at_rapid`: the override goes to 100 %, else to 150 %. `None`
+    /// where the limits of the axis allow no motion at all.
+    #[must_use]
+    pub fn new(
+        (axis, towards): (Axis, Towards),
+        (speed, top): (PathRate, PathRate),
+        at_rapid: bool,
+        limits: &Limits,
+    ) -> Option<Self> {
+        let speed = speed.min(top);
+        let cap = if at_rapid {
+            speed
+        } else {
+            Rate::percent(150).of(speed).min(top)
+        };
+        let limits = limits.of_axis(axis, Pace::Rapid);
+        Some(Self {
+            towards,
+            speed,
+            ramp: shape::ramp_within(cap, &limits, TICKS as u16)?,
+        })
+    }
+}
+
+/// A press or a step, or its renewal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Press {
+    /// Number of the press.
+    pub number: u8,
+    /// What X does.
+    pub x: Option<AxisPress>,
+    /// What Z does.
+    pub z: Option<AxisPress>,
+    /// The rapid override acts, else the feed override.
+    pub at_rapid: bool,
+    /// A step: the axes go this far, and no farther.
+    pub way: Option<Length>,
+    /// The last tick in which the press is alive; `None` for a short step, which is always made whole.
+    pub until: Option<u32>,
+}
+
+/// What a tick needs to know.
+#[derive(Clone, Copy, Debug)]
+pub struct JogConditions {
+    /// Number of the tick; it wraps.
+    pub now: u32,
+    /// Feed override.
+    pub feed: Rate,
+    /// Rapid override.
+    pub rapid: Rate,
+}
+
+/// One axis.
+#[derive(Debug)]
+struct JogAxis {
+    profile: Profile<TICKS>,
+    /// It has begun and is not at rest again.
+    moves: bool,
+    /// Which way it moves.
+    towards: Towards,
+    /// Where it began.
+    from: Length,
+    /// How far it is to go from there.
+    way: Length,
+    /// It has gone the whole way in this direction: the present press moves it no farther.
+    arrived: Option<Towards>,
+}
+
+/// The axes that are moved by hand.
+#[derive(Debug)]
+pub struct Jog {
+    x: JogAxis,
+    z: JogAxis,
+    press: Option<Press>,
+    /// Number of the last press, and what became of it.
+    last: (u8, PressState),
+}
+
+impl JogAxis {
+    #[inline(always)]
+    const fn new() -> Self {
+        Self {
+            profile: Profile::new(),
+            moves: false,
+            towards: Towards::Plus,
+            from: Length::ZERO,
+            way: Length::ZERO,
+            arrived: None,
+        }
+    }
+
+    const fn begin_anew(&mut self) {
+        self.profile.begin_anew();
+        self.moves = false;
+        self.arrived = None;
+    }
+
+    /// One tick. `wanted`: what the press asks of this axis.
+    fn tick(
+        &mut self,
+        at: &mut Length,
+        wanted: Option<&AxisPress>,
+        way: Option<Length>,
+        rate: Rate,
+        travel: &AxisTravel,
+    ) {
+        if !self.moves {
+            if let Some(wanted) = wanted
+                && self.arrived != Some(wanted.towards)
+            {
+                self.begin(*at, wanted, way, travel);
+            }
+            return;
+        }
+        let wanted = wanted.filter(|wanted| wanted.towards == self.towards);
+        let speed = match wanted {
+            Some(wanted) => rate.of(wanted.speed),
+            None => {
+                self.profile.abandon();
+                PathRate::ZERO
+            }
+        };
+        let progress = self.profile.tick_at(speed);
+        // Whole nanometres, rounded to the nearest.
+        let nm = progress.travel.raw().saturating_add(1 << 15) >> 16;
+        let gone = Length::from_nm(i64::try_from(nm).unwrap_or(i64::MAX));
+        *at = match self.towards {
+            Towards::Plus => self.from + gone,
+            Towards::Minus => self.from - gone,
+        };
+        if progress.done {
+            self.moves = false;
+            self.arrived = wanted.map(|wanted| wanted.towards);
+        }
+    }
+
+    fn begin(&mut self, at: Length, wanted: &AxisPress, way: Option<Length>, travel: &AxisTravel) {
+        let free = travel.free(at, wanted.towards);
+        let way = way.map_or(free, |way| way.min(free));
+        if way == Length::ZERO {
+            self.arrived = Some(wanted.towards);
+        } else if self.profile.begin(way, wanted.speed, wanted.ramp) {
+            (self.moves, self.towards) = (true, wanted.towards);
+            (self.from, self.way) = (at, way);
+        }
+    }
+
+    /// Another step in the same direction while this one is under way. False where there is none to go on from.
+    fn extend(&mut self, wanted: &AxisPress, more: Length, travel: &AxisTravel) -> bool {
+        if !self.moves || self.towards != wanted.towards {
+            return false;
+        }
+        let free = travel.free(self.from, self.towards) - self.way;
+        let more = more.min(free).max(Length::ZERO);
+        let extended = self.profile.extend(more);
+        if extended {
+            self.way += more;
+        }
+        extended
+    }
+}
+
+impl Default for Jog {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Jog {
+    /// Nothing is pressed, and nothing moves.
+    // [D146]
+    #[inline(always)]
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            x: JogAxis::new(),
+            z: JogAxis::new(),
+            press: None,
+            last: (0, PressState::None),
+        }
+    }
+
+    /// Nothing is pressed any more, and nothing moves.
+    pub const fn begin_anew(&mut self) {
+        self.x.begin_anew();
+        self.z.begin_anew();
+        self.end(PressState::Ended);
+    }
+
+    /// Takes a press, or the renewal of the one that is alive. The renewal of a press that has ended does nothing. A step
+    /// goes on from the one under way.
+    pub fn press(&mut self, press: &Press, x: &AxisTravel, z: &AxisTravel) {
+        let (number, state) = self.last;
+        if let Some(present) = &mut self.press
+            && number == press.number
+        {
+            let until = later(present.until, press.until);
+            *present = Press { until, ..*press };
+            return;
+        }
+        if number == press.number && state != PressState::None {
+            return;
+        }
+        (self.x.arrived, self.z.arrived) = (None, None);
+        if let Some(way) = press.way {
+            if let Some(wanted) = &press.x {
+                self.x.extend(wanted, way, x);
+            }
+            if let Some(wanted) = &press.z {
+                self.z.extend(wanted, way, z);
+            }
+        }
+        self.press = Some(*press);
+        self.last = (press.number, PressState::Runs);
+    }
+
+    /// A press that may not move the machine.
+    pub const fn refuse(&mut self, number: u8) {
+        if self.press.is_none() {
+            self.last = (number, PressState::Refused);
+        }
+    }
+
+    /// The press is over: the axes brake.
+    pub const fn release(&mut self) {
+        self.end(PressState::Ended);
+    }
+
+    const fn end(&mut self, state: PressState) {
+        if self.press.is_some() {
+            self.press = None;
+            self.last.1 = state;
+        }
+    }
+
+    /// An axis moves, or a press is alive.
+    #[must_use]
+    pub const fn is_busy(&self) -> bool {
+        self.press.is_some() || self.moves()
+    }
+
+    /// An axis moves.
+    #[must_use]
+    pub const fn moves(&self) -> bool {
+        self.x.moves || self.z.moves
+    }
+
+    /// Number of the last press, and what became of it.
+    #[must_use]
+    pub const fn last(&self) -> (u8, PressState) {
+        self.last
+    }
+
+    /// One tick: the position moves on.
+    pub fn tick(
+        &mut self,
+        now: &JogConditions,
+        x: &AxisTravel,
+        z: &AxisTravel,
+        position: &mut Position,
+    ) {
+        if let Some(until) = self.press.as_ref().and_then(|press| press.until)
+            && is_over(until, now.now)
+        {
+            self.end(PressState::Ended);
+        }
+        let press = self.press.as_ref();
+        let rate = match press {
+            Some(press) if press.at_rapid => now.rapid,
+            _ => now.feed,
+        };
+        let way = press.and_then(|press| press.way);
+        let wanted = press.and_then(|press| press.x.as_ref());
+        self.x.tick(&mut position.x, wanted, way, rate, x);
+        let wanted = press.and_then(|press| press.z.as_ref());
+        self.z.tick(&mut position.z, wanted, way, rate, z);
+        self.note_end();
+    }
+
+    /// A press in which every axis has gone its way is over.
+    fn note_end(&mut self) {
+        let Some(press) = &self.press else { return };
+        let waits = |wanted: Option<AxisPress>, axis: &JogAxis| {
+            wanted.is_some_and(|wanted| axis.arrived != Some(wanted.towards))
+        };
+        if waits(press.x, &self.x) || waits(press.z, &self.z) {
+            return;
+        }
+        let state = match press.way {
+            Some(_) => PressState::Ended,
+            None => PressState::Limit,
+        };
+        self.end(state);
+    }
+}
+
+/// The tick is behind `until`. Both wrap.
+const fn is_over(until: u32, now: u32) -> bool {
+    now.wrapping_sub(until) as i32 > 0
+}
+
+/// The later of two ends.
+const fn later(present: Option<u32>, renewed: Option<u32>) -> Option<u32> {
+    match (present, renewed) {
+        (Some(present), Some(renewed)) if is_over(present, renewed) => Some(renewed),
+        (present, _) => present,
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::arithmetic_side_effects)]
+mod tests;

@@ -1,0 +1,104 @@
+//! How a machine is operated: its modes, and what an operator asks of an axis by hand.
+//!
+//! Plain values: what each mode lets in is decided on the board.
+
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// The mode in which the machine is operated. It says which requests the board lets in; a change moves nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
+#[repr(u8)]
+pub enum OperatingMode {
+    /// By hand: axes move while a key is held.
+    #[default]
+    Manual = 0,
+    /// By hand in steps.
+    Step = 1,
+    /// By handwheel.
+    Wheel = 2,
+    /// Reference.
+    Reference = 3,
+    /// Single lines (manual data input).
+    Mdi = 4,
+    /// Programs.
+    Automatic = 5,
+}
+
+impl OperatingMode {
+    /// All modes; each at the index of its number.
+    pub const ALL: [Self; 6] = [
+        Self::Manual,
+        Self::Step,
+        Self::Wheel,
+        Self::Reference,
+        Self::Mdi,
+        Self::Automatic,
+    ];
+
+    /// The name in commands and results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Manual => "manual",
+            Self::Step => "step",
+            Self::Wheel => "wheel",
+            Self::Reference => "reference",
+            Self::Mdi => "mdi",
+            Self::Automatic => "automatic",
+        }
+    }
+
+    /// A program or a line may be begun, and goes on after a hold.
+    #[must_use]
+    pub const fn runs(self) -> bool {
+        matches!(self, Self::Mdi | Self::Automatic)
+    }
+
+    /// The mode with this number.
+    #[must_use]
+    pub fn from_raw(raw: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(raw)).copied()
+    }
+}
+
+/// One direction of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Towards {
+    /// Greater coordinates.
+    Plus,
+    /// Smaller coordinates.
+    Minus,
+}
+
+/// What became of the last press or step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum PressState {
+    /// There was none.
+    #[default]
+    None = 0,
+    /// An axis moves, or may.
+    Runs = 1,
+    /// Over.
+    Ended = 2,
+    /// Over at a limit of the travel.
+    Limit = 3,
+    /// Not let in.
+    Refused = 4,
+}
+
+impl PressState {
+    const ALL: [Self; 5] = [
+        Self::None,
+        Self::Runs,
+        Self::Ended,
+        Self::Limit,
+        Self::Refused,
+    ];
+
+    /// The state with this number.
+    #[must_use]
+    pub fn from_raw(raw: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(raw)).copied()
+    }
+}

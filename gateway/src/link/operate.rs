@@ -1,0 +1,121 @@
+//! The mode of the machine, the board's beat, and the board's refusals.
+
+use std::time::{Duration, Instant};
+
+use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::board::device::objects::{BEAT, MODE, REFUSED};
+use leadscrew_core::bus::{Beat, BoardCommand, Order};
+use leadscrew_core::link::Event;
+use leadscrew_core::operating::OperatingMode;
+
+use super::{Link, LinkResult, Trouble};
+
+/// By default a beat comes every 10 ms. Boards above node 31 send none, and are asked.
+const BEAT_COMES: Duration = Duration::from_millis(100);
+
+impl Link {
+    /// The board's beat for an order that needs its echo.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub(super) fn echo_for(&mut self, command: &BoardCommand) -> LinkResult<Option<Beat>> {
+        if !command.order.is_some_and(Order::needs_echo) {
+            return Ok(None);
+        }
+        self.beat().map(Some)
+    }
+
+    /// The newest beat.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn beat(&mut self) -> LinkResult<Beat> {
+        self.hear_all(&mut |_| {})?;
+        match self.seen.beat {
+            Some(told) => Ok(told.beat),
+            None => {
+                let raw = self.read_number(BEAT)?;
+                let raw = u16::try_from(raw).map_err(|_| self.strange(BEAT))?;
+                Ok(Beat::new(raw))
+            }
+        }
+    }
+
+    /// The mode of the machine.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn mode(&mut self) -> LinkResult<OperatingMode> {
+        self.hear_all(&mut |_| {})?;
+        if let Some(told) = self.seen.beat {
+            return Ok(told.mode);
+        }
+        let raw = self.read_number(MODE)?;
+        let mode = u8::try_from(raw).ok().and_then(OperatingMode::from_raw);
+        mode.ok_or_else(|| self.strange(MODE))
+    }
+
+    /// Changes the mode, if the machine is in another.
+    ///
+    /// # Errors
+    /// [`Trouble::Refused`]; the board does not answer.
+    pub fn set_mode(&mut self, mode: OperatingMode) -> LinkResult {
+        if self.mode()? == mode {
+            return Ok(());
+        }
+        self.order(Order::Mode(mode))
+    }
+
+    /// A program needs the mode for programs, or the one for single lines.
+    pub(super) fn ready_to_run(&mut self) -> LinkResult {
+        if self.mode()?.runs() {
+            return Ok(());
+        }
+        self.order(Order::Mode(OperatingMode::Automatic))
+    }
+
+    /// Whether the order that was just confirmed was carried out.
+    ///
+    /// # Errors
+    /// [`Trouble::Refused`].
+    pub(super) fn heed_refusal(&mut self) -> LinkResult {
+        let before = self.seen.beats;
+        let until = Instant::now() + BEAT_COMES;
+        while self.seen.beat.is_some() && self.seen.beats == before && Instant::now() < until {
+            self.idle(Duration::from_millis(1))?;
+        }
+        let number = match self.seen.beat {
+            Some(told) => told.refused,
+            None => u16::try_from(self.read_number(REFUSED)?).unwrap_or(0),
+        };
+        match refusal(number) {
+            Some(code) => Err(Trouble::Refused {
+                node: self.node().get(),
+                reason: self.reason_of(code)?,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The refusal with its figures, which are in the board's event log.
+    fn reason_of(&mut self, code: Code) -> LinkResult<Alarm> {
+        let newest = self.newest_event()?;
+        let logged = self.events_behind(newest.saturating_sub(REASON_LIES))?;
+        let told = logged.iter().rev().find_map(|entry| match entry.event {
+            Event::Warning(alarm) if alarm.code == code => Some(alarm),
+            _ => None,
+        });
+        Ok(told.unwrap_or_else(|| Alarm::of(code, &[])))
+    }
+}
+
+/// A refusal is looked for among so many events.
+const REASON_LIES: u32 = 8;
+
+/// The refusal of a request by its number; what is no refusal by the mode is told by the event log alone.
+fn refusal(number: u16) -> Option<Code> {
+    if !(4500..4600).contains(&number) {
+        return None;
+    }
+    Code::from_number(number)
+}
