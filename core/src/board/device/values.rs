@@ -5,8 +5,8 @@
 use heapless::Deque;
 
 use super::log::Log;
-use super::offset_store::OffsetStore;
 use super::mode::Request;
+use super::offset_store::OffsetStore;
 use super::operating::Operating;
 use super::program_buffer::ProgramBuffer;
 use super::protection::WriteProtection;
