@@ -15,6 +15,7 @@ use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::link::{EventReader, decode_alarm};
 use leadscrew_core::offsets::image::{BYTES, Image, sum};
 use leadscrew_core::offsets::{Offsets, Revision};
+use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{CentiRpm, Diameter, Lead, Length, Turns};
 use leadscrew_store::Store;
@@ -115,8 +116,12 @@ fn upload(gateway: &mut Gateway, sim: &mut Sim, program: u32, revision: u32) {
 }
 
 fn run(gateway: &mut Gateway, sim: &mut Sim) -> Result<(), SdoError> {
-    let order = Object::new(0x5000, 2);
-    write(gateway, sim, order, Order::Run as i64, 1)
+    if !sim.board().device().mode().runs() {
+        gateway.order(sim, Order::Mode(OperatingMode::Automatic));
+    }
+    let echo = sim.board().device().beat().ms();
+    write(gateway, sim, Object::new(0x5000, 7), echo.into(), 2).expect("an echo");
+    write(gateway, sim, Object::new(0x5000, 2), 1, 1)
 }
 
 #[test]
