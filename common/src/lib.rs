@@ -19,5 +19,6 @@ pub mod program;
 pub mod replace;
 pub mod source;
 pub mod state;
+pub mod tools;
 pub mod values;
 pub mod words;

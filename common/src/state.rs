@@ -9,8 +9,10 @@ use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::{Flash, ImageError};
 use leadscrew_board_sim::stored_params;
+use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::Found;
 use leadscrew_core::journal::{RecordError, TapRecord};
+use leadscrew_core::offsets::Offsets;
 use leadscrew_core::params::Params;
 use leadscrew_store::{BUFFER, Region, Store};
 
@@ -149,6 +151,36 @@ impl StateFile {
         })
     }
 
+    /// The table of offsets and tools in the flash of this file; `None` where none was ever stored.
+    ///
+    /// # Errors
+    /// A stored table that is damaged or of another layout.
+    pub fn offsets(&self, flash: &Flash) -> Outcome<Option<Offsets>> {
+        let mut flash = flash.clone();
+        flash.power(true);
+        let kept = match stored_params(&mut flash, &Params::slant_bed()) {
+            Ok(up) => up.offsets,
+            // The journal says so.
+            Err(_) => return Ok(None),
+        };
+        let table = Offsets::decode(&kept.table).unwrap_or_default();
+        match kept.found {
+            Found::Newest => Ok(Some(table)),
+            Found::Nothing => Ok(None),
+            _ => {
+                let name = self.name();
+                let figures = [Arg::Int(table.revision.0.into())];
+                let why = alarm_words(&Alarm::of(Code::OffsetsDamaged, &figures));
+                Err(Failure::WrongBecause(both!(
+                    "`{name}`: {en}",
+                    "`{name}`：{zh}",
+                    en = why.en,
+                    zh = why.zh
+                )))
+            }
+        }
+    }
+
     /// The tap journal in the flash of this file.
     ///
     /// # Errors
@@ -281,7 +313,7 @@ mod tests {
         for (bytes, word) in [
             (b"G0 X0\n".to_vec(), "no image"),
             (Vec::new(), "no image"),
-            (good[..good.len() - 1].to_vec(), "of the 8332 bytes"),
+            (good[..good.len() - 1].to_vec(), "of the 16652 bytes"),
             (long, "longer"),
             (damaged, "checksum"),
         ] {

@@ -24,6 +24,7 @@
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
 //! - [`operating`] is how a machine is operated: its modes, and what is asked of an axis by hand.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
+//! - [`offsets`] are work offsets and tools: a table that a board keeps and a gateway resolves programs with.
 //! - [`journal`] is what survives a loss of power: the hole a tap is in.
 //! - [`checksum`] tells whether what is kept or compared is whole.
 //! - [`link`] is what gateway and board say to each other: calls, events, status, parameter sets, as bytes.
@@ -65,6 +66,7 @@ pub mod journal;
 pub mod link;
 pub mod motion;
 pub mod moves;
+pub mod offsets;
 pub mod operating;
 pub mod params;
 pub mod program;

@@ -147,7 +147,7 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         hole: Hole::new(setup.tap),
         spindle: Spindle::at_start(setup),
         beyond: Vec::new(),
-        plausible: Plausible::new(&setup.params, program.stock()),
+        plausible: Plausible::new(&setup.params, setup.offsets.as_ref(), program.stock()),
         chain: Vec::new(),
         chain_us: 0,
         program,

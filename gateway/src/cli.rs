@@ -64,6 +64,12 @@ pub struct Global {
     /// The nearest `leadscrew.toml`, in the folder of the program or above, is read first.
     #[arg(long, global = true, value_name = "FILE")]
     pub params: Vec<PathBuf>,
+    /// Tool table for programs that are read without a board: offsets, radius and tip come from it
+    ///
+    /// A board has a table of its own (`leadscrew tools`), and runs no program that was resolved with another. Without any
+    /// table the parameters 1221 to 1226, 9101 to 9132, 9201 to 9216 and 9301 to 9316 count.
+    #[arg(long, global = true, value_name = "FILE.toml")]
+    pub tools: Option<PathBuf>,
     /// One parameter, after all files: `182.7=1`, `1420.X=12000`, `rapid_rate.X=12m/min` (repeatable)
     ///
     /// A value without a unit has the one that `leadscrew params docs` prints.
@@ -257,6 +263,23 @@ pub enum Command {
         #[command(subcommand)]
         command: ParamsCommand,
     },
+    /// The tool table that a board keeps: geometry, wear, nose
+    #[command(after_help = examples::TOOLS)]
+    Tools {
+        /// What to do with it
+        #[command(subcommand)]
+        command: ToolsCommand,
+    },
+    /// The work offsets G54 to G59 and their shift, in the same table
+    #[command(after_help = examples::OFFSETS)]
+    Offsets {
+        /// What to do with them
+        #[command(subcommand)]
+        command: OffsetsCommand,
+    },
+    /// Touch off: a tool stands where the work has a known coordinate, and its geometry or the work offset follows
+    #[command(after_help = examples::TOUCH)]
+    Touch(Touch),
     /// One look at the board; with `sim`, at what the flash in `--state` remembers
     ///
     /// Without `--node` it names the other boards on the bus, too, which takes as long as they are silent at a time.
@@ -498,6 +521,149 @@ pub enum ParamsCommand {
     /// Bring a file of an older version of the table up to date
     #[command(after_help = examples::MIGRATE)]
     Migrate(Migrate),
+}
+
+/// `tools`.
+#[derive(Debug, Subcommand)]
+pub enum ToolsCommand {
+    /// Print the tools
+    List,
+    /// Print single values
+    Get {
+        /// `T1`, `T1.X`, `T1.wear.Z`, `T1.radius`
+        #[arg(required = true, value_name = "KEY")]
+        keys: Vec<String>,
+    },
+    /// Change single values
+    #[command(name = "set")]
+    Write(Assign),
+    /// Fetch the table, offsets included, as a file
+    Pull(PullTools),
+    /// Send files to a board: all or nothing; what they do not name stays
+    Push(PushTools),
+    /// Compare: the table with a file, or two files
+    Diff(DiffTools),
+}
+
+/// `offsets`.
+#[derive(Debug, Subcommand)]
+pub enum OffsetsCommand {
+    /// Print the offsets
+    List,
+    /// Print single values
+    Get {
+        /// `G54`, `G54.Z`, `shift.X`
+        #[arg(required = true, value_name = "KEY")]
+        keys: Vec<String>,
+    },
+    /// Change single values
+    #[command(name = "set")]
+    Write(Assign),
+}
+
+/// `tools set` and `offsets set`.
+#[derive(Args, Debug)]
+pub struct Assign {
+    /// Millimetres or with a unit, X in diameter; `+=` and `-=` add
+    #[arg(required = true, value_name = "KEY=VALUE")]
+    pub values: Vec<String>,
+    /// Do not ask where a wear changes by more than 1 mm
+    #[arg(long)]
+    pub yes: bool,
+}
+
+/// `tools pull`.
+#[derive(Args, Debug)]
+pub struct PullTools {
+    /// Where it goes; standard output where this is left out
+    #[arg(short, long, value_name = "FILE.toml")]
+    pub output: Option<PathBuf>,
+    /// Write over a file that is there already
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `tools push`.
+#[derive(Args, Debug)]
+pub struct PushTools {
+    /// Files, the later win
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Do not ask where a wear changes by more than 1 mm
+    #[arg(long)]
+    pub yes: bool,
+}
+
+/// `tools diff`.
+#[derive(Args, Debug)]
+pub struct DiffTools {
+    /// One: the table against it with the file; two: each by itself
+    #[arg(required = true, value_name = "FILE", num_args = 1..=2)]
+    pub files: Vec<PathBuf>,
+}
+
+/// `touch`.
+#[derive(Args, Debug)]
+pub struct Touch {
+    /// The axis
+    #[arg(value_enum, ignore_case = true)]
+    pub axis: AxisName,
+    /// Coordinate of the work where the tool touches: of X the measured diameter, of Z often 0
+    #[arg(value_name = "VALUE", allow_negative_numbers = true)]
+    pub value: Option<String>,
+    /// Offset number of the tool: its geometry is set and its wear becomes 0; with `--work` the tool that touches
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=32))]
+    pub tool: Option<u8>,
+    /// Set this work offset instead, by the known geometry of `--tool` (none: 0)
+    #[arg(long, value_enum, ignore_case = true, value_name = "G54")]
+    pub work: Option<SystemName>,
+    /// The work coordinate system that VALUE is of
+    #[arg(
+        long = "in",
+        value_enum,
+        ignore_case = true,
+        value_name = "G54",
+        default_value = "G54",
+        conflicts_with = "work"
+    )]
+    pub system: SystemName,
+    /// Remember where the axis stands: the next touch counts from there (cut, mark, move off, measure)
+    #[arg(long, conflicts_with_all = ["value", "tool", "work"])]
+    pub mark: bool,
+}
+
+/// An axis that is touched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AxisName {
+    /// X.
+    #[value(name = "X")]
+    X,
+    /// Z.
+    #[value(name = "Z")]
+    Z,
+}
+
+/// A work coordinate system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SystemName {
+    /// G54.
+    #[value(name = "G54")]
+    G54,
+    /// G55.
+    #[value(name = "G55")]
+    G55,
+    /// G56.
+    #[value(name = "G56")]
+    G56,
+    /// G57.
+    #[value(name = "G57")]
+    G57,
+    /// G58.
+    #[value(name = "G58")]
+    G58,
+    /// G59.
+    #[value(name = "G59")]
+    G59,
 }
 
 /// `params set`.

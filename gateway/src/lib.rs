@@ -37,5 +37,5 @@ pub mod variables;
 // Named once for the whole crate: `crate::words` here is `leadscrew_common::words`.
 use leadscrew_common::{
     diagnostics, failure, interrupt, json, number, output, params, place, program, replace, source,
-    state, values, words,
+    state, tools, values, words,
 };

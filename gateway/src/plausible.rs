@@ -10,6 +10,7 @@ use leadscrew_core::call::{
 };
 use leadscrew_core::cycle::GrooveCount;
 use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_core::offsets::{Offsets, Source};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Diameter, Length, StartAngle};
 use leadscrew_language::stock::Stock;
@@ -59,11 +60,15 @@ struct Cut {
 
 impl Plausible {
     /// A program for this machine that declares this stock.
-    pub fn new(params: &Params, stock: Option<&Stock>) -> Self {
+    pub fn new(params: &Params, offsets: Option<&Offsets>, stock: Option<&Stock>) -> Self {
+        let source = Source {
+            params,
+            table: offsets,
+        };
         Self {
             most: [Axis::X, Axis::Z].map(|axis| params.max_feed(axis).nm_per_min()),
             noses: (0..=99)
-                .map(|offset| params.nose_radius(offset).abs().nm())
+                .map(|offset| source.nose(offset).radius.abs().nm())
                 .collect(),
             remains: stock.map(Remains::new),
             ..Self::default()

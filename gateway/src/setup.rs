@@ -9,6 +9,7 @@ use leadscrew_core::call::Position;
 use leadscrew_core::cycle::Context;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::identity;
+use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Options;
 use leadscrew_core::signals::Signals;
@@ -19,7 +20,7 @@ use leadscrew_language::heading::Allowed;
 
 use crate::beside;
 use crate::cli::{DialectName, Drive, Global};
-use crate::commands::board;
+use crate::commands::board::{self, Base, Table};
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
 use crate::hole::Hole;
@@ -31,6 +32,7 @@ use crate::source::SourceFile;
 use crate::state::{StateFile, stored_set};
 use crate::synchronism::Synchronism;
 use crate::threads::Threads;
+use crate::tools;
 use crate::trace::Summary;
 use crate::variables::VariableFile;
 use crate::words::{self, both};
@@ -42,6 +44,8 @@ pub struct Setup<'a> {
     pub global: &'a Global,
     /// The machine's parameters.
     pub params: Params,
+    /// The table of offsets and tools; `None`: the parameters of old count.
+    pub offsets: Option<Offsets>,
     /// Language of messages.
     pub lang: Lang,
     /// The inputs at the start.
@@ -78,7 +82,7 @@ impl<'a> Setup<'a> {
     /// The same over a known set; `None`: the built-in machine.
     pub fn over(
         global: &'a Global,
-        base: Option<Params>,
+        base: Option<Base>,
         program: Option<&Path>,
         answer: Answer<'_>,
     ) -> Outcome<Self> {
@@ -95,7 +99,7 @@ impl<'a> Setup<'a> {
     /// A set in the flash of a simulated board is the board's own set, as on a real board [D107].
     fn of(
         global: &'a Global,
-        base: Option<Params>,
+        base: Option<Base>,
         last: Option<String>,
         program: Option<&Path>,
         answer: Answer<'_>,
@@ -112,7 +116,22 @@ impl<'a> Setup<'a> {
             Some((_, flash)) => stored_set(flash),
             None => None,
         };
+        let (base, table) = match base {
+            Some(base) => (Some(base.params), base.offsets),
+            None => (None, Table::Unknown),
+        };
         let base = base.or_else(|| stored.clone());
+        let tap = match &kept {
+            Some((state, flash)) => state.journal(flash)?,
+            None => None,
+        };
+        let table = match &kept {
+            // The way out of a hole needs no offsets: a damaged table does not keep a tap in it.
+            Some(_) if tap.is_some_and(|record| record.in_hole) => Table::Unknown,
+            Some((state, flash)) => Table::Board(state.offsets(flash)?.map(Box::new)),
+            None => table,
+        };
+        let offsets = offsets_of(global, table)?;
         let set: Vec<String> = global.set.iter().cloned().chain(last).collect();
         let machine = program.and_then(beside::find);
         let mut files = global.params.clone();
@@ -154,13 +173,10 @@ impl<'a> Setup<'a> {
                 file = words::path(path)
             )));
         }
-        let tap = match &kept {
-            Some((state, flash)) => state.journal(flash)?,
-            None => None,
-        };
         Ok(Self {
             global,
             params,
+            offsets,
             lang: global.lang(),
             signals: signals(global),
             colour: diagnostics::colour(),
@@ -187,12 +203,7 @@ impl<'a> Setup<'a> {
 
     /// Position of the drives at power-up.
     pub fn power_up(&self) -> Position {
-        let at = self.global.at.unwrap_or_default();
-        Position {
-            x: Length::from_nm(at.x_nm),
-            z: Length::from_nm(at.z_nm),
-            c: Angle::from_udeg(at.c_udeg),
-        }
+        power_up(self.global)
     }
 
     /// Start position of the tool. An axis with a tap in its hole stands at the bottom [D26].
@@ -226,13 +237,56 @@ impl<'a> Setup<'a> {
             dry_run: self.global.dry_run,
             position: self.start(),
             passes_machine_codes: self.global.bus == Address::Sim,
+            offsets: self.offsets,
             ..Options::default()
         }
+    }
+
+    /// The revision of the table that programs are resolved with; 0 where the parameters of old count.
+    pub fn revision(&self) -> Revision {
+        self.offsets
+            .map_or(Revision::default(), |table| table.revision)
     }
 
     /// The machine file beside the program, as it is shown.
     pub fn machine(&self) -> Option<String> {
         self.machine.as_deref().map(words::path)
+    }
+}
+
+/// Position of simulated drives at power-up.
+pub fn power_up(global: &Global) -> Position {
+    let at = global.at.unwrap_or_default();
+    Position {
+        x: Length::from_nm(at.x_nm),
+        z: Length::from_nm(at.z_nm),
+        c: Angle::from_udeg(at.c_udeg),
+    }
+}
+
+/// The table that programs are resolved with: the board's, or without a board that of `--tools`.
+fn offsets_of(global: &Global, known: Table) -> Outcome<Option<Offsets>> {
+    let file = match &global.tools {
+        Some(path) => Some((path, tools::read(path, global.lang())?)),
+        None => None,
+    };
+    match (known, file) {
+        (Table::Unknown, file) => Ok(file.map(|(_, table)| table)),
+        (Table::Board(board), None) => Ok(board.map(|table| *table)),
+        (Table::Board(board), Some((path, wanted))) => {
+            let same = board
+                .as_deref()
+                .is_some_and(|board| tools::changes(board, &wanted).is_empty());
+            if same {
+                return Ok(board.map(|table| *table));
+            }
+            let file = words::path(path);
+            Err(Failure::WrongBecause(both!(
+                "`--tools {file}` is not the tool table of the board: leave it out, or write it first (`leadscrew tools push \
+                 {file}`)",
+                "`--tools {file}` 与控制板的刀具表不同：请去掉该选项，或先写入（`leadscrew tools push {file}`）"
+            )))
+        }
     }
 }
 
@@ -258,6 +312,7 @@ fn signals(global: &Global) -> Signals {
 /// The parameters of the options, with all their mistakes reported. A mistake ends the command.
 pub fn load(global: &Global) -> Outcome<Loaded> {
     let base = board::base(global, Answer::Parameters)?;
+    let base = base.map(|base| base.params);
     let loaded = params::load_over(base, &global.params, &global.set, global.lang())?;
     told_good(global, loaded)
 }

@@ -188,7 +188,7 @@ impl Core<'_> {
     /// T of a block.
     fn call_tool(&mut self, number: u16) {
         self.tool = Some(number);
-        self.path.tool(number, self.params);
+        self.path.tool(number, self.interpreter.offsets());
     }
 
     /// Decimals to which a value of this letter's word is rounded, in inches or millimetres.
@@ -451,7 +451,9 @@ impl Acting<'_, '_> {
         let offset = called.or(core.tool).unwrap_or(0);
         let acts = !matches!(core.contour, Some((_, Some(_))));
         let unit = core.unit();
-        let taken = core.path.take(words, unit, acts, offset, core.params)?;
+        let taken = core
+            .path
+            .take(words, unit, acts, offset, core.interpreter.offsets())?;
         if let Some(warning) = taken.warning {
             (self.out)(warning);
         }

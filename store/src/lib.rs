@@ -23,7 +23,7 @@ pub use leadscrew_core::board::{Region, StoreError, StoreRequest};
 pub use patient::Patient;
 
 use embedded_storage::nor_flash::NorFlash;
-use leadscrew_core::board::{Held, PowerUp};
+use leadscrew_core::board::{Held, KeptOffsets, PowerUp};
 use leadscrew_core::params::Params;
 use sequential_storage::Error;
 use sequential_storage::cache::{Cache, Uncached};
@@ -96,15 +96,38 @@ impl<F: NorFlash> Store<F> {
     /// Reads what a board starts with; `built_in` makes what it has of its own. Behind [`recover`](Self::recover).
     #[inline(never)]
     pub fn power_up(&mut self, built_in: impl Fn() -> Params) -> PowerUp {
-        let (mut a, mut b) = ([0; BUFFER], [0; BUFFER]);
-        let mark = self.mark(&mut a);
-        let a = self.read(Region::ParametersA, &mut a);
-        let b = self.read(Region::ParametersB, &mut b);
-        PowerUp::of(built_in, held(&mark), a, b)
+        let mut up = begin(&built_in);
+        self.params(built_in, &mut up);
+        self.offsets(&mut up.offsets);
+        up
     }
 
-    fn mark(&mut self, buffer: &mut [u8; BUFFER]) -> Result<Option<Few>, StoreError> {
-        let bytes = self.read(Region::ParametersMark, buffer)?;
+    // The buffers of each are on the stack while it reads, and not longer.
+
+    #[inline(never)]
+    fn offsets(&mut self, offsets: &mut KeptOffsets) {
+        let (mut a, mut b) = ([0; BUFFER], [0; BUFFER]);
+        let mark = self.mark(Region::OffsetsMark, &mut a);
+        let a = self.read(Region::OffsetsA, &mut a);
+        let b = self.read(Region::OffsetsB, &mut b);
+        offsets.take(held(&mark), a, b);
+    }
+
+    #[inline(never)]
+    fn params(&mut self, built_in: impl Fn() -> Params, up: &mut PowerUp) {
+        let (mut a, mut b) = ([0; BUFFER], [0; BUFFER]);
+        let mark = self.mark(Region::ParametersMark, &mut a);
+        let a = self.read(Region::ParametersA, &mut a);
+        let b = self.read(Region::ParametersB, &mut b);
+        up.take(built_in, held(&mark), a, b);
+    }
+
+    fn mark(
+        &mut self,
+        region: Region,
+        buffer: &mut [u8; BUFFER],
+    ) -> Result<Option<Few>, StoreError> {
+        let bytes = self.read(region, buffer)?;
         Ok(bytes.map(|bytes| bytes.first_chunk().copied().unwrap_or_default()))
     }
 
@@ -129,6 +152,12 @@ impl<F: NorFlash> Store<F> {
     pub fn into_flash(self) -> F {
         self.map.destroy().0.into_inner()
     }
+}
+
+// A function of its own: the copy that it makes is not on the stack while the regions are read.
+#[inline(never)]
+fn begin(built_in: &impl Fn() -> Params) -> PowerUp {
+    PowerUp::given(&built_in())
 }
 
 /// A mark by itself, so that the buffer it came in is free again.

@@ -9,6 +9,7 @@ use leadscrew_core::bus::{
 };
 use leadscrew_core::call::Call;
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, encode_call};
+use leadscrew_core::offsets::Revision;
 use leadscrew_core::operating::OperatingMode;
 
 use crate::transfer::Transfer;
@@ -169,6 +170,8 @@ impl Gateway {
 #[derive(Debug)]
 pub struct Upload {
     program: u32,
+    /// The table of offsets that it names.
+    pub offsets: Revision,
     calls: std::collections::VecDeque<Vec<u8>>,
     next: u32,
     /// The most calls of a batch. Small batches make many transfers.
@@ -190,6 +193,7 @@ impl Upload {
             .collect();
         Self {
             program,
+            offsets: Revision::default(),
             calls,
             next: 0,
             most: u32::MAX,
@@ -221,7 +225,7 @@ impl Upload {
     /// The next batch that fits into `credit`; `None` where no call fits.
     #[must_use]
     pub fn batch(&self, credit: u16) -> Option<(Vec<u8>, u32)> {
-        let mut writer = BatchWriter::new(self.program, self.next);
+        let mut writer = BatchWriter::new(self.program, self.offsets, self.next);
         let mut used = 0;
         for call in &self.calls {
             used += call.len();

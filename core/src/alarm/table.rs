@@ -1009,6 +1009,28 @@ codes! {
     DriveCobId = 4458, "drive {0}: {1} would be {2}, and the board uses {3}", "write {3}, or leave it out: a drive has it by itself; its number is 9015, or 9016 for spindle 1",
         "驱动器 {0}：{1} 为 {2}，而控制板使用 {3}", "请写 {3}，或不写（驱动器默认即为此值）；节点号由 9015 给出，1 号主轴为 9016";
 
+    // -- 4580–4589 offsets and tools: offsets/, board/ ------------------------------------------------------------------
+    /// A table comes while a program is under way, held, or about to begin.
+    OffsetsAtWork = 4580, "offsets and tools do not change while a program is under way or held", "let the program end, or reset it; then write again",
+        "程序运行或保持期间不能修改偏置和刀具数据", "请等程序结束或复位，然后重新写入";
+    /// A program or a change that was made with another revision; {0} its revision, {1} the board's.
+    OffsetsOtherRevision = 4581, "this was made with revision {0} of the tool table, and the board has revision {1}", "somebody has changed offsets or tools meanwhile: look at them, then begin again",
+        "此操作基于刀具表修订号 {0}，而控制板的修订号为 {1}", "期间有人修改了偏置或刀具数据：请查看后重新开始";
+    /// A value out of its range, or finer than 0.1 µm; {0} its record.
+    OffsetsOutOfRange = 4582, "record {0} of the tool table (1 to 32 tools, 54 to 59 work offsets, 0 the shift) has a value out of its range; nothing has been written",
+        "geometry up to 9999.9999 mm, wear up to 99.9999 mm, radius 0 to 99.9999 mm, work offsets up to 99999.9999 mm, tip 0 to 9, station 0 to 32; in steps of 0.0001 mm",
+        "刀具表记录 {0}（1 至 32 为刀具，54 至 59 为工件零点，0 为平移）的值超出范围；未写入任何内容",
+        "几何值不超过 9999.9999 mm，磨损不超过 99.9999 mm，半径 0 至 99.9999 mm，工件零点不超过 99999.9999 mm，刀尖方向 0 至 9，刀位 0 至 32；最小单位 0.0001 mm";
+    /// The newest stored table is damaged, or of another layout; {0} the revision that is in force instead.
+    OffsetsDamaged = 4583, "the newest tool table that the board has stored cannot be read; revision {0} is in force, and no program runs with it",
+        "look at the table (`leadscrew tools list`), correct it, and write it again (`leadscrew tools push FILE`)",
+        "控制板中最新的刀具表无法读取；当前为修订号 {0}，不能用它运行程序", "请查看刀具表（`leadscrew tools list`），改正后重新写入（`leadscrew tools push FILE`）";
+    /// A table that could not be stored.
+    OffsetsNotStored = 4584, "the tool table could not be stored; the one before stays in force", "check the board's storage, then write it again",
+        "刀具表未能保存；之前的刀具表仍然有效", "请检查控制板的存储器，然后重新写入";
+    /// Bytes that are no table, or a commit of a table that is not staged.
+    OffsetsIncomplete = 4585, "this is no whole tool table, or not the one that was staged: it has not been taken", "send it again; use the program and the board of one release",
+        "刀具表不完整，或与暂存的不同：未采用", "请重新发送；程序与控制板应为同一版本";
     // -- 4500–4599 operating: board/ ---------------------------------------------------------------------------------
     /// A request that the present mode does not let in: the mode that is needed, and the present one.
     WrongMode = 4501, "this needs the machine in mode {0}, and it is in mode {1}", "change the mode first (`leadscrew mode {0}`), while the machine stands",
@@ -1222,8 +1244,8 @@ codes! {
         "M99 使主程序重新开始：此处只执行一遍", "无需处理；程序结束处请写 M30";
 
     /// G41 or G42 with a tool whose radius is zero; {0} the number of the offset.
-    NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set parameters 9201 to 9216 (radius) and 9301 to 9316 (tip direction) for this tool, and call the tool before it",
-        "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请为该刀具设定参数 9201…9216（半径）和 9301…9316（刀尖方向），并先调用刀具";
+    NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set radius and tip direction of this tool (`leadscrew tools set T{0}.radius=0.4 T{0}.tip=3`, without a tool table parameters 9201 to 9216 and 9301 to 9316), and call the tool before it",
+        "{0} 号刀具的刀尖半径为 0：按程序轨迹加工", "请设定该刀具的半径和刀尖方向（`leadscrew tools set T{0}.radius=0.4 T{0}.tip=3`；无刀具表时为参数 9201…9216 和 9301…9316），并先调用刀具";
 
     /// M99 in the main program, in a run.
     MainBeginsAgain = 4996, "M99 begins the main program again and again", "Ctrl-C brings the machine to a stop, and `--passes 20` ends the run after 20 passes; write M30 where the program is to end",
@@ -1268,6 +1290,9 @@ codes! {
     /// The set is stored, and the mark that would tell of its damage is not.
     ParametersUnmarked = 4973, "the parameter set is stored; the note which set is the newest could not be stored", "check the board's storage, then write the set again",
         "参数集已保存，但未能记下哪一份最新", "请检查控制板的存储器，然后重新写入参数集";
+    /// The table is stored, and the mark that would tell of its damage is not.
+    OffsetsUnmarked = 4974, "the tool table is stored; the note which one is the newest could not be stored", "check the board's storage, then write the table again",
+        "刀具表已保存，但未能记下哪一份最新", "请检查控制板的存储器，然后重新写入刀具表";
     /// A speed beyond what a setpoint can step: axis, tick in µs.
     RapidBeyondTick = 4964, "in one tick of {1} µs {0} cannot go as far as its rapid rate (1420.{0}) asks, and moves slower",
         "make the tick (9000) shorter, or lower 1420.{0}",

@@ -13,6 +13,7 @@
 //!
 //! Pure: bytes in, a decision out. Knows nothing of flash, of writing, or of the bus.
 
+use super::kept_offsets::KeptOffsets;
 use super::store::{Region, StoreError};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::checksum::crc32;
@@ -42,13 +43,49 @@ impl Slot {
             Self::B => Self::A,
         }
     }
+}
 
-    /// The region of the storage.
-    #[must_use]
-    pub const fn region(self) -> Region {
+/// What is kept in two places with a mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kept {
+    /// Parameter sets.
+    Parameters,
+    /// Tables of offsets and tools.
+    Offsets,
+}
+
+impl Kept {
+    /// The region of a place.
+    pub const fn region(self, slot: Slot) -> Region {
+        match (self, slot) {
+            (Self::Parameters, Slot::A) => Region::ParametersA,
+            (Self::Parameters, Slot::B) => Region::ParametersB,
+            (Self::Offsets, Slot::A) => Region::OffsetsA,
+            (Self::Offsets, Slot::B) => Region::OffsetsB,
+        }
+    }
+
+    /// The region of the mark.
+    pub const fn mark(self) -> Region {
         match self {
-            Self::A => Region::ParametersA,
-            Self::B => Region::ParametersB,
+            Self::Parameters => Region::ParametersMark,
+            Self::Offsets => Region::OffsetsMark,
+        }
+    }
+
+    /// Why a change ends whose bytes could not be stored.
+    pub const fn not_stored(self) -> Code {
+        match self {
+            Self::Parameters => Code::ParametersNotStored,
+            Self::Offsets => Code::OffsetsNotStored,
+        }
+    }
+
+    /// The warning where they are stored and their mark is not.
+    pub const fn unmarked(self) -> Code {
+        match self {
+            Self::Parameters => Code::ParametersUnmarked,
+            Self::Offsets => Code::OffsetsUnmarked,
         }
     }
 }
@@ -201,6 +238,18 @@ pub enum Found {
 }
 
 impl Found {
+    /// The state as a number: 5011h:04.
+    #[must_use]
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Newest => 0,
+            Self::Nothing => 1,
+            Self::Older => 2,
+            Self::Lost => 3,
+            Self::Foreign { .. } => 4,
+        }
+    }
+
     /// The alarm that forbids motion; `None` where motion is allowed.
     #[must_use]
     pub fn alarm(self) -> Option<Alarm> {
@@ -260,6 +309,8 @@ pub struct PowerUp {
     pub params: Params,
     /// The state of the storage.
     pub found: Found,
+    /// The table of offsets and tools.
+    pub offsets: KeptOffsets,
     pub(super) shelved: Shelved,
 }
 
@@ -270,23 +321,35 @@ impl PowerUp {
         Self {
             params: params.clone(),
             found: Found::Newest,
+            offsets: KeptOffsets::default(),
             shelved: Shelved::default(),
         }
     }
 
-    /// Decides from the contents of the regions. `built_in` makes the board's built-in set.
+    /// Decides from the contents of the regions. `built_in` makes the board's built-in set. No table of offsets is known.
     #[must_use]
     pub fn of(built_in: impl Fn() -> Params, mark: Held<'_>, a: Held<'_>, b: Held<'_>) -> Self {
-        let mut up = Self {
-            params: built_in(),
-            found: Found::Newest,
-            shelved: Shelved::default(),
-        };
-        let places = [Place::of(a, &mut up.params), Place::of(b, &mut up.params)];
-        (up.shelved, up.found) = decide(mark, places);
-        let source = match up.found {
-            Found::Newest => up.shelved.stored,
-            Found::Older => up.shelved.before,
+        let mut up = Self::given(&built_in());
+        up.take(built_in, mark, a, b);
+        up
+    }
+
+    /// The same in place: a chip's stack has no room for copies [D146].
+    pub fn take(
+        &mut self,
+        built_in: impl Fn() -> Params,
+        mark: Held<'_>,
+        a: Held<'_>,
+        b: Held<'_>,
+    ) {
+        let places = [
+            Place::of(a, &mut self.params),
+            Place::of(b, &mut self.params),
+        ];
+        (self.shelved, self.found) = decide(mark, places);
+        let source = match self.found {
+            Found::Newest => self.shelved.stored,
+            Found::Older => self.shelved.before,
             Found::Nothing | Found::Lost | Found::Foreign { .. } => None,
         };
         let held = match source {
@@ -297,15 +360,15 @@ impl PowerUp {
         let loaded = held
             .ok()
             .flatten()
-            .is_some_and(|bytes| KeptSet::decode(bytes, &mut up.params).is_ok());
+            .is_some_and(|bytes| KeptSet::decode(bytes, &mut self.params).is_ok());
         if !loaded {
-            up.params = built_in();
+            self.params = built_in();
         }
-        up
     }
 }
 
-fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
+/// What the contents of two places and of their mark mean.
+pub(super) fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
     let unmarked = mark == Ok(None);
     let mark = mark.ok().flatten().and_then(Mark::decode);
     let number = [a.number(), b.number(), mark.map(|mark| mark.0)];
@@ -350,7 +413,7 @@ fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
 
 /// Content of one of the two places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+pub(super) enum Place {
     Empty,
     Damaged,
     Foreign { number: u32, schema: u16, key: u32 },

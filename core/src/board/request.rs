@@ -6,6 +6,7 @@
 use super::kept::{KeptSet, Mark};
 use super::store::{Region, copy};
 use crate::journal::TapRecord;
+use crate::offsets::image::{self, Image};
 
 impl Region {
     /// The most bytes of a region.
@@ -17,7 +18,8 @@ impl Region {
         match self {
             Self::TapJournal => TapRecord::BYTES,
             Self::ParametersA | Self::ParametersB => KeptSet::BYTES,
-            Self::ParametersMark => Mark::BYTES,
+            Self::OffsetsA | Self::OffsetsB => image::BYTES,
+            Self::ParametersMark | Self::OffsetsMark => Mark::BYTES,
         }
     }
 }
@@ -44,6 +46,7 @@ pub struct StoreRequest<'a> {
 pub(super) enum Content<'a> {
     Tap([u8; TapRecord::BYTES]),
     Set(KeptSet<'a>),
+    Table(&'a Image),
     Mark([u8; Mark::BYTES]),
 }
 
@@ -54,6 +57,7 @@ impl StoreRequest<'_> {
         let length = match &self.content {
             Content::Tap(bytes) => copy(bytes, into),
             Content::Mark(bytes) => copy(bytes, into),
+            Content::Table(bytes) => copy(*bytes, into),
             Content::Set(set) => set.fill(into),
         };
         into.get(..length).unwrap_or_default()

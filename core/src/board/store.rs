@@ -13,15 +13,24 @@ pub enum Region {
     ParametersB,
     /// The number of the newest of the two sets. It shows when that set is lost.
     ParametersMark,
+    /// A table of offsets and tools; this region and the next are used in turn.
+    OffsetsA,
+    /// The other region for a table.
+    OffsetsB,
+    /// The revision of the newest of the two tables.
+    OffsetsMark,
 }
 
 impl Region {
     /// All regions.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 7] = [
         Self::TapJournal,
         Self::ParametersA,
         Self::ParametersB,
         Self::ParametersMark,
+        Self::OffsetsA,
+        Self::OffsetsB,
+        Self::OffsetsMark,
     ];
 
     /// Its number in a storage; never reused for another region.
@@ -32,6 +41,9 @@ impl Region {
             Self::ParametersA => 2,
             Self::ParametersB => 3,
             Self::ParametersMark => 4,
+            Self::OffsetsA => 5,
+            Self::OffsetsB => 6,
+            Self::OffsetsMark => 7,
         }
     }
 }

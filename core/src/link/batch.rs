@@ -4,7 +4,7 @@
 //! repeated batch and a missing batch. A call is never split.
 //!
 //! ```text
-//! version · program · first · call · call · …        all postcard
+//! version · program · revision of the offsets · first · call · call · …        all postcard
 //! ```
 
 use heapless::Vec;
@@ -12,6 +12,7 @@ use heapless::Vec;
 use super::reader::{Reader, Take};
 use super::{LinkError, VERSION, Version, bounds};
 use crate::call::Call;
+use crate::offsets::Revision;
 
 /// Size of the longest batch.
 pub const BATCH_BYTES: usize = 512;
@@ -41,13 +42,13 @@ pub struct BatchWriter {
 }
 
 impl BatchWriter {
-    /// An empty batch of `program` that begins with its call number `first`.
+    /// An empty batch of `program`, resolved with this table of offsets, that begins with its call number `first`.
     #[must_use]
-    pub fn new(program: u32, first: u32) -> Self {
+    pub fn new(program: u32, offsets: Revision, first: u32) -> Self {
         let mut bytes = Vec::new();
         // The head is far shorter than a batch.
         let mut head = [0; 32];
-        if let Ok(head) = postcard::to_slice(&(VERSION, program, first), &mut head) {
+        if let Ok(head) = postcard::to_slice(&(VERSION, program, offsets.0, first), &mut head) {
             let _ = bytes.extend_from_slice(head);
         }
         Self { bytes, count: 0 }
@@ -104,6 +105,8 @@ pub fn decode_call(bytes: &[u8]) -> Result<(Call, usize), LinkError> {
 pub struct Batch<'a> {
     /// Number of the program.
     pub program: u32,
+    /// The table of offsets that the program was resolved with.
+    pub offsets: Revision,
     /// Number of the batch's first call in the program.
     pub first: u32,
     rest: &'a [u8],
@@ -121,9 +124,11 @@ impl<'a> Batch<'a> {
         if reader.rest().is_some() && version != VERSION {
             return Err(BatchError::Version(version));
         }
-        let (program, first) = (u32::take(&mut reader), u32::take(&mut reader));
+        let (program, offsets) = (u32::take(&mut reader), u32::take(&mut reader));
+        let first = u32::take(&mut reader);
         Ok(Self {
             program,
+            offsets: Revision(offsets),
             first,
             rest: reader.rest().ok_or(BatchError::Malformed)?,
             at: 0,

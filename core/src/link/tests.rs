@@ -13,6 +13,7 @@ use crate::call::{
     TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapReturn,
     TapSpindle, ThreadCall, ThreadCycle,
 };
+use crate::offsets::Revision;
 use crate::params::Params;
 use crate::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
@@ -167,7 +168,7 @@ fn calls_come_back_equal_and_the_longest_fits() {
     // The longest possible call, alone in a batch.
     assert!(longest > 200, "{longest}");
     assert!(longest <= CALL_BYTES, "{longest}");
-    let mut batch = BatchWriter::new(u32::MAX, u32::MAX);
+    let mut batch = BatchWriter::new(u32::MAX, Revision(0), u32::MAX);
     assert!(batch.bytes().len() + CALL_BYTES <= BATCH_BYTES);
     let bytes = encode_call(&call(CallKind::Thread(thread()))).unwrap();
     batch.push(&bytes).unwrap();
@@ -183,7 +184,7 @@ fn a_batch_gives_its_calls_and_their_bytes() {
     ]
     .map(call)
     .to_vec();
-    let mut writer = BatchWriter::new(7, 41);
+    let mut writer = BatchWriter::new(7, Revision(0), 41);
     for call in &calls {
         writer.push(&encode_call(call).unwrap()).unwrap();
     }
@@ -204,7 +205,7 @@ fn a_batch_gives_its_calls_and_their_bytes() {
 
 #[test]
 fn a_batch_of_another_version_is_not_looked_at_further() {
-    let mut bytes = Vec::from(BatchWriter::new(1, 0).bytes());
+    let mut bytes = Vec::from(BatchWriter::new(1, Revision(0), 0).bytes());
     // The number is one byte; the key is the four bytes after it.
     bytes[1] ^= 0xFF;
     let other = Version {
@@ -342,7 +343,7 @@ fn what_no_program_can_say_is_refused() {
     ];
     for (kind, expected) in cases {
         let bad = call(kind);
-        let mut batch = BatchWriter::new(0, 0);
+        let mut batch = BatchWriter::new(0, Revision(0), 0);
         batch
             .push(&encode_call(&call(CallKind::Over)).unwrap())
             .unwrap();
@@ -443,7 +444,7 @@ fn noise_never_panics_and_never_gives_a_call_beyond_its_bounds() {
     let mut state = 1_u64;
     let mut calls = 0;
     for _ in 0..50_000 {
-        let mut bytes = Vec::from(BatchWriter::new(0, 0).bytes());
+        let mut bytes = Vec::from(BatchWriter::new(0, Revision(0), 0).bytes());
         let head = bytes.len();
         for _ in 0..80 {
             state ^= state << 13;

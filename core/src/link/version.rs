@@ -21,9 +21,10 @@ pub struct Version {
     pub key: u32,
 }
 
-/// The version of this build. Since 2, [`Status::signals`] has the board's mirrored bits above its signals [D164].
+/// The version of this build. Since 2, [`Status::signals`] has the board's mirrored bits above its signals [D164]; since
+/// 3, a batch names the revision of the offsets.
 pub const VERSION: Version = Version {
-    number: 2,
+    number: 3,
     key: key(),
 };
 

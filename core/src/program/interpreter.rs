@@ -6,6 +6,7 @@ use super::state::State;
 use crate::alarm::{Alarm, Code, Span};
 use crate::call::{Call, CallKind, Position, ThreadCycle};
 use crate::cycle::rigid_code;
+use crate::offsets::Source;
 use crate::params::Params;
 use crate::text::{
     Block, Comment, Cursor, Dialect, Ended, Event, Known, MGroup, Options, Plan, m_code,
@@ -41,6 +42,12 @@ impl<'p> Interpreter<'p> {
             failed: false,
             closed: false,
         }
+    }
+
+    /// What offsets are read from.
+    #[must_use]
+    pub const fn offsets(&self) -> Source<'_> {
+        self.state.modal.offsets()
     }
 
     /// Takes in one line, with or without its line ending, and hands what it yields to `out`. `line` is its number in

@@ -5,6 +5,7 @@ use super::options::{Dialect, Options};
 use super::scale::{Range, Scale};
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{FeedRate, LengthUnit, Position, SurfaceSpeed};
+use crate::offsets::Source;
 use crate::params::Params;
 use crate::units::{Angle, Diameter, Feed, FeedPerTurn, Length, Rpm};
 
@@ -78,13 +79,19 @@ impl<'p> Modal<'p> {
         modal
     }
 
+    /// What offsets are read from.
+    pub(crate) const fn offsets(&self) -> Source<'_> {
+        Source {
+            params: self.params,
+            table: self.options.offsets.as_ref(),
+        }
+    }
+
     /// The work zero of the coordinate system, shift and offset in force.
     pub(crate) fn place_origin(&mut self) {
-        let [x, z] = self.params.work_offset(self.system);
-        let [tool_x, tool_z] = match self.offset {
-            0 => [Length::ZERO; 2],
-            number => self.params.tool_offset(number),
-        };
+        let source = self.offsets();
+        let [x, z] = source.zero(self.system);
+        let [tool_x, tool_z] = source.tool(self.offset);
         self.origin = Position {
             x: x + self.shift.x + tool_x,
             z: z + self.shift.z + tool_z,

@@ -1,6 +1,7 @@
 //! The options for reading a program, set by the operator's panel or the command line.
 
 use crate::call::Position;
+use crate::offsets::Offsets;
 
 /// The family of controls that gives its meaning to a word which both families have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -31,4 +32,6 @@ pub struct Options {
     pub passes_machine_codes: bool,
     /// Where the machine stands before the first block.
     pub position: Position,
+    /// The table of offsets and tools; without one the parameters of old count.
+    pub offsets: Option<Offsets>,
 }

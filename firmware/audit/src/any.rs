@@ -23,6 +23,8 @@ use leadscrew_core::call::{
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::moves::{Move, MoveKind, TapMove, ThreadMove};
+use leadscrew_core::offsets::Offsets;
+use leadscrew_core::offsets::image::BYTES;
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Dialect, Options, Way};
@@ -138,7 +140,7 @@ records! {
     TapRecord { sequence in_hole hole position angle }
     ThreadMove { lead change pass_angle angle_udeg long_x part last rpm }
     EncoderSample { count edge_age_ns index }
-    Options { dialect skip optional_stop dry_run per_turn limits_every_speed passes_machine_codes position }
+    Options { dialect skip optional_stop dry_run per_turn limits_every_speed passes_machine_codes position offsets }
     DriveCommand { control target }
     DriveStatus { status actual }
     SpindleCommand { mode velocity }
@@ -365,6 +367,13 @@ impl Any for Move {
             kind: any(),
             tag: None,
         }
+    }
+}
+
+impl Any for Offsets {
+    fn any() -> Self {
+        let bytes: [u8; BYTES] = any();
+        Self::decode(&bytes).unwrap_or_default()
     }
 }
 

@@ -181,6 +181,29 @@ Examples:
   leadscrew params migrate old.toml                what would change
   leadscrew params migrate old.toml -o new.toml";
 
+pub(super) const TOOLS: &str = "\
+Examples:
+  leadscrew tools list --bus can0
+  leadscrew tools set T1.radius=0.4 T1.tip=3 --bus can0
+  leadscrew tools set T1.wear.X-=0.02 --bus can0     the part came out 0.02 too large
+  leadscrew tools pull -o tools.toml --bus can0      to edit, and to push again
+  leadscrew tools diff tools.toml --bus can0         what pushing it would change
+  leadscrew tools push tools.toml --bus can0
+  leadscrew check part.nc --tools tools.toml         without a board";
+
+pub(super) const OFFSETS: &str = "\
+Examples:
+  leadscrew offsets list --bus can0
+  leadscrew offsets set G54.Z=-400 --bus can0
+  leadscrew offsets set shift.Z+=0.5 --bus can0";
+
+pub(super) const TOUCH: &str = "\
+Examples:
+  leadscrew touch X --mark --bus can0               behind a cut; then move off and measure
+  leadscrew touch X 38.42 --tool 1 --bus can0       the diameter that was cut
+  leadscrew touch Z 0 --tool 1 --bus can0           the tool stands at the face
+  leadscrew touch Z 0 --work G54 --tool 1 --bus can0";
+
 pub(super) const COMPLETIONS: &str = "\
 Examples:
   leadscrew completions bash > ~/.local/share/bash-completion/completions/leadscrew

@@ -11,6 +11,7 @@ mod retract;
 pub mod run;
 mod simulate;
 mod status;
+mod tools;
 mod unavailable;
 
 use leadscrew_can::Address;
@@ -27,6 +28,9 @@ pub fn dispatch(cli: &Cli) -> Outcome {
     match &cli.command {
         Command::Completions { shell } => completions::print(*shell),
         Command::Params { command } => params::run(&cli.global, command),
+        Command::Tools { command } => tools::tools(&cli.global, command),
+        Command::Offsets { command } => tools::offsets(&cli.global, command),
+        Command::Touch(args) => tools::touch(&cli.global, args),
         Command::Check(args) => check::run(&cli.global, args),
         Command::Expand(args) => {
             let jsonl = args.format == Some(Format::Jsonl);

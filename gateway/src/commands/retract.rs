@@ -68,7 +68,11 @@ fn on_board(global: &Global, wish: Wish) -> Outcome {
     let source = text(record.as_ref(), wish);
     if global.dry_run {
         let status = link.status()?;
-        let mut setup = Setup::over(global, Some(params), None, Answer::Moves { jsonl: false })?;
+        let base = board::Base {
+            params,
+            offsets: board::Table::Unknown,
+        };
+        let mut setup = Setup::over(global, Some(base), None, Answer::Moves { jsonl: false })?;
         setup.position = Some(status.position);
         setup.tap = record;
         return show(global, &setup, &source);

@@ -6,6 +6,7 @@ use leadscrew_core::board::device::objects::{BATCH, CREDIT};
 use leadscrew_core::bus::Abort;
 use leadscrew_core::call::Call;
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, CallBytes, encode_call};
+use leadscrew_core::offsets::Revision;
 
 use super::{Link, LinkResult};
 
@@ -16,6 +17,8 @@ const WAITING: usize = 64;
 #[derive(Debug)]
 pub struct Feed {
     program: u32,
+    /// The table of offsets that it was resolved with.
+    offsets: Revision,
     /// Number of the first waiting call.
     next: u32,
     waiting: VecDeque<CallBytes>,
@@ -24,11 +27,12 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// A program with a number that differs from the last one.
+    /// A program with a number that differs from the last one, resolved with this table of offsets.
     #[must_use]
-    pub const fn new(program: u32) -> Self {
+    pub const fn new(program: u32, offsets: Revision) -> Self {
         Self {
             program,
+            offsets,
             next: 0,
             waiting: VecDeque::new(),
             credit: None,
@@ -81,7 +85,7 @@ impl Feed {
             self.credit = usize::try_from(credit).ok();
         }
         let credit = self.credit.unwrap_or(0);
-        let mut batch = BatchWriter::new(self.program, self.next);
+        let mut batch = BatchWriter::new(self.program, self.offsets, self.next);
         let mut used = 0;
         for call in &self.waiting {
             if used + call.len() > credit || batch.bytes().len() + call.len() > BATCH_BYTES {

@@ -18,6 +18,7 @@ mod board;
 mod feed;
 mod hold;
 mod inside;
+mod offsets;
 mod operate;
 mod params;
 mod presence;
@@ -43,6 +44,7 @@ use round_trip::RoundTrip;
 pub use board::BoardParams;
 pub use feed::Feed;
 pub use inside::Inside;
+pub use offsets::BoardOffsets;
 pub use traffic::Traffic;
 pub use trouble::{LinkResult, Trouble, reason};
 

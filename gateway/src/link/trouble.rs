@@ -103,6 +103,13 @@ pub enum Trouble {
         /// The reason, if the board tells it.
         reason: Option<Alarm>,
     },
+    /// The board refuses a change of its offsets and tools or cannot store it.
+    Offsets {
+        /// The number.
+        node: u8,
+        /// The reason, if the board tells it.
+        reason: Option<Alarm>,
+    },
     /// The board has accepted a change of its parameters and does not tell the result.
     Unsettled {
         /// The number.
@@ -150,6 +157,7 @@ fn object_name(object: Object) -> Both {
         0x5001 => both!("status", "状态"),
         0x5002 => both!("operation by hand", "手动操作"),
         0x5010 => both!("parameter set", "参数集"),
+        0x5011 => both!("offsets and tools", "偏置与刀具"),
         0x5020 => both!("program", "程序"),
         0x5030 => both!("tap journal", "攻丝记录"),
         0x5040 => both!("event log", "事件日志"),
@@ -416,6 +424,23 @@ impl Trouble {
                     zh = why.zh
                 )
             }
+            Self::Offsets { node, reason } => {
+                let why = reason.as_ref().map_or_else(
+                    || {
+                        both!(
+                            "it gives no reason; try again, and look at `leadscrew status`",
+                            "它没有给出原因；请重试，并查看 `leadscrew status`"
+                        )
+                    },
+                    alarm_words,
+                );
+                both!(
+                    "node {node} has not taken the offsets and tools, and nothing has been changed: {en}",
+                    "节点 {node} 未接受偏置与刀具数据，未作任何改动：{zh}",
+                    en = why.en,
+                    zh = why.zh
+                )
+            }
             Self::Unsettled {
                 node,
                 restarted: true,
@@ -469,7 +494,7 @@ impl Trouble {
 impl From<Trouble> for Failure {
     fn from(trouble: Trouble) -> Self {
         match trouble {
-            Trouble::Parameters { .. } | Trouble::Refused { .. } => {
+            Trouble::Parameters { .. } | Trouble::Offsets { .. } | Trouble::Refused { .. } => {
                 Self::WrongBecause(trouble.words())
             }
             _ => Self::Bus(trouble.words()),

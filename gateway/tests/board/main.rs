@@ -4,6 +4,7 @@ mod long;
 #[path = "../../../tests/src/long_program.rs"]
 mod long_program;
 mod nmt;
+mod offsets;
 mod params;
 mod passes;
 mod server;

@@ -116,5 +116,6 @@ mod strokes;
 mod subprograms;
 mod taps;
 mod texts;
+mod tools;
 mod usage;
 mod variables;

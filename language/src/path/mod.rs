@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::call::{ArcCall, Call, CallKind, FeedRate, Position};
-use leadscrew_core::params::Params;
+use leadscrew_core::offsets::{self, Source};
 use leadscrew_core::program::Event;
 
 use crate::nose::{Nose, Side};
@@ -87,9 +87,9 @@ impl Path {
         self.suspended = suspended;
     }
 
-    /// The tool of offset `number`: its nose is that of the parameters.
-    pub fn tool(&mut self, number: u16, params: &Params) {
-        self.nose = nose_of(number, params);
+    /// The tool of offset `number`: its nose is that of the table, or of the parameters.
+    pub fn tool(&mut self, number: u16, offsets: Source<'_>) {
+        self.nose = nose_of(number, offsets);
     }
 
     /// Takes an event of the core through the corners; what leaves them goes to `each`.
@@ -163,12 +163,10 @@ impl Path {
 }
 
 /// The nose of the tool with this offset number, or of none.
-fn nose_of(number: u16, params: &Params) -> Nose {
+fn nose_of(number: u16, offsets: Source<'_>) -> Nose {
     let number = u8::try_from(number % 100).unwrap_or(0);
-    Nose {
-        radius: params.nose_radius(number),
-        tip: params.nose_direction(number) as u8,
-    }
+    let offsets::Nose { radius, tip } = offsets.nose(number);
+    Nose { radius, tip }
 }
 
 /// Where a motion in a straight line or an arc ends.

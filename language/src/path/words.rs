@@ -1,7 +1,7 @@
 //! The words that ask for a side of the path or for a corner. The core does not know them.
 
 use leadscrew_core::alarm::{Alarm, Arg, Code};
-use leadscrew_core::params::Params;
+use leadscrew_core::offsets::Source;
 use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
 
@@ -32,7 +32,7 @@ impl Path {
         unit: Unit,
         acts: bool,
         offset: u16,
-        params: &Params,
+        offsets: Source<'_>,
     ) -> Result<Taken, Alarm> {
         let mut taken = Taken {
             words: Vec::with_capacity(words.len()),
@@ -50,7 +50,7 @@ impl Path {
                 }
                 if acts {
                     self.side = side;
-                    if side != Side::None && nose_of(offset, params).radius == Length::ZERO {
+                    if side != Side::None && nose_of(offset, offsets).radius == Length::ZERO {
                         let number = [Arg::Int(i64::from(offset % 100))];
                         let warning = word.alarm(Code::NoseRadiusMissing).with(number);
                         taken.warning = Some(Event::Warning(warning));
@@ -67,7 +67,9 @@ impl Path {
                     return Err(word.alarm(Code::CornerTooLong));
                 }
                 let corner = match word.letter {
-                    Word::CHAMFER_L if !params.corner_l_by_legs() => Corner::ChamferLine(size),
+                    Word::CHAMFER_L if !offsets.params.corner_l_by_legs() => {
+                        Corner::ChamferLine(size)
+                    }
                     Word::CHAMFER | Word::CHAMFER_L | Word::CHAMFER_TOWARD => Corner::Chamfer(size),
                     _ => Corner::Round(size),
                 };

@@ -66,7 +66,7 @@ impl Core<'_> {
             5023 => c as f64 / 1e6,
             5221..=5322 => {
                 let (system, axis) = ((number - 5221) / 20, (number - 5221) % 20);
-                let [x, z] = self.params.work_offset(system as u8);
+                let [x, z] = self.interpreter.offsets().work(system as u8);
                 match axis {
                     0 => self.shown(x) * 2.0,
                     1 => self.shown(z),

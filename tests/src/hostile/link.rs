@@ -4,6 +4,7 @@ use leadscrew_core::cycle::{Context, expand};
 use leadscrew_core::link::{
     self, Batch, EventReader, ImageReader, ImageWriter, Status, bounds, encode_call, encode_event,
 };
+use leadscrew_core::offsets::Revision;
 use leadscrew_core::params::Params;
 
 /// The first byte chooses the message.
@@ -41,7 +42,7 @@ pub fn link(data: &[u8]) {
 
 /// Calls after a right head, so that the calls are reached.
 fn calls(message: &[u8]) {
-    let mut bytes = link::BatchWriter::new(1, 0).bytes().to_vec();
+    let mut bytes = link::BatchWriter::new(1, Revision(0), 0).bytes().to_vec();
     bytes.extend_from_slice(message);
     let batch = Batch::new(&bytes).expect("a right head");
     for (call, taken) in batch.map_while(Result::ok) {

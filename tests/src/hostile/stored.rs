@@ -4,6 +4,7 @@ use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::{Found, KeptSet, Mark, PowerUp};
 use leadscrew_core::journal::TapRecord;
+use leadscrew_core::offsets::Offsets;
 use leadscrew_core::params::Params;
 use leadscrew_store::{BUFFER, Region, Store};
 
@@ -43,6 +44,9 @@ fn set(bytes: &[u8]) {
     let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes);
     summed.extend(sum.to_le_bytes());
     for bytes in [bytes, &summed] {
+        if let Ok(table) = Offsets::decode(bytes) {
+            assert_eq!(table.encode().as_ref().map(|image| &image[..]), Ok(bytes));
+        }
         if let Ok(number) = KeptSet::decode(bytes, &mut params) {
             assert!(params.validate().is_ok());
             let mut again = [0; KeptSet::BYTES];

@@ -4,6 +4,7 @@ mod by_hand;
 mod kept;
 mod network;
 mod objects;
+mod offsets;
 mod parameters;
 mod position;
 mod programs;

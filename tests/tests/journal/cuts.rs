@@ -8,7 +8,7 @@ use leadscrew_store::{BUFFER, Region, Store, StoreError};
 use leadscrew_tests::random::Random;
 
 /// Writes until every page has been erased once and the first is being filled again.
-const WRITES: u32 = 2 * 120;
+const WRITES: u32 = 240;
 
 /// Entry `sequence` of a hole that is pecked.
 fn entry(sequence: u32) -> TapRecord {

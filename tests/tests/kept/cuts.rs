@@ -5,25 +5,27 @@ use core::time::Duration;
 
 use leadscrew_board_sim::plant::{Flash, Tear};
 use leadscrew_core::board::device::CommitState;
+use leadscrew_core::board::device::objects::{COMMIT_OFFSETS, STAGED_OFFSETS};
 use leadscrew_core::board::{Board, Region};
 use leadscrew_core::bus::{Object, SdoDownload, SdoProtocol};
+use leadscrew_core::offsets::image::sum;
 use leadscrew_core::params::Entry;
 use leadscrew_store::{BUFFER, Store};
 use leadscrew_tests::gateway::NODE;
 use leadscrew_tests::random::Random;
 
-use super::flash::{in_force, note, noted, power_up, set};
+use super::flash::{in_force, note, noted, offsets_in_force, power_up, set, table};
 
 /// Changes until every page has been erased more than once.
 const CHANGES: u32 = 14;
 
 /// A board without a machine around it, which stands.
-struct Bench {
+pub struct Bench {
     board: Board,
 }
 
 impl Bench {
-    fn new(flash: &mut Flash) -> Self {
+    pub fn new(flash: &mut Flash) -> Self {
         let up = power_up(flash);
         let mut board = Board::power_up(&up, None, None).expect("a set that works");
         board.join(NODE).expect("there is room on the bus");
@@ -31,13 +33,23 @@ impl Bench {
     }
 
     /// Asks for a set over the bus. It is not stored by that.
-    fn ask(&mut self, number: u32) {
+    pub fn ask(&mut self, number: u32) {
         let offset = Entry::find_text("1221.Z").expect("a work offset");
         let data = set(number).get(offset).to_le_bytes();
-        let object = Object::new(0x2000 + 1221, 2);
+        self.write(Object::new(0x2000 + 1221, 2), &data);
+    }
+
+    /// Asks for a table of offsets over the bus.
+    pub fn ask_offsets(&mut self, revision: u32) {
+        let image = table(revision).encode().expect("within its ranges");
+        self.write(STAGED_OFFSETS, &image);
+        self.write(COMMIT_OFFSETS, &sum(&image).to_le_bytes());
+    }
+
+    fn write(&mut self, object: Object, data: &[u8]) {
         let (now, patience) = (Duration::ZERO, Duration::from_secs(1));
         let protocol = SdoProtocol::Segmented;
-        let mut transfer = SdoDownload::new(NODE, object, &data, protocol, patience, now);
+        let mut transfer = SdoDownload::new(NODE, object, data, protocol, patience, now);
         while transfer.outcome().is_none() {
             while let Some(frame) = transfer.poll(now) {
                 assert!(!self.board.receive(&frame), "for the board");
@@ -52,7 +64,7 @@ impl Bench {
 
     /// Carries out what the board asks to store, with an entry of the journal after each write. Returns true if everything
     /// is stored, and the number of the newest entry that may be there.
-    fn store(&mut self, flash: &mut Flash, mut sequence: u32) -> (bool, u32) {
+    pub fn store(&mut self, flash: &mut Flash, mut sequence: u32) -> (bool, u32) {
         let mut whole = true;
         while let Some(request) = self.board.store() {
             let region = request.region;
@@ -145,7 +157,7 @@ fn a_cut_at_every_byte_leaves_the_old_set_or_the_new_one() {
     assert!(cuts >= 150_000 / stride as u32, "{cuts}");
 }
 
-/// Power that goes again and again, also in the repair; sets and entries in no order.
+/// Power that goes again and again, also in the repair; sets, tables and entries in no order.
 #[test]
 fn cuts_upon_cuts_lose_nothing() {
     leadscrew_seed::volume(11, |seed| {
@@ -155,7 +167,7 @@ fn cuts_upon_cuts_lose_nothing() {
         for round in 0..rounds {
             let mut flash = Flash::erased();
             flash.set_tear(Tear::ALL[round % Tear::ALL.len()]);
-            let (mut stored, mut newest) = (None, 0);
+            let (mut stored, mut tables, mut newest) = (None, 0, 0);
             for _ in 0..100 {
                 for _ in 0..random.within(0, 12) {
                     newest += 1;
@@ -163,7 +175,12 @@ fn cuts_upon_cuts_lose_nothing() {
                 }
                 let number = stored.unwrap_or(0) + 1;
                 let mut bench = Bench::new(&mut flash);
-                bench.ask(number);
+                let of_offsets = random.chance(40);
+                if of_offsets {
+                    bench.ask_offsets(tables + 1);
+                } else {
+                    bench.ask(number);
+                }
                 if random.chance(60) {
                     flash.cut_after(random.within(0, 5000) as u32);
                 }
@@ -185,12 +202,18 @@ fn cuts_upon_cuts_lose_nothing() {
                 }
                 flash.power(true);
                 let found = in_force(&mut flash);
+                let may = [stored, if of_offsets { stored } else { Some(number) }];
                 assert!(
-                    found == stored || found == Some(number),
+                    may.contains(&found),
                     "round {round}: {found:?} where {stored:?} was stored"
                 );
-                assert!(!whole || found == Some(number));
+                assert!(!whole || found == may[1]);
                 stored = found;
+                let table = offsets_in_force(&mut flash);
+                let may = [tables, tables + u32::from(of_offsets)];
+                assert!(may.contains(&table), "round {round}: {table} of {may:?}");
+                assert!(!whole || table == may[1]);
+                tables = table;
                 let entry = noted(&mut flash).unwrap_or(0);
                 assert!((newest..=most).contains(&entry));
                 newest = entry;

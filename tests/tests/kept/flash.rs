@@ -5,6 +5,7 @@ use leadscrew_core::board::{Found, PowerUp, Region, StoreError};
 use leadscrew_core::call::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::link::identity;
+use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Store};
@@ -77,6 +78,32 @@ pub fn in_force(flash: &mut Flash) -> Option<u32> {
         }
         wrong => panic!("{wrong:?}"),
     }
+}
+
+/// Table number so many of the offsets: told apart by the geometry of a tool.
+pub fn table(revision: u32) -> Offsets {
+    let mut table = Offsets {
+        revision: Revision(revision),
+        ..Offsets::default()
+    };
+    table.tools[31].geometry.z = Length::from_nm(i64::from(revision) * 100);
+    table
+}
+
+/// The revision of the offsets that are in force; 0: none was ever stored.
+///
+/// # Panics
+/// Where it is no whole table of these tests, or the board says that something is wrong.
+pub fn offsets_in_force(flash: &mut Flash) -> u32 {
+    let up = power_up(flash).offsets;
+    let found = Offsets::decode(&up.table).expect("a whole table");
+    let revision = found.revision.0;
+    match up.found {
+        Found::Nothing => assert_eq!(found, Offsets::default()),
+        Found::Newest => assert_eq!(found, table(revision)),
+        wrong => panic!("{wrong:?}"),
+    }
+    revision
 }
 
 /// Which of the sets this is, if it is one.

@@ -1,4 +1,4 @@
-//! What the board stores: the tap journal's entries and parameter sets. The owner has the storage.
+//! What the board stores: the tap journal's entries, parameter sets and tables of offsets. The owner has the storage.
 
 use super::{Background, BackgroundSide};
 use crate::board::kept::Held;
@@ -61,9 +61,7 @@ impl BackgroundSide<'_> {
                     self.ends.order(orders, Order::Stored(sequence, result));
                 }
             }
-            Region::ParametersA | Region::ParametersB | Region::ParametersMark => {
-                self.state.device.has_stored(region, result);
-            }
+            _ => self.state.device.has_stored(region, result),
         }
         self.carry_out();
     }

@@ -99,6 +99,11 @@ impl ObjectValues {
         encode_alarm(self.parameter_store.reason(), &mut self.buffer).map_err(|_| Abort::Internal)
     }
 
+    pub(super) fn offsets_refusal(&mut self) -> Result<usize, Abort> {
+        let reason = self.offset_store.shelf.reason();
+        encode_alarm(reason, &mut self.buffer).map_err(|_| Abort::Internal)
+    }
+
     pub(super) fn staged_changes(&mut self, params: &Params) -> Result<usize, Abort> {
         encode_changes(params, &self.draft, &mut self.buffer).map_err(|_| Abort::OutOfMemory)
     }

@@ -1,15 +1,16 @@
 //! A change of the parameter set: who may begin it, how it is put together, and its result.
 //!
 //! The change is put together in the draft and checked as a whole. The
-//! [`ParameterStore`](super::parameter_store::ParameterStore) does the rest. Must not know how a value travels.
+//! [`Shelf`](super::shelf::Shelf) does the rest. Must not know how a value travels.
 
 use super::dictionary;
-use super::parameter_store::Progress;
+use super::shelf::{Progress, Write};
 use super::table::{LOAD, SAVE};
 use super::values::ObjectValues;
 use crate::alarm::{Alarm, Arg, Code};
+use crate::board::kept::KeptSet;
 use crate::board::nodes::DriveNodes;
-use crate::board::request::StoreRequest;
+use crate::board::request::{Content, StoreRequest};
 use crate::board::store::{Region, StoreError};
 use crate::bus::Abort;
 use crate::link::Event;
@@ -36,7 +37,8 @@ impl ObjectValues {
     pub(super) fn admit(&mut self, params: &Params, change: Change) -> Result<(), Abort> {
         // The last value cannot be repeated after another change.
         self.wrote = None;
-        if !self.snapshot.is_at_rest() || self.program_buffer.awaits_more() || self.is_changing() {
+        let under_way = !self.snapshot.is_at_rest() || self.program_buffer.awaits_more();
+        if under_way || self.is_changing() || self.offset_store.shelf.is_busy() {
             return self.refuse(Code::ParametersAtWork, Abort::State);
         }
         // A set that was loaded for communication only cannot be changed by single values: it must be replaced as a whole.
@@ -251,27 +253,47 @@ impl ObjectValues {
         })
     }
 
-    /// See [`ParameterStore::loaded`](super::parameter_store::ParameterStore::loaded). The set was good when it was stored,
-    /// but the board may have had another number then.
+    /// The content of the region that was to be read. A set becomes the draft. It was good when it was stored, but the
+    /// board may have had another number then.
     pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
-        let progress = self.parameter_store.loaded(held, &mut self.draft);
-        if self.parameter_store.is_busy()
-            && let Err(alarm) = DriveNodes::of(&self.draft).spare(self.node)
-        {
-            self.parameter_store.give_up(&alarm);
+        if !self.parameter_store.awaits_content() {
+            return;
         }
-        self.go_on(progress);
+        let bytes = held.ok().flatten().unwrap_or_default();
+        if KeptSet::decode(bytes, &mut self.draft).is_err() {
+            let progress = self.parameter_store.fail(Code::ParametersLost);
+            self.go_on(progress);
+        } else if let Err(alarm) = DriveNodes::of(&self.draft).spare(self.node) {
+            self.parameter_store.give_up(&alarm);
+        } else {
+            self.parameter_store.begin();
+        }
     }
 
-    /// See [`ParameterStore::store`](super::parameter_store::ParameterStore::store).
+    /// The next write for the storage, once.
     pub fn store(&mut self) -> Option<StoreRequest<'_>> {
-        self.parameter_store.store(&self.draft)
+        let (region, content) = match self.parameter_store.store() {
+            Some(Write::Draft(region, number)) => {
+                let params = &self.draft;
+                (region, Content::Set(KeptSet { number, params }))
+            }
+            Some(Write::Mark(region, mark)) => (region, Content::Mark(mark)),
+            None => return self.store_offsets(),
+        };
+        Some(StoreRequest { region, content })
     }
 
-    /// See [`ParameterStore::has_stored`](super::parameter_store::ParameterStore::has_stored).
+    /// The write has been done, or has failed.
     pub fn has_stored(&mut self, region: Region, result: Result<(), StoreError>) {
-        let progress = self.parameter_store.has_stored(region, result, &self.draft);
+        let draft = &self.draft;
+        let progress = self
+            .parameter_store
+            .has_stored(region, result, || identity(draft));
         self.go_on(progress);
+        let progress = self.has_stored_offsets(region, result);
+        if let Some(warning) = progress.warning {
+            self.warn(warning);
+        }
     }
 
     fn go_on(&mut self, progress: Progress) {

@@ -13,7 +13,7 @@
 //! - A program comes in small batches (5020h) and waits, encoded, in [`PROGRAM_BYTES`]; after `run` its calls go to the
 //!   planner one by one [D98]. TPDO1 tells how many bytes fit, so a program of any size goes through [D99].
 //! - Parameters (2000h, 5010h) are staged, checked as a set, stored, and come into force all or none, with a restart of
-//!   the application [D101], [D116].
+//!   the application [D101], [D116]. Offsets and tools (5011h) are stored the same way, and nothing restarts.
 //!
 //! The owner gives the device every frame that is not a drive's, every event, and a snapshot of the tick side as often as
 //! possible. It takes commands, a changed parameter set and frames from the device. [`Board`](super::Board) does this for
@@ -30,21 +30,23 @@ mod log;
 mod mode;
 mod obey;
 pub mod objects;
+mod offset_store;
 mod operating;
-mod parameter_store;
 mod program_buffer;
 mod protection;
 mod recorder;
 mod ring;
 mod served;
+mod shelf;
 mod steps;
 mod table;
 mod tell;
 mod threads;
 mod values;
 
-pub use parameter_store::CommitState;
+pub use offset_store::UNMARKED;
 pub use program_buffer::PROGRAM_BYTES;
+pub use shelf::CommitState;
 pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 
 use heapless::Deque;
@@ -69,6 +71,7 @@ use crate::bus::{
 use crate::call::Call;
 use crate::link::Event;
 use crate::link::ThreadCertificate;
+use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
@@ -133,7 +136,8 @@ impl Device {
 
     /// Takes the result of power-up. Call it once, before the device joins.
     pub fn power_up(&mut self, up: &PowerUp) {
-        self.values.parameter_store.power_up(up);
+        self.values.parameter_store.power_up(up.found, up.shelved);
+        self.values.offset_store.power_up(&up.offsets);
     }
 
     /// The state of the stored parameters, at power-up or after a later decision. The tick side withholds motion
@@ -143,10 +147,17 @@ impl Device {
         self.values.parameter_store.found()
     }
 
-    /// True while a change of the parameter set is being stored, or waits for its owner. No call goes to the planner.
+    /// True while a change of the parameter set, or of offsets, is being stored, or waits for its owner. No call goes to
+    /// the planner.
     #[must_use]
     pub fn is_changing(&self) -> bool {
-        self.values.is_changing()
+        self.values.is_changing() || self.values.offset_store.shelf.is_busy()
+    }
+
+    /// The image of the table of offsets and tools in force.
+    #[must_use]
+    pub const fn offsets(&self) -> &Image {
+        &self.values.offset_store.in_force
     }
 
     /// How the last change of the parameter set ended: 5010h:02.
@@ -354,8 +365,8 @@ impl Device {
             self.values.program_buffer.close();
         }
         // A set that is being stored comes into force while the machine stands.
-        let worked = !self.values.is_changing() && self.values.program_buffer.hand_over(offer);
-        if self.restarts && snapshot.is_at_rest() && !self.values.is_changing() {
+        let worked = !self.is_changing() && self.values.program_buffer.hand_over(offer);
+        if self.restarts && snapshot.is_at_rest() && !self.is_changing() {
             self.restart(params);
         }
         if !self.has_joined() {

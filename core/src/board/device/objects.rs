@@ -288,6 +288,25 @@ objects! {
         bytes |values, params| values.staged_changes(params);
     COMMIT = item(0x5010, 11, "checksum: commit the staged set", U32, Write),
         set |values, value, params| values.commit(value, params);
+    OFFSETS = item(0x5011, 1, "image", Domain, Read),
+        bytes |_, _| Err(Abort::Internal)?;
+    OFFSETS_STATE = item(0x5011, 2, "state of the last change", U8, Read),
+        get |values, _| values.offset_store.shelf.state() as u8;
+    OFFSETS_REVISION = item(0x5011, 3, "last revision given", U32, Read),
+        get |values, _| values.offset_store.shelf.number();
+    OFFSETS_FOUND = item(0x5011, 4, "what was found at power-up", U8, Read),
+        get |values, _| values.offset_store.shelf.found().number();
+    OFFSETS_REFUSAL = item(0x5011, 5, "why the last change was refused", Domain, Read),
+        bytes |values, _| values.offsets_refusal();
+    STAGED_OFFSETS = item(0x5011, 6, "image to be staged", Domain, Write);
+    COMMIT_OFFSETS = item(0x5011, 7, "checksum: commit the staged image", U32, Write),
+        set |values, value, _| values.commit_offsets(value);
+    MARK_X = item(0x5011, 8, "marked position of X", I32, Both),
+        get |values, _| values.offset_store.marks[0],
+        set |values, value, _| values.mark_position(0, value);
+    MARK_Z = item(0x5011, 9, "marked position of Z", I32, Both),
+        get |values, _| values.offset_store.marks[1],
+        set |values, value, _| values.mark_position(1, value);
     BATCH = item(0x5020, 1, "batch of calls", Domain, Write);
     LINK_VERSION = with(item(0x5020, 2, "version of the link", U64, Const), Value::Link);
     PROGRAM = item(0x5020, 3, "program", U32, Read),

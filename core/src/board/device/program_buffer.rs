@@ -15,6 +15,7 @@ use super::ring::Ring;
 use crate::bus::Abort;
 use crate::call::{Call, CallKind};
 use crate::link::{Batch, BatchError, CALL_BYTES, decode_call};
+use crate::offsets::Revision;
 
 /// Bytes of program that a board keeps ahead of its planner: four of the longest batches, or more than a hundred short
 /// moves.
@@ -36,6 +37,8 @@ enum Phase {
 pub struct ProgramBuffer {
     phase: Phase,
     program: u32,
+    /// The table of offsets that it was resolved with.
+    offsets: Revision,
     /// Number of the next call.
     next: u32,
     /// The end of the program is in the memory.
@@ -51,6 +54,7 @@ impl ProgramBuffer {
             ring: Ring::new(),
             phase: Phase::Closed,
             program: 0,
+            offsets: Revision(0),
             next: 0,
             ended: false,
         }
@@ -59,6 +63,11 @@ impl ProgramBuffer {
     /// The last program.
     pub const fn program(&self) -> u32 {
         self.program
+    }
+
+    /// The table of offsets that it was resolved with.
+    pub const fn offsets(&self) -> Revision {
+        self.offsets
     }
 
     /// True where its calls wait for `run`.
@@ -153,6 +162,7 @@ impl ProgramBuffer {
             self.ring.clear();
             self.phase = Phase::Loading;
             self.program = batch.program;
+            self.offsets = batch.offsets;
         }
         let mut at = batch.first;
         for (_, bytes) in batch.flatten() {
@@ -225,7 +235,7 @@ mod tests {
     }
 
     fn batch(program: u32, first: u32, calls: &[Call]) -> Vec<u8> {
-        let mut writer = BatchWriter::new(program, first);
+        let mut writer = BatchWriter::new(program, Revision(0), first);
         for call in calls {
             writer.push(&encode_call(call).unwrap()).unwrap();
         }

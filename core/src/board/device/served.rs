@@ -1,16 +1,17 @@
 //! The objects as an SDO server sees them: values by object, in pieces.
 //!
 //! A value is put together in one buffer before a read and after a write. So a value cannot change in the middle of a
-//! transfer, and a write has no effect before its end. Only the parameter image is longer than the buffer: it is made and
-//! taken value by value.
+//! transfer, and a write has no effect before its end. Two images are longer than the buffer: that of the parameters is
+//! made and taken value by value, that of the offsets has buffers of its own.
 
 use super::change::Change;
 use super::dictionary::{Access, Kind, Place, find};
-use super::objects::{BATCH, IMAGE, STAGED_IMAGE};
+use super::objects::{BATCH, IMAGE, OFFSETS, STAGED_IMAGE, STAGED_OFFSETS};
 use super::values::ObjectValues;
 use crate::board::store::copy;
 use crate::bus::{Abort, Object, Objects};
 use crate::link::{BATCH_BYTES, ImageReader, ImageWriter};
+use crate::offsets::image as offsets;
 use crate::params::Params;
 
 /// True for the parameter set as a whole, while it is written.
@@ -33,6 +34,9 @@ impl Objects for Served<'_> {
         if object == IMAGE {
             return Ok(ImageWriter::BYTES);
         }
+        if object == OFFSETS {
+            return Ok(offsets::BYTES as u32);
+        }
         let values = &mut *self.values;
         let length = match (place.kind(), place) {
             (Kind::Text, Place::Row(row)) => copy(row.text().as_bytes(), &mut values.buffer),
@@ -53,11 +57,12 @@ impl Objects for Served<'_> {
             return Ok(ImageWriter::new(params).read(offset, into));
         }
         let start = usize::try_from(offset).unwrap_or(usize::MAX);
-        let bytes = self
-            .values
-            .buffer
-            .get(start..self.values.length)
-            .unwrap_or(&[]);
+        let whole = if object == OFFSETS {
+            Some(&self.values.offset_store.in_force[..])
+        } else {
+            self.values.buffer.get(..self.values.length)
+        };
+        let bytes = whole.and_then(|whole| whole.get(start..)).unwrap_or(&[]);
         Ok(copy(bytes, into))
     }
 
@@ -73,11 +78,15 @@ impl Objects for Served<'_> {
             values.admit(self.params, Change::Whole)?;
             values.image = ImageReader::new();
         }
+        if object == STAGED_OFFSETS {
+            values.admit_offsets()?;
+        }
         let Some(size) = size else { return Ok(()) };
         let fixed = place.kind().bytes();
         let most = match fixed {
             Some(bytes) => bytes as u32,
             None if is_image(object) => ImageWriter::BYTES,
+            None if object == STAGED_OFFSETS => offsets::BYTES as u32,
             None => BATCH_BYTES as u32,
         };
         if size > most {
@@ -94,6 +103,9 @@ impl Objects for Served<'_> {
         if is_image(object) {
             let taken = values.image.take(bytes, &mut values.draft);
             return taken.or_else(|error| values.refuse_image(error));
+        }
+        if object == STAGED_OFFSETS {
+            return values.offset_store.write(offset, bytes);
         }
         let start = usize::try_from(offset).unwrap_or(usize::MAX);
         let end = start.saturating_add(bytes.len());
@@ -116,6 +128,9 @@ impl Objects for Served<'_> {
             } else {
                 values.look_and_stage(self.params)
             };
+        }
+        if object == STAGED_OFFSETS {
+            return values.stage_offsets(length);
         }
         if object == BATCH {
             let snapshot = &values.snapshot;

@@ -84,6 +84,7 @@ pub static GROUPS: &[Group] = &[
     group(0x5001, "Status"),
     group(0x5002, "Operation by hand"),
     group(0x5010, "Parameter set"),
+    group(0x5011, "Offsets and tools"),
     group(0x5020, "Program"),
     group(0x5030, "Tap journal"),
     group(0x5040, "Event log"),

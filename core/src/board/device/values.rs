@@ -6,14 +6,16 @@ use heapless::Deque;
 
 use super::log::Log;
 use super::mode::Request;
+use super::offset_store::OffsetStore;
 use super::operating::Operating;
-use super::parameter_store::ParameterStore;
 use super::program_buffer::ProgramBuffer;
 use super::protection::WriteProtection;
 use super::recorder::RunRecorder;
+use super::shelf::Shelf;
 use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Command;
+use crate::board::kept::Kept;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::bus::{
@@ -77,7 +79,9 @@ pub struct ObjectValues {
     /// 1001h and 1003h.
     pub emcy: EmcyProducer<{ HISTORY as usize }>,
     /// The stored sets and the change under way.
-    pub parameter_store: ParameterStore,
+    pub parameter_store: Shelf,
+    /// The table of offsets and tools.
+    pub offset_store: OffsetStore,
     pub snapshot: Snapshot,
     /// Commands for the tick, in order.
     pub commands: Deque<Command, COMMANDS>,
@@ -188,7 +192,8 @@ impl ObjectValues {
             commands: Deque::new(),
             signals: None,
             drops_tap: false,
-            parameter_store: ParameterStore::default(),
+            parameter_store: Shelf::new(Kept::Parameters),
+            offset_store: OffsetStore::new(),
             protection: WriteProtection::default(),
             staged: false,
             named: false,
@@ -232,6 +237,7 @@ impl ObjectValues {
         let command = match order {
             Order::Run => {
                 self.let_in(Request::Run)?;
+                self.same_offsets()?;
                 // A program is dropped together with the parameters for which it was sent.
                 if self.is_changing() || !self.program_buffer.run() {
                     return Err(Alarm::of(Code::NothingToRun, &[]));
@@ -265,6 +271,20 @@ impl ObjectValues {
         };
         self.command(command);
         Ok(())
+    }
+
+    /// A waiting program runs with the table of offsets that it was resolved with. With a tap in its hole only the way out can
+    /// move, and no offset counts for it.
+    fn same_offsets(&self) -> Result<(), Alarm> {
+        if self.offset_store.shelf.is_busy() {
+            return Err(Alarm::of(Code::OffsetsAtWork, &[]));
+        }
+        let in_hole = self.snapshot.tap.is_some_and(|tap| tap.in_hole);
+        if in_hole || !self.program_buffer.is_loading() {
+            return Ok(());
+        }
+        let refused = self.offset_store.refuses(self.program_buffer.offsets());
+        refused.map_or(Ok(()), Err)
     }
 
     /// A warning without figures, for the event log.

@@ -81,6 +81,7 @@ fn options(random: &mut Random) -> Options {
         per_turn: random.below(8) == 0,
         limits_every_speed: random.below(4) == 0,
         position: at(500_000, 100_000),
+        offsets: None,
     }
 }
 

@@ -3,15 +3,35 @@
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_board_sim::{Sim, SimError};
 use leadscrew_can::Address;
+use leadscrew_core::offsets::Offsets;
 use leadscrew_core::params::Params;
 
 use super::open;
 use crate::cli::Global;
+use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::link::{Inside, Link};
-use crate::setup::{Answer, Setup, alone_in};
+use crate::setup::{self, Answer, Setup, alone_in};
 use crate::state::{StateFile, stored_set};
 use crate::words::{Both, both};
+
+/// What files and options are laid over.
+#[derive(Clone, Debug)]
+pub struct Base {
+    /// The parameters.
+    pub params: Params,
+    /// The offsets and tools.
+    pub offsets: Table,
+}
+
+/// What is known of a board's table of offsets and tools.
+#[derive(Clone, Debug)]
+pub enum Table {
+    /// Nothing: it was not asked.
+    Unknown,
+    /// This; `None` where it has none.
+    Board(Option<Box<Offsets>>),
+}
 
 /// A board that has been greeted. Nothing is known of it but that it is one, with this program's parameter table.
 #[derive(Debug)]
@@ -86,6 +106,16 @@ impl Machine {
         Greeted::meet(global)?.read()
     }
 
+    /// Its table of offsets and tools, for programs.
+    ///
+    /// # Errors
+    /// The board does not answer, or has a damaged table.
+    pub fn table(&mut self) -> Outcome<Table> {
+        let resolving = self.link.offsets()?.resolving();
+        let table = resolving.map_err(|alarm| Failure::WrongBecause(alarm_words(&alarm)))?;
+        Ok(Table::Board(table.map(Box::new)))
+    }
+
     /// What a simulated board has stored is in its file.
     ///
     /// # Errors
@@ -128,7 +158,7 @@ fn keep(inside: Option<&(Inside, StateFile, Flash)>) -> Outcome {
 fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
     let told = |error: SimError| {
         let reason = match error {
-            SimError::Board(alarm) => crate::diagnostics::alarm_words(&alarm),
+            SimError::Board(alarm) => alarm_words(&alarm),
             SimError::Plant(error) => Both::same(format!("{error:?}")),
         };
         Failure::WrongBecause(both!(
@@ -138,7 +168,11 @@ fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
             zh = reason.zh
         ))
     };
-    let mut sim = Sim::power_up(&Params::slant_bed(), &PlantOptions::default(), flash)
+    let options = PlantOptions {
+        at: setup::power_up(global),
+        ..PlantOptions::default()
+    };
+    let mut sim = Sim::power_up(&Params::slant_bed(), &options, flash)
         .map(Box::new)
         .map_err(told)?;
     sim.join(global.board()?)
@@ -152,13 +186,26 @@ fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
 ///
 /// # Errors
 /// No bus, no board, another version; a file that is no flash; files or options that are wrong over whatever set.
-pub fn base(global: &Global, answer: Answer<'_>) -> Outcome<Option<Params>> {
+pub fn base(global: &Global, answer: Answer<'_>) -> Outcome<Option<Base>> {
     alone_in(global, &global.params, &global.set, answer)?;
     if global.bus == Address::Sim {
         let Some(path) = &global.state else {
             return Ok(None);
         };
-        return Ok(stored_set(&StateFile::new(path).load_or_new()?));
+        // The flash itself is read with it, and has the offsets.
+        let stored = stored_set(&StateFile::new(path).load_or_new()?);
+        return Ok(stored.map(|params| Base {
+            params,
+            offsets: Table::Unknown,
+        }));
     }
-    Ok(Some(Machine::meet(global)?.params))
+    let mut machine = Machine::meet(global)?;
+    let offsets = match answer {
+        Answer::Parameters => Table::Unknown,
+        _ => machine.table()?,
+    };
+    Ok(Some(Base {
+        params: machine.params,
+        offsets,
+    }))
 }

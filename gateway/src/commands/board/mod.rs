@@ -16,7 +16,7 @@ use crate::link::Link;
 use crate::words::pick;
 
 pub use by_hand::{jog, mode};
-pub use machine::{Greeted, Machine, base};
+pub use machine::{Base, Greeted, Machine, Table, base};
 pub use monitor::monitor;
 pub use operate::{levels, order, signal};
 pub use run::{no_figures, run};

@@ -47,6 +47,8 @@ ignored. So is a set that cannot work as a whole; `leadscrew params validate` te
 with both numbers, and `leadscrew params migrate FILE` shows what has changed and, with `-o`, writes a new file. What stands
 under `[drive.X]` goes to the drive itself (at the end of this page).
 
+Offsets and noses (1221 to 1226, 9101 to 9132, 9201 to 9216, 9301 to 9316) count only where there is no [tool table](tools.md).
+
 X: travel, speeds, accelerations and limits are those of the slide, on the radius. Offsets are diameters, as they are
 programmed. Speeds and limits of C are in degrees.
 ";
@@ -68,6 +70,8 @@ acceleration.Z = \"3 m/s²\"
 
 文件开头的 `schema = N` 说明它属于哪一版参数表；`params pull` 写出的文件带有它。其它版本的文件会被拒绝并指出两个版本号，
 `leadscrew params migrate FILE` 显示有何变化，加 `-o` 则写出新文件。`[drive.X]` 下的内容写入驱动器本身（见本页末尾）。
+
+偏置与刀尖参数（1221 至 1226、9101 至 9132、9201 至 9216、9301 至 9316）只在没有[刀具表](tools.md)时有效。
 
 X 轴：行程、速度、加速度和极限均按滑板（半径值）计；偏置按编程为直径值。C 轴的速度和极限以度为单位。
 ";

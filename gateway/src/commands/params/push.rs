@@ -154,6 +154,7 @@ fn replace(link: &mut Link, wanted: &Params, password: Option<u32>) -> Outcome<O
     drive::check_setpoints(link, &[], &old, wanted)?;
     link.commit(wanted)?;
     done.changes = changes(&old, wanted);
+    note_offsets(link, &mut done)?;
     Ok(Some(done))
 }
 
@@ -186,6 +187,7 @@ fn carry_out(
     };
     drive::check_periods(link, &wanted.drives, &old, &wanted.params)?;
     drive::check_setpoints(link, &wanted.drives, &old, &wanted.params)?;
+    note_offsets(link, &mut done)?;
     if global.dry_run || done.changes.is_empty() && done.drives.is_empty() {
         return Ok(done);
     }
@@ -228,6 +230,19 @@ fn carry_out(
     bar.finish_and_clear();
     machine.params.clone_from(&wanted.params);
     Ok(done)
+}
+
+/// Says where a change of old offsets has no effect: the board has a table of its own.
+fn note_offsets(link: &mut Link, done: &mut Done) -> Outcome {
+    let old = |change: &Change| matches!(change.entry.no, 1221..=1226 | 9101..=9132 | 9201..=9216 | 9301..=9316);
+    if done.changes.iter().any(old) && link.offsets_revision()?.0 != 0 {
+        done.notes.push(both!(
+            "note: the board has a tool table, which counts; parameters 1221 to 1226, 9101 to 9132, 9201 to 9216 and 9301 to \
+             9316 have no effect (`leadscrew tools`, `leadscrew offsets`)",
+            "注意：控制板有刀具表，以刀具表为准；参数 1221 至 1226、9101 至 9132、9201 至 9216、9301 至 9316 不起作用（`leadscrew tools`、`leadscrew offsets`）"
+        ));
+    }
+    Ok(())
 }
 
 /// A bar on a terminal, nothing elsewhere.

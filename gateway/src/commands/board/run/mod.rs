@@ -11,7 +11,7 @@ use leadscrew_core::units::Rpm;
 
 pub use self::tell::no_figures;
 use self::work::Ran;
-use super::Machine;
+use super::{Base, Machine, Table};
 use crate::cli::{Drive, Global, Run};
 use crate::commands::run::passes;
 use crate::diagnostics;
@@ -51,13 +51,19 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let program = source.name();
     let answer = Answer::Run { program: &program };
     alone_in(global, &global.params, &global.set, answer)?;
-    let machine = Machine::meet(global)?;
-    let mut setup = Setup::over(
-        global,
-        Some(machine.params.clone()),
-        Some(source.path()),
-        answer,
-    )?;
+    let mut machine = Machine::meet(global)?;
+    let tap = TapRecord::decode(&machine.link.journal()?).ok().flatten();
+    let in_hole = tap.is_some_and(|record| record.in_hole);
+    let base = Base {
+        // The way out of a hole needs no offsets: a damaged table does not keep a tap in it.
+        offsets: if in_hole {
+            Table::Unknown
+        } else {
+            machine.table()?
+        },
+        params: machine.params.clone(),
+    };
+    let mut setup = Setup::over(global, Some(base), Some(source.path()), answer)?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
     let status = link.status()?;
@@ -65,7 +71,7 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     setup.passes = passes(args);
     setup.position = Some(status.position);
     setup.turning = status.command != Rpm::STOPPED;
-    setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
+    setup.tap = tap;
     let origin = Origin {
         program: program.clone(),
         parameters: Some(status.parameters),

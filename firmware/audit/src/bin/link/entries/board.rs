@@ -34,7 +34,9 @@ fn kept(params: &Params) -> PowerUp {
     let bytes: [u8; Region::LONGEST] = any();
     let marked = held(&bytes);
     sink(PowerUp::given(params));
-    PowerUp::of(|| params.clone(), marked, held(&bytes), held(&bytes))
+    let mut up = PowerUp::of(|| params.clone(), marked, held(&bytes), held(&bytes));
+    up.offsets.take(marked, held(&bytes), held(&bytes));
+    up
 }
 
 #[inline(never)]

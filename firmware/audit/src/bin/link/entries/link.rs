@@ -8,6 +8,7 @@ use leadscrew_core::link::{
     Status, ThreadReader, bounds, decode_changes, encode_call, encode_certificates, encode_changes,
     encode_event, identity,
 };
+use leadscrew_core::offsets::Revision;
 use leadscrew_core::params::Params;
 
 /// Calls all entries of this module.
@@ -21,7 +22,7 @@ pub fn all() {
 fn batch() {
     let call: Call = any();
     sink(bounds::call(&call));
-    let mut writer = BatchWriter::new(any(), any());
+    let mut writer = BatchWriter::new(any(), Revision(any()), any());
     while any() {
         sink(encode_call(&call).and_then(|bytes| writer.push(&bytes)));
     }

@@ -13,6 +13,7 @@ mod float;
 mod journal;
 mod link;
 mod motion;
+mod offsets;
 mod params;
 mod program;
 mod services;
@@ -28,6 +29,7 @@ pub fn all() {
     journal::all();
     link::all();
     motion::all();
+    offsets::all();
     float::all();
     spindle::all();
     bus::all();

@@ -1,25 +1,24 @@
-//! A change of the parameter set as a transaction [D116]: staged, checked as a whole, stored, marked as the newest, in
-//! force. The permission is checked before. A failure on the way leaves the old set in force.
+//! What a board keeps in two places with a mark, and its change as a transaction [D116]: staged, checked as a whole,
+//! stored, marked as the newest, in force. Permission and checks come before. A failure on the way leaves the old content
+//! in force.
 //!
 //! ```text
 //! Idle ─► Load ─► Set ─► Mark ─► Idle, the draft comes into force
 //!   └──────────────┘
 //! ```
 //!
-//! Loading, storing and marking are effects: the store asks, the owner carries them out and answers. Meanwhile no call goes
-//! to the planner, so the machine still stands when the new set comes into force.
+//! Loading, storing and marking are effects: the shelf asks, the owner carries them out and answers. Meanwhile no call goes
+//! to the planner, so the machine still stands when the new content comes into force.
 //!
-//! Knows which set is stored in which place; must not know flash, objects or frames.
+//! Knows which content is stored in which place, by number and identity; must not know the content itself, flash, objects
+//! or frames.
 
 use crate::alarm::{Alarm, Code};
-use crate::board::kept::{Found, KeptSet, Mark, PowerUp, Shelved, Slot};
-use crate::board::request::{Content, StoreRequest};
+use crate::board::kept::{Found, Kept, Mark, Shelved, Slot};
 use crate::board::store::{Region, StoreError};
 use crate::bus::Abort;
-use crate::link::identity;
-use crate::params::Params;
 
-/// The result of the last change: 5010h:02.
+/// The result of the last change: 5010h:02 and 5011h:02.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum CommitState {
@@ -34,11 +33,10 @@ pub enum CommitState {
     Refused = 3,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
-    #[default]
     Idle,
-    /// A stored set is read into the draft.
+    /// A stored content is read into the draft.
     Load(Slot, Effect),
     /// The draft is written to its place.
     Set(Slot, Effect),
@@ -53,9 +51,19 @@ enum Effect {
     UnderWay,
 }
 
-/// The parameter sets of a board and the change under way.
-#[derive(Debug, Default)]
-pub struct ParameterStore {
+/// The next write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Write {
+    /// The draft, under this number.
+    Draft(Region, u32),
+    /// The mark.
+    Mark(Region, [u8; Mark::BYTES]),
+}
+
+/// The two places of a content, and the change under way.
+#[derive(Debug)]
+pub struct Shelf {
+    of: Kept,
     found: Found,
     shelved: Shelved,
     step: Step,
@@ -72,11 +80,24 @@ pub struct Progress {
     pub warning: Option<Code>,
 }
 
-impl ParameterStore {
+impl Shelf {
+    // [D146]
+    #[inline(always)]
+    pub fn new(of: Kept) -> Self {
+        Self {
+            of,
+            found: Found::default(),
+            shelved: Shelved::default(),
+            step: Step::Idle,
+            state: CommitState::None,
+            reason: None,
+        }
+    }
+
     /// Takes the result of power-up.
-    pub fn power_up(&mut self, up: &PowerUp) {
-        self.found = up.found;
-        self.shelved = up.shelved;
+    pub const fn power_up(&mut self, found: Found, shelved: Shelved) {
+        self.found = found;
+        self.shelved = shelved;
     }
 
     pub const fn found(&self) -> Found {
@@ -97,17 +118,22 @@ impl ParameterStore {
         self.step != Step::Idle
     }
 
-    /// The identity of the stored set; 0: none.
+    /// The highest number given.
+    pub const fn number(&self) -> u32 {
+        self.shelved.number
+    }
+
+    /// The identity of what is stored; 0: none.
     pub fn stored(&self) -> u32 {
         self.shelved.stored.map_or(0, |(_, identity)| identity)
     }
 
-    /// The identity of the last good set before it; 0: none.
+    /// The identity of the last good content before it; 0: none.
     pub fn before(&self) -> u32 {
         self.shelved.before.map_or(0, |(_, identity)| identity)
     }
 
-    /// True where the set in force is also the stored set.
+    /// True where the content in force is also the stored one.
     pub const fn is_stored(&self) -> bool {
         self.shelved.stored.is_some()
     }
@@ -127,13 +153,13 @@ impl ParameterStore {
         self.reason = None;
     }
 
-    /// The requested set is in force and stored already.
+    /// What was asked for is in force and stored already.
     pub const fn nothing_to_do(&mut self) {
         self.state = CommitState::Done;
         self.reason = None;
     }
 
-    /// Reads the last good set into the draft.
+    /// Reads the last good content into the draft.
     ///
     /// # Errors
     /// [`Abort::NoData`] where there is none.
@@ -151,78 +177,60 @@ impl ParameterStore {
             return None;
         };
         self.step = Step::Load(slot, Effect::UnderWay);
-        Some(slot.region())
+        Some(self.of.region(slot))
     }
 
-    /// The content of that region. A set becomes the draft.
-    pub fn loaded(
-        &mut self,
-        held: Result<Option<&[u8]>, StoreError>,
-        draft: &mut Params,
-    ) -> Progress {
-        let Step::Load(..) = self.step else {
-            return Progress::default();
-        };
-        let bytes = held.ok().flatten().unwrap_or_default();
-        if KeptSet::decode(bytes, draft).is_ok() {
-            self.begin();
-            return Progress::default();
-        }
-        self.fail(Code::ParametersLost)
+    /// True while the content of that region is awaited.
+    pub const fn awaits_content(&self) -> bool {
+        matches!(self.step, Step::Load(..))
     }
 
     /// The next write, once.
-    pub fn store<'a>(&mut self, draft: &'a Params) -> Option<StoreRequest<'a>> {
-        let number = self.shelved.number.saturating_add(1);
-        let (step, region, content) = match self.step {
+    pub fn store(&mut self) -> Option<Write> {
+        let (step, write) = match self.step {
             Step::Set(slot, Effect::Wanted) => (
                 Step::Set(slot, Effect::UnderWay),
-                slot.region(),
-                Content::Set(KeptSet {
-                    number,
-                    params: draft,
-                }),
+                Write::Draft(self.of.region(slot), self.shelved.number.saturating_add(1)),
             ),
             Step::Mark(Effect::Wanted) => (
                 Step::Mark(Effect::UnderWay),
-                Region::ParametersMark,
-                Content::Mark(Mark(self.shelved.number).encode()),
+                Write::Mark(self.of.mark(), Mark(self.shelved.number).encode()),
             ),
             _ => return None,
         };
         self.step = step;
-        Some(StoreRequest { region, content })
+        Some(write)
     }
 
-    /// The owner has carried out the write, or has failed.
+    /// The owner has carried out the write, or has failed. `identity`: that of the draft.
     pub fn has_stored(
         &mut self,
         region: Region,
         result: Result<(), StoreError>,
-        draft: &Params,
+        identity: impl Fn() -> u32,
     ) -> Progress {
         match self.step {
-            Step::Set(slot, Effect::UnderWay) if region == slot.region() => {
+            Step::Set(slot, Effect::UnderWay) if region == self.of.region(slot) => {
                 if result.is_err() {
-                    return self.fail(Code::ParametersNotStored);
+                    return self.fail(self.of.not_stored());
                 }
                 let shelved = &mut self.shelved;
                 let before = shelved.stored.or(shelved.before);
                 shelved.before = before.filter(|(before, _)| *before != slot);
-                shelved.stored = Some((slot, identity(draft)));
+                shelved.stored = Some((slot, identity()));
                 shelved.foreign = None;
                 shelved.number = shelved.number.saturating_add(1);
                 self.step = Step::Mark(Effect::Wanted);
                 Progress::default()
             }
-            Step::Mark(Effect::UnderWay) if region == Region::ParametersMark => {
+            Step::Mark(Effect::UnderWay) if region == self.of.mark() => {
                 self.step = Step::Idle;
                 self.found = Found::Newest;
                 self.state = CommitState::Done;
-                // The set itself is stored. Without its mark, only later damage could go unnoticed.
+                // The content itself is stored. Without its mark, only later damage could go unnoticed.
                 Progress {
                     in_force: true,
-                    warning: result.is_err().then_some(Code::ParametersUnmarked),
+                    warning: result.is_err().then_some(self.of.unmarked()),
                 }
             }
             _ => Progress::default(),
@@ -235,7 +243,8 @@ impl ParameterStore {
         self.refuse(reason);
     }
 
-    fn fail(&mut self, code: Code) -> Progress {
+    /// The same with a warning.
+    pub fn fail(&mut self, code: Code) -> Progress {
         self.give_up(&Alarm::of(code, &[]));
         Progress {
             in_force: false,

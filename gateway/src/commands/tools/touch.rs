@@ -1,0 +1,295 @@
+//! `touch`: the machine stands where a tool touches a known place of the work; what follows is an offset.
+//!
+//! ```text
+//! M = P + W + S + G + V        G = M − W − value, V := 0        W = M − S − G − V − value
+//! ```
+//!
+//! M is the commanded position, X in diameter: now, or where `--mark` was given. S is the shift of the table; that of G50
+//! ends with its program.
+
+use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::bus::BoardState;
+use leadscrew_core::link::Status;
+use leadscrew_core::offsets::Offsets;
+use leadscrew_core::units::Axis;
+
+use super::home::Home;
+use crate::cli::{AxisName, Global, SystemName, Touch};
+use crate::diagnostics::alarm_words;
+use crate::failure::{Failure, Outcome};
+use crate::output;
+use crate::tools::{self, Change, Field, Key, Raw, changes};
+use crate::words::{both, one_line};
+
+/// Touches off.
+pub fn touch(global: &Global, args: &Touch) -> Outcome {
+    let axis = match args.axis {
+        AxisName::X => Axis::X,
+        AxisName::Z => Axis::Z,
+    };
+    let mut home = Home::open(global)?;
+    home.is_whole()?;
+    let link = &mut home.board()?.link;
+    let status = link.status()?;
+    stands(&status)?;
+    let now = place(&status, axis);
+    if args.mark {
+        if !global.dry_run {
+            // Each axis has one mark; a touch takes it.
+            link.set_mark(axis, i32::try_from(now).ok())?;
+        }
+        home.board()?.keep()?;
+        return tell_mark(global, axis, now);
+    }
+    let Some(value) = &args.value else {
+        return Err(Failure::Usage(both!(
+            "`touch` needs the coordinate of the place that the tool touches, or `--mark`",
+            "`touch` 需要刀具所碰位置的坐标，或 `--mark`"
+        )));
+    };
+    let marked = link.mark(axis)?.map(Raw::from);
+    let touched = Touched {
+        axis,
+        machine: marked.unwrap_or(now),
+        value: Key::Work(54, axis).parse(value).map_err(Failure::Usage)?,
+        system: args.system.code(),
+    };
+    let mut table = home.table;
+    let key = match (args.work, args.tool) {
+        (Some(work), tool) => touched.work(&mut table, work.code(), tool.unwrap_or(0)),
+        (None, Some(tool)) => touched.tool(&mut table, tool),
+        (None, None) => {
+            return Err(Failure::Usage(both!(
+                "`touch` needs `--tool N`, whose geometry is to be set, or `--work G54` for the work offset",
+                "`touch` 需要 `--tool N`（设定其几何偏置），或 `--work G54`（设定工件零点）"
+            )));
+        }
+    }
+    .map_err(Failure::WrongBecause)?;
+    let changes = changes(&home.table, &table);
+    if !global.dry_run {
+        if !changes.is_empty() {
+            home.commit(&table)?;
+        }
+        let machine = home.board()?;
+        if marked.is_some() {
+            machine.link.set_mark(axis, None)?;
+        }
+    }
+    tell(global, &home, &touched, key, &table, &changes)
+}
+
+/// Where a tool touched, and what is known there.
+struct Touched {
+    axis: Axis,
+    /// Machine coordinate, 0.1 µm, X in diameter.
+    machine: Raw,
+    /// Coordinate of the work there.
+    value: Raw,
+    /// The work coordinate system that the coordinate is of.
+    system: u8,
+}
+
+impl Touched {
+    /// Geometry of a tool. Its wear becomes 0.
+    fn tool(&self, table: &mut Offsets, tool: u8) -> Result<Key, crate::words::Both> {
+        let axis = self.axis;
+        let zero = Key::Work(self.system, axis).get(table) + Key::Shift(axis).get(table);
+        let key = Key::Tool(tool, Field::Geometry(axis));
+        key.set(table, self.machine - zero - self.value)?;
+        Key::Tool(tool, Field::Wear(axis)).set(table, 0)?;
+        let measured = Key::Tool(tool, Field::Measured);
+        let bit = if axis == Axis::X { 1 } else { 2 };
+        measured.set(table, measured.get(table) | bit)?;
+        Ok(key)
+    }
+
+    /// A work offset, by a tool whose offset is known; 0: none.
+    fn work(&self, table: &mut Offsets, code: u8, tool: u8) -> Result<Key, crate::words::Both> {
+        let axis = self.axis;
+        let of = |field: Field| Key::Tool(tool, field).get(table);
+        let offset = of(Field::Geometry(axis)) + of(Field::Wear(axis));
+        let key = Key::Work(code, axis);
+        let shift = Key::Shift(axis).get(table);
+        key.set(table, self.machine - shift - offset - self.value)?;
+        Ok(key)
+    }
+}
+
+/// Refuses a machine that moves or is about to.
+fn stands(status: &Status) -> Outcome {
+    let at_rest = match status.state {
+        BoardState::Idle | BoardState::Alarm | BoardState::Starting => !status.in_program,
+        _ => false,
+    };
+    if at_rest {
+        return Ok(());
+    }
+    let alarm = Alarm::of(Code::OffsetsAtWork, &[]);
+    Err(Failure::WrongBecause(alarm_words(&alarm)))
+}
+
+/// The commanded position in 0.1 µm, X in diameter, rounded.
+fn place(status: &Status, axis: Axis) -> Raw {
+    let nm = match axis {
+        Axis::X => status.position.x.nm() * 2,
+        _ => status.position.z.nm(),
+    };
+    (nm + nm.signum() * 50) / 100
+}
+
+/// A length for people: always with its thousandths.
+fn mm(raw: Raw) -> String {
+    format!("{:.4}", raw as f64 / 10_000.0)
+}
+
+fn tell_mark(global: &Global, axis: Axis, at: Raw) -> Outcome {
+    let letter = char::from(axis.letter());
+    if global.json {
+        return output::json(|o| {
+            o.flag("ok", true);
+            o.text("axis", &letter.to_string());
+            o.number("machine", Key::Work(54, axis).shown(at));
+        });
+    }
+    let told = both!(
+        "{letter} marked at {at} (machine)\n",
+        "{letter} 已记下机床坐标 {at}\n",
+        at = mm(at)
+    );
+    output::write(told.get(global.lang()).as_bytes())
+}
+
+fn tell(
+    global: &Global,
+    home: &Home,
+    touched: &Touched,
+    key: Key,
+    table: &Offsets,
+    changes: &[Change],
+) -> Outcome {
+    let revision = home.table.revision.0;
+    if global.json {
+        return output::json(|o| {
+            o.flag("ok", true);
+            o.flag("done", !global.dry_run);
+            o.integer("revision", revision.into());
+            o.text("key", &key.to_string());
+            tools::value(o, "value", key, key.get(table));
+            o.number("machine", key.shown(touched.machine));
+            tools::fields(o, changes);
+        });
+    }
+    let letter = char::from(touched.axis.letter());
+    let (name, new) = (one_line(&key.to_string()), mm(key.get(table)));
+    let (machine, value) = (mm(touched.machine), mm(touched.value));
+    let head = both!(
+        "{name} = {new}: {letter} {value} of the work is at {machine} of the machine\n",
+        "{name} = {new}：工件 {letter} {value} 位于机床坐标 {machine}\n"
+    );
+    let end = if global.dry_run {
+        both!(
+            "nothing has been changed (`--dry-run`)\n",
+            "未作任何更改（`--dry-run`）\n"
+        )
+    } else {
+        both!(
+            "stored and in force, revision {revision}\n",
+            "已保存并生效，修订号 {revision}\n"
+        )
+    };
+    let lang = global.lang();
+    let text = [head.get(lang), &tools::text(changes), end.get(lang)].concat();
+    output::write(text.as_bytes())
+}
+
+impl SystemName {
+    /// The G code.
+    const fn code(self) -> u8 {
+        match self {
+            Self::G54 => 54,
+            Self::G55 => 55,
+            Self::G56 => 56,
+            Self::G57 => 57,
+            Self::G58 => 58,
+            Self::G59 => 59,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn touched(axis: Axis, machine: Raw, value: Raw) -> Touched {
+        Touched {
+            axis,
+            machine,
+            value,
+            system: 54,
+        }
+    }
+
+    fn with(texts: &[&str]) -> Offsets {
+        let mut table = Offsets::default();
+        for text in texts {
+            tools::assign(&mut table, text).unwrap();
+        }
+        table
+    }
+
+    #[test]
+    fn the_geometry_of_a_tool_follows_from_a_diameter_and_from_the_face() {
+        let mut table = with(&["G54.Z=-400", "T1.wear.X=-0.02", "T1.wear.Z=0.5"]);
+        let x = touched(Axis::X, -2_123_400, 384_200);
+        let key = x.tool(&mut table, 1).unwrap();
+        assert_eq!(key.shown(key.get(&table)), "-250.76");
+        let z = touched(Axis::Z, -3_051_250, 0);
+        let key = z.tool(&mut table, 1).unwrap();
+        assert_eq!(key.shown(key.get(&table)), "94.875");
+        let expected = with(&[
+            "G54.Z=-400",
+            "T1.X=-250.76",
+            "T1.Z=94.875",
+            "T1.measured=XZ",
+        ]);
+        assert_eq!(table, expected);
+    }
+
+    #[test]
+    fn the_work_offset_follows_by_a_known_tool() {
+        let mut table = with(&["shift.Z=2", "T1.Z=94.875", "T1.wear.Z=-0.5", "G55.Z=1"]);
+        let z = touched(Axis::Z, -3_051_250, 0);
+        z.work(&mut table, 54, 1).unwrap();
+        // -305.125 - 2 - 94.875 + 0.5
+        assert_eq!(Key::Work(54, Axis::Z).get(&table), -4_015_000);
+        z.work(&mut table, 55, 0).unwrap();
+        assert_eq!(Key::Work(55, Axis::Z).get(&table), -3_071_250);
+        assert!(!table.tools[0].measured_z);
+    }
+
+    #[test]
+    fn the_tool_is_measured_in_the_system_that_is_named() {
+        let mut table = with(&["shift.X=1", "G56.X=10"]);
+        let system = 56;
+        let x = Touched {
+            system,
+            ..touched(Axis::X, 500_000, 200_000)
+        };
+        let key = x.tool(&mut table, 3).unwrap();
+        assert_eq!(key.shown(key.get(&table)), "19");
+    }
+
+    #[test]
+    fn a_result_out_of_range_changes_nothing() {
+        let mut table = Offsets::default();
+        let far = touched(Axis::X, -100_000_000, 0);
+        let why = far.tool(&mut table, 1).unwrap_err();
+        assert!(
+            why.en.starts_with("4582: T1.X: `-10000` is outside"),
+            "{}",
+            why.en
+        );
+        assert_eq!(table, Offsets::default());
+    }
+}

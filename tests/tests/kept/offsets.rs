@@ -1,0 +1,125 @@
+//! Power that goes at every byte of a change of the offsets, among sets of parameters and entries of the tap journal; and
+//! bits of the flash that change by themselves.
+
+use leadscrew_board_sim::plant::{Flash, Tear};
+use leadscrew_core::board::Found;
+use leadscrew_core::offsets::Offsets;
+
+use super::cuts::Bench;
+use super::flash::{in_force, noted, offsets_in_force, power_up, table};
+
+/// Changes until every page has been erased.
+const CHANGES: u32 = 24;
+
+/// What a change begins with, and the bytes it writes and erases.
+struct Step {
+    before: Flash,
+    set: u32,
+    sequence: u32,
+    bytes: u32,
+}
+
+/// Each step is a change of the offsets; now and then one of the parameters comes before it.
+fn history(tear: usize) -> Vec<Step> {
+    let mut flash = Flash::erased();
+    flash.set_tear(Tear::ALL[tear]);
+    let mut sequence = 0;
+    let mut steps = Vec::new();
+    for number in 1..=CHANGES {
+        let set = number.div_ceil(4);
+        let mut newest = sequence;
+        if number % 4 == 1 {
+            let mut bench = Bench::new(&mut flash);
+            bench.ask(set);
+            let (whole, after) = bench.store(&mut flash, sequence);
+            assert!(whole, "set {set}");
+            newest = after;
+        }
+        let before = flash.clone();
+        let mut bench = Bench::new(&mut flash);
+        bench.ask_offsets(number);
+        let (whole, after) = bench.store(&mut flash, newest);
+        assert!(whole, "table {number}");
+        assert_eq!(after, newest + 2, "behind the table and behind its mark");
+        steps.push(Step {
+            bytes: flash.written() - before.written(),
+            before,
+            set,
+            sequence: newest,
+        });
+        sequence = after;
+    }
+    steps
+}
+
+#[test]
+fn a_cut_at_every_byte_leaves_the_old_table_or_the_new_one() {
+    let stride = leadscrew_seed::amount(29, 1);
+    let (mut cuts, mut erases, mut new) = (0, 0, 0);
+    for tear in 0..Tear::ALL.len() {
+        for (step, number) in history(tear).iter().zip(1..) {
+            erases += u32::from(step.bytes > Flash::PAGE as u32);
+            for cut in (tear as u32..step.bytes).step_by(stride) {
+                let mut flash = step.before.clone();
+                let mut bench = Bench::new(&mut flash);
+                bench.ask_offsets(number);
+                flash.cut_after(cut);
+                let (whole, newest) = bench.store(&mut flash, step.sequence);
+                assert!(!whole, "cut at {cut}");
+                let found = offsets_in_force(&mut flash);
+                assert!(
+                    found == number || found + 1 == number,
+                    "{found}, cut at {cut}"
+                );
+                new += u32::from(found == number);
+                // Everything else is as it was.
+                assert_eq!(in_force(&mut flash), Some(step.set));
+                let entry = noted(&mut flash).unwrap_or(0);
+                assert!((step.sequence..=newest).contains(&entry), "{entry}");
+                cuts += 1;
+                // Everything works again, now and then: it is the slowest part.
+                if cut.is_multiple_of(13) {
+                    let mut bench = Bench::new(&mut flash);
+                    bench.ask_offsets(found + 1);
+                    assert!(bench.store(&mut flash, entry).0);
+                    assert_eq!(offsets_in_force(&mut flash), found + 1);
+                }
+            }
+        }
+    }
+    assert!(erases >= 20, "{erases}");
+    assert!(new > cuts / 50, "{new} of {cuts} behind the table itself");
+    assert!(cuts >= 100_000 / stride as u32, "{cuts}");
+}
+
+/// Every bit of the whole flash, also of what the store itself has written.
+#[test]
+fn a_change_of_any_bit_of_the_flash_is_no_other_table() {
+    const HEAD: usize = 8;
+    let stride = leadscrew_seed::amount(7, 1);
+    let mut flash = Flash::erased();
+    for number in 1..=3 {
+        let mut bench = Bench::new(&mut flash);
+        bench.ask_offsets(number);
+        assert!(bench.store(&mut flash, 2 * number).0);
+    }
+    let image = flash.image();
+    let mut faults = 0;
+    for bit in (0..Flash::SIZE * 8).step_by(stride) {
+        let mut changed = image.to_vec();
+        let end = changed.len() - 4;
+        changed[HEAD + bit / 8] ^= 1 << (bit % 8);
+        let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&changed[..end]);
+        changed[end..].copy_from_slice(&sum.to_le_bytes());
+        let mut flash = Flash::from_image(&changed).expect("an image");
+        let up = power_up(&mut flash).offsets;
+        let found = Offsets::decode(&up.table).expect("a whole table");
+        match up.found {
+            Found::Newest => assert_eq!(found, table(3), "bit {bit}"),
+            Found::Older => assert_eq!(found, table(2), "bit {bit}"),
+            wrong => panic!("bit {bit}: {wrong:?}"),
+        }
+        faults += u32::from(up.found != Found::Newest);
+    }
+    assert!(faults > 7_000 / stride as u32, "{faults}");
+}
