@@ -15,8 +15,8 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     interrupt::whole(|| at_once(path, bytes, true))
 }
 
-/// The same without waiting for the disk, for a process that has a beat to keep. The bytes outlive the process, whatever its
-/// end, but perhaps not a loss of the computer's power.
+/// The same without waiting for the disk, for a process that has a beat to keep. The bytes outlive the process, however it
+/// ends, but perhaps not a loss of the computer's power.
 ///
 /// # Errors
 /// As [`replace`].

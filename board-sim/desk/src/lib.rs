@@ -7,9 +7,9 @@
 //! leadscrew sim ◄─ JSON ─► server ── clock ─────┘ ticks
 //! ```
 //!
-//! One thread does all of it, so that all clients and the board see the frames in one order ([`server`]). [`bus`] is the
-//! wire, [`machine`] the board with what is around it, [`clock`] says how many ticks are due, [`control`] is the language of
-//! `leadscrew sim`. The board is the one of `leadscrew_core`; it joins the bus as it does a real one.
+//! One thread does all of it, so that all clients and the board see the frames in one order ([`server`]). `bus` is the
+//! wire, [`machine`] the board with what is around it, [`clock`] says how many ticks are due, [`control`] is the language
+//! of `leadscrew sim`. The board is the one of `leadscrew_core`; it joins this bus as it does a real one.
 //!
 //! It must not know commands of `leadscrew`, nor how motion works inside the board.
 

@@ -14,7 +14,7 @@ use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::state::{StateFile, stored_set};
 use leadscrew_common::words::{Both, both};
 use leadscrew_core::board::{Event, Inputs, KeptSet, Mark, Region};
-use leadscrew_core::bus::{Frame, NodeId, Scale};
+use leadscrew_core::bus::{NodeId, Scale};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
@@ -193,7 +193,9 @@ impl Machine {
         };
         self.at = position(sim, &self.made_with).unwrap_or(self.at);
         sim.cut_power();
-        let flash = Box::new(sim.flash().clone());
+        let mut flash = Box::new(sim.flash().clone());
+        // What is kept can be read while the board has no power.
+        flash.power(true);
         self.state.save_soon(&flash)?;
         self.written = flash.written();
         self.power = Power::Off(flash);
@@ -240,8 +242,7 @@ impl Machine {
         let Power::On(sim) = &mut self.power else {
             return;
         };
-        let next = |sim: &mut Sim| -> Option<Frame> { sim.transmit() };
-        while let Some(frame) = next(sim) {
+        while let Some(frame) = sim.transmit() {
             to(&Traffic::from(&frame));
         }
         while let Some(event) = sim.event() {

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use leadscrew_can::{CanError, Desk, MachineName, Port};
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::words::{Both, both};
-use leadscrew_common::{diagnostics, interrupt};
+use leadscrew_common::{diagnostics, interrupt, number};
 use leadscrew_core::alarm::Lang;
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
@@ -398,10 +398,11 @@ impl Drop for Server {
 #[must_use]
 pub fn wrong_speed() -> Both {
     let [least, most] = Speed::RANGE;
-    let (whole, fraction) = (most / 1000, least);
+    let factor = |thousandths: u32| number::text::<3>(thousandths.into());
+    let (least, most) = (factor(least), factor(most));
     both!(
-        "machine time runs at 0.{fraction:03} to {whole} times real time: beyond that the board would miss the heartbeats of \
+        "machine time runs at {least} to {most} times real time: beyond that the board would miss the heartbeats of \
          gateways",
-        "机床时间可为真实时间的 0.{fraction:03} 至 {whole} 倍：超出后控制板会丢失网关心跳"
+        "机床时间可为真实时间的 {least} 至 {most} 倍：超出后控制板会丢失网关心跳"
     )
 }

@@ -26,6 +26,9 @@ fn help_and_version_are_on_every_command() {
         "retract",
         "params",
         "record",
+        "up",
+        "down",
+        "sim",
         "completions",
     ] {
         let help = leadscrew(&[command, "--help"]);
@@ -39,6 +42,12 @@ fn help_and_version_are_on_every_command() {
         let help = leadscrew(&["params", verb, "--help"]);
         assert_eq!(code(&help), 0, "{verb}: {}", stderr(&help));
         let example = format!("  leadscrew params {verb}");
+        assert!(stdout(&help).contains(&example), "{verb}");
+    }
+    for verb in ["door", "estop", "hold", "power", "speed", "state"] {
+        let help = leadscrew(&["sim", verb, "--help"]);
+        assert_eq!(code(&help), 0, "{verb}: {}", stderr(&help));
+        let example = format!("  leadscrew sim {verb}");
         assert!(stdout(&help).contains(&example), "{verb}");
     }
 }

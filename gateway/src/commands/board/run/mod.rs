@@ -36,8 +36,8 @@ fn refuse(global: &Global, drive: &Drive) -> Outcome {
     };
     let bus = &global.bus;
     Err(Failure::Usage(both!(
-        "`{option}` is for the simulated machine; behind `--bus {bus}` stands a real one",
-        "`{option}` 只用于模拟机床；`--bus {bus}` 后面是真实机床"
+        "`{option}` is for the machine inside the command (`--bus sim`); behind `--bus {bus}` stands one of its own",
+        "`{option}` 只用于命令内部的模拟机床（`--bus sim`）；`--bus {bus}` 后面是另一台独立的机床"
     )))
 }
 
