@@ -298,6 +298,17 @@ pub enum Command {
         #[command(subcommand)]
         command: ParamsCommand,
     },
+    /// Check and run a line that is typed, behind the lines typed before (not with `--bus sim`)
+    ///
+    /// What the lines before have set holds on: modes, coordinate system, tool offset, F and S. It is told before the line
+    /// and behind it. It begins anew behind `run`, M30, and each time the board starts. Cycles, G41, G42 and G61 end
+    /// with their line.
+    #[command(after_help = examples::MDI)]
+    Mdi {
+        /// One or more blocks; without, lines are asked for one by one
+        #[arg(value_name = "LINE", allow_hyphen_values = true)]
+        line: Option<String>,
+    },
     /// One look at the board; with `sim`, at what the flash in `--state` remembers
     ///
     /// Without `--node` it names the other boards on the bus, too, which takes as long as they are silent at a time.

@@ -236,3 +236,10 @@ pub(super) const SIM_STATE: &str = "\
 Examples:
   leadscrew sim state
   leadscrew sim state --json";
+
+pub(super) const MDI: &str = "\
+Examples:
+  leadscrew mdi \"T0101 M3 S600\"
+  leadscrew mdi \"G98 G1 X38 Z-25 F100\"
+  leadscrew mdi \"G53 G0 X-100; Z-50\"     two blocks
+  leadscrew mdi                            asks for lines until Ctrl-D; arrow up brings the ones before";

@@ -66,6 +66,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
                 discard: *discard,
             },
         ),
+        Command::Mdi { line } if is_real(cli) => board::mdi(&cli.global, line.as_deref()),
         Command::Up(args) => desk::up(&cli.global, args),
         Command::Down { name } => desk::down(&cli.global, name.as_ref()),
         Command::Sim { name, command } => desk::sim(&cli.global, name.as_ref(), *command),

@@ -71,6 +71,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Signal { .. } => "signal",
         Command::Retract { .. } => "retract",
         Command::Record(_) => "record",
+        Command::Mdi { .. } => "mdi",
         Command::Up(_) => "up",
         Command::Down { .. } => "down",
         Command::Sim { .. } => "sim",

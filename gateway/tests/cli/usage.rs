@@ -26,6 +26,7 @@ fn help_and_version_are_on_every_command() {
         "retract",
         "params",
         "record",
+        "mdi",
         "up",
         "down",
         "sim",
@@ -144,6 +145,7 @@ fn what_needs_a_board_says_so_and_how_to_name_one() {
         &["monitor"],
         &["override", "feed", "50"],
         &["signal", "RGTAP=1"],
+        &["mdi", "G0 X1"],
         &["record", "-o", "bus.log"],
     ] {
         let output = leadscrew(args);

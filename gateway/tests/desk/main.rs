@@ -2,6 +2,7 @@
 
 mod clients;
 mod life;
+mod mdi;
 mod typed;
 
 use std::io::Write as _;

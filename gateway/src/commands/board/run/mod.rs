@@ -7,17 +7,20 @@ mod work;
 use std::time::SystemTime;
 
 use leadscrew_core::journal::TapRecord;
+use leadscrew_core::link::Status;
 use leadscrew_core::units::Rpm;
 
 pub use self::tell::no_figures;
 use self::work::Ran;
 use super::Machine;
+use crate::checking::Report;
 use crate::cli::{Drive, Global, Run};
 use crate::commands::run::passes;
 use crate::diagnostics;
 use crate::execution::tell_report;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
+use crate::link::Link;
 use crate::origin::Origin;
 use crate::setup::{Answer, Setup, alone_in};
 use crate::source::SourceFile;
@@ -41,8 +44,37 @@ fn refuse(global: &Global, drive: &Drive) -> Outcome {
     )))
 }
 
+/// A program that was carried out, well or not.
+pub struct Done<'a> {
+    pub setup: Setup<'a>,
+    pub link: Link,
+    report: Report,
+    pub ran: Ran,
+    origin: Origin,
+    pub verdict: Outcome,
+}
+
 /// Runs a program on a board.
 pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
+    let done = perform(global, source, args, Work::Program, &mut |_, _| Ok(()))?;
+    let (setup, ran) = (&done.setup, &done.ran);
+    if global.json {
+        let ok = done.verdict.is_ok();
+        tell::result(setup, &done.report, ran, &done.origin, ok)?;
+    } else {
+        tell::summary(setup, source, ran, &done.origin, &done.verdict)?;
+    }
+    done.verdict
+}
+
+/// Checks a program and carries it out on a board. `begin` sees what the check goes by, and may add to it.
+pub fn perform<'a>(
+    global: &'a Global,
+    source: &SourceFile,
+    args: &Run,
+    work: Work,
+    begin: &mut dyn FnMut(&mut Setup<'a>, &Status) -> Outcome,
+) -> Outcome<Done<'a>> {
     refuse(global, &args.drive)?;
     // A mistyped name needs no board.
     source
@@ -60,12 +92,14 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     )?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
+    ensure_mode(&mut link, work)?;
     let status = link.status()?;
     work::ready(&status, &link, global)?;
     setup.passes = passes(args);
     setup.position = Some(status.position);
     setup.turning = status.command != Rpm::STOPPED;
     setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
+    begin(&mut setup, &status)?;
     let origin = Origin {
         program: program.clone(),
         parameters: Some(status.parameters),
@@ -94,10 +128,28 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
         setup.variables.save(values, setup.lang)?;
     }
     let verdict = tell::verdict(&ran, args.tolerance);
-    if global.json {
-        tell::result(&setup, &report, &ran, &origin, verdict.is_ok())?;
-    } else {
-        tell::summary(&setup, source, &ran, &origin, &verdict)?;
+    Ok(Done {
+        setup,
+        link,
+        report,
+        ran,
+        origin,
+        verdict,
+    })
+}
+
+/// What a board is to do, for the mode that it has to be in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// A program.
+    Program,
+    /// A line that was typed.
+    Typed,
+}
+
+/// Brings the board into the mode for a work. The boards of this version take both in their one mode.
+fn ensure_mode(_link: &mut Link, work: Work) -> Outcome {
+    match work {
+        Work::Program | Work::Typed => Ok(()),
     }
-    verdict
 }
