@@ -92,9 +92,9 @@ pub fn perform<'a>(
     )?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
-    ensure_mode(&mut link, work)?;
     let status = link.status()?;
     work::ready(&status, &link, global)?;
+    ensure_mode(&mut link, work)?;
     setup.passes = passes(args);
     setup.position = Some(status.position);
     setup.turning = status.command != Rpm::STOPPED;
