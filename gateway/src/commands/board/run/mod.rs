@@ -8,6 +8,7 @@ use std::time::SystemTime;
 
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
+use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::Rpm;
 
 pub use self::tell::no_figures;
@@ -147,9 +148,11 @@ pub enum Work {
     Typed,
 }
 
-/// Brings the board into the mode for a work. The boards of this version take both in their one mode.
-fn ensure_mode(_link: &mut Link, work: Work) -> Outcome {
-    match work {
-        Work::Program | Work::Typed => Ok(()),
-    }
+/// Brings the board into the mode for a work. The machine is at rest.
+fn ensure_mode(link: &mut Link, work: Work) -> Outcome {
+    let mode = match work {
+        Work::Program => OperatingMode::Automatic,
+        Work::Typed => OperatingMode::Mdi,
+    };
+    Ok(link.set_mode(mode)?)
 }
