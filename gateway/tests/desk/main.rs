@@ -23,7 +23,7 @@ const LONG: &str = "G98 G1 Z-30 F1\nM30\n";
 /// A move of a moment.
 const SHORT: &str = "G98 G1 X-4 Z-1 F3000\nM30\n";
 
-/// A user with folders of its own, and no machine yet. At its end its machine ends.
+/// A user with folders of its own, and no machine yet. At its end its machines end.
 struct User(PathBuf);
 
 impl User {
@@ -119,7 +119,10 @@ impl User {
 
 impl Drop for User {
     fn drop(&mut self) {
-        let _ = self.does(&["down"]);
+        // A test that fails leaves any of these behind.
+        for name in ["desk", "other", "third"] {
+            let _ = self.does(&["down", "--name", name]);
+        }
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
