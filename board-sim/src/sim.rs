@@ -13,7 +13,7 @@ pub use row::{Doing, Row, SpindleAngle, TapPoint};
 
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::board::{Board, Command, Event, Outcome, Output, PowerUp, State};
+use leadscrew_core::board::{Board, Command, Event, Inputs, Outcome, Output, PowerUp, State};
 use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::call::Call;
 use leadscrew_core::journal::TapRecord;
@@ -310,6 +310,11 @@ impl Sim {
     /// Sets the inputs; they act in the next tick, and on the next call that is taken up.
     pub fn signals(&mut self, signals: Signals) {
         self.board.signals(signals);
+    }
+
+    /// Sets the board's pins: contacts and what else is wired to it. They act from the next tick on.
+    pub const fn set_pins(&mut self, inputs: Inputs) {
+        self.board.set_pins(inputs);
     }
 
     /// The oldest event not yet read.

@@ -4,11 +4,13 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use crate::MachineName;
+
 /// Default baud rate of a serial adapter. Adapters on USB ignore the baud rate.
 pub const DEFAULT_BAUD: u32 = 115_200;
 
 /// A bus by its name: `sim`, `can0`, `socketcan:can0`, `slcan:/dev/ttyACM0@115200`, `slcan:tcp:HOST:PORT`,
-/// `slcan:unix:PATH`.
+/// `slcan:unix:PATH`, `sim:NAME`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Address {
     /// Inside this process.
@@ -31,6 +33,8 @@ pub enum Address {
     },
     /// A Lawicel adapter that is reached over a Unix socket.
     Unix(PathBuf),
+    /// A simulated machine that `leadscrew up` keeps running.
+    Machine(MachineName),
 }
 
 /// A text that names no bus.
@@ -41,7 +45,7 @@ pub struct WrongAddress {
 }
 
 impl WrongAddress {
-    fn new(english: impl Into<String>, chinese: impl Into<String>) -> Self {
+    pub(crate) fn new(english: impl Into<String>, chinese: impl Into<String>) -> Self {
         Self {
             english: english.into(),
             chinese: chinese.into(),
@@ -70,6 +74,9 @@ impl FromStr for Address {
         if text == "sim" {
             return Ok(Self::Sim);
         }
+        if let Some(name) = text.strip_prefix("sim:") {
+            return name.parse().map(Self::Machine);
+        }
         if let Some(target) = text.strip_prefix("slcan:") {
             return adapter(target);
         }
@@ -89,10 +96,10 @@ impl FromStr for Address {
             };
             return Err(WrongAddress::new(
                 format!(
-                    "expected `sim`, an interface such as `can0`, `socketcan:can0`, or `slcan:/dev/ttyACM0`{hint}"
+                    "expected `sim`, `sim:NAME`, an interface such as `can0`, `socketcan:can0`, or `slcan:/dev/ttyACM0`{hint}"
                 ),
                 format!(
-                    "应为 `sim`、接口名（如 `can0`、`socketcan:can0`）或 `slcan:/dev/ttyACM0`{chinese_hint}"
+                    "应为 `sim`、`sim:NAME`、接口名（如 `can0`、`socketcan:can0`）或 `slcan:/dev/ttyACM0`{chinese_hint}"
                 ),
             ));
         }
@@ -160,6 +167,7 @@ impl fmt::Display for Address {
             Self::SocketCan(name) => write!(f, "socketcan:{name}"),
             Self::Serial { path, baud } => write!(f, "slcan:{}@{baud}", path.display()),
             Self::Tcp { host, port } => write!(f, "slcan:tcp:{host}:{port}"),
+            Self::Machine(name) => write!(f, "sim:{name}"),
             Self::Unix(path) => write!(f, "slcan:unix:{}", path.display()),
         }
     }
@@ -197,6 +205,7 @@ mod tests {
                 },
             ),
             ("slcan:unix:/tmp/bus", Address::Unix("/tmp/bus".into())),
+            ("sim:desk", Address::Machine(MachineName::default())),
         ] {
             assert_eq!(text.parse(), Ok(address.clone()), "{text}");
             assert_eq!(address.to_string().parse(), Ok(address), "{text}");
@@ -210,6 +219,8 @@ mod tests {
             ("socketcan:", "expected `sim`"),
             ("an-interface-too-long", "expected `sim`"),
             ("/dev/ttyACM0", "did you mean `slcan:/dev/ttyACM0`?"),
+            ("sim:", "names no simulated machine"),
+            ("sim:../x", "names no simulated machine"),
             ("slcan:", "wants a device"),
             ("slcan:/dev/ttyACM0@fast", "`fast` is no baud rate"),
             ("slcan:/dev/ttyACM0@0", "`0` is no baud rate"),

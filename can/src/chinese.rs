@@ -40,6 +40,20 @@ impl CanError {
                 "`{name}` 已有较长时间未能发出任何报文：无人应答（没有其它节点、断线或波特率不同）、总线已满，或发送队列太短（`ip link \
                  set {name} txqueuelen 1000`）"
             ),
+            Self::NoMachine { name, running } => {
+                let now = match &running[..] {
+                    [] => String::new(),
+                    running => format!("（正在运行的有：{}）", running.join("、")),
+                };
+                format!("没有正在运行的模拟机床 `{name}`{now}；可用 `leadscrew up --name {name}` 启动")
+            }
+            Self::FolderOfOthers { folder, owner } => {
+                let why = match owner {
+                    Some(uid) => format!("属于用户 {uid}：请让其删除"),
+                    None => format!("对其他人开放，或者不是文件夹：请删除它（`rm -r {folder}`）"),
+                };
+                format!("`{folder}` 是存放模拟机床的文件夹，但它{why}，或把 XDG_RUNTIME_DIR 设为自己的文件夹（docs/desk.md）")
+            }
             Self::NoDevice { name } => {
                 format!("没有 `{name}`；适配器插好了吗？提供它的程序启动了吗？")
             }
@@ -119,6 +133,18 @@ mod tests {
             CanError::NoPermission { name: name() },
             CanError::Stuck { name: name() },
             CanError::NoDevice { name: name() },
+            CanError::NoMachine {
+                name: name(),
+                running: vec!["can1".into()],
+            },
+            CanError::FolderOfOthers {
+                folder: name(),
+                owner: Some(7),
+            },
+            CanError::FolderOfOthers {
+                folder: name(),
+                owner: None,
+            },
             CanError::Busy { name: name() },
             CanError::NoSuchBaud {
                 name: name(),

@@ -54,6 +54,20 @@ pub enum CanError {
         /// The interface or adapter.
         name: String,
     },
+    /// No simulated machine of this name runs.
+    NoMachine {
+        /// The name asked for.
+        name: String,
+        /// Those of this user that run.
+        running: Vec<String>,
+    },
+    /// The folder for simulated machines is not the user's alone.
+    FolderOfOthers {
+        /// Its path.
+        folder: String,
+        /// Its owner, where that is another user.
+        owner: Option<u32>,
+    },
     /// The device or socket does not exist.
     NoDevice {
         /// Its path or address.
@@ -160,6 +174,21 @@ impl fmt::Display for CanError {
                 "`{name}` has sent nothing for too long: nobody acknowledges (no other node, open wires, another bit rate), \
                  the bus is full, or its queue is too short (`ip link set {name} txqueuelen 1000`)"
             ),
+            Self::NoMachine { name, running } => {
+                write!(f, "no simulated machine `{name}` is running")?;
+                if !running.is_empty() {
+                    write!(f, " (these are: {})", running.join(", "))?;
+                }
+                write!(f, "; `leadscrew up --name {name}` starts it")
+            }
+            Self::FolderOfOthers { folder, owner } => {
+                write!(f, "`{folder}` is the folder for your simulated machines, and ")?;
+                match owner {
+                    Some(uid) => write!(f, "belongs to user {uid}: have it removed")?,
+                    None => write!(f, "is open to others or no folder: remove it (`rm -r {folder}`)")?,
+                }
+                f.write_str(", or set XDG_RUNTIME_DIR to a folder of your own (docs/desk.md)")
+            }
             Self::NoDevice { name } => {
                 write!(f, "there is no `{name}`; is the adapter plugged in, the program that serves it started?")
             }

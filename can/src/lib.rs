@@ -10,14 +10,15 @@
 //! these. *Dropped* frames reached this machine but were lost, because the receive buffer was full.
 //!
 //! ```text
-//! Address ("can0", "slcan:tcp:HOST:PORT", …) ─ open ─► Can: send many, receive many with time stamps
-//!                                                        ├─ SocketCan: one system call for many frames
-//!                                                        ├─ Slcan: serial line, TCP, Unix socket
-//!                                                        └─ End: one end of a pair in this process
+//! Address ("can0", "slcan:tcp:HOST:PORT", "sim:NAME", …) ─ open ─► Can: send many, receive many with time stamps
+//!                                                                    ├─ SocketCan: one system call for many frames
+//!                                                                    ├─ Slcan: serial line, TCP, Unix socket
+//!                                                                    └─ End: one end of a pair in this process
 //! ```
 
 mod address;
 mod chinese;
+mod desk;
 mod error;
 mod error_frame;
 mod health;
@@ -35,13 +36,14 @@ use leadscrew_core::bus::{self, Frame};
 pub use leadscrew_slcan::BitRate;
 
 pub use address::{Address, WrongAddress};
+pub use desk::{Desk, MachineName, Port, connect};
 pub use error::CanError;
 pub use error_frame::{ErrorFrame, Fault};
 pub use health::{Health, Suspicion};
 pub use log::{Entry, LogReader, LogWriter, WrongLine};
 pub use packet::{Data, FdFrame, Filter, Id, Packet, Received, Stamp};
 pub use pair::{End, pair};
-pub use slcan::Slcan;
+pub use slcan::{FD_LINE, Slcan, fd_frame, fd_line, fd_rate};
 pub use socket::{SocketCan, is_virtual};
 
 /// One end of a bus.
@@ -100,7 +102,7 @@ pub fn open(address: &Address, bit_rate: BitRate) -> Result<Box<dyn Can>, CanErr
     match address {
         Address::Sim => Err(CanError::NotABus),
         Address::SocketCan(name) => Ok(Box::new(SocketCan::open(name)?)),
-        Address::Serial { .. } | Address::Tcp { .. } | Address::Unix(_) => {
+        Address::Serial { .. } | Address::Tcp { .. } | Address::Unix(_) | Address::Machine(_) => {
             Ok(Box::new(Slcan::open(address, bit_rate)?))
         }
     }

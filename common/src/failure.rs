@@ -80,6 +80,20 @@ impl Failure {
         }
     }
 
+    /// The words that are still to be reported, for a process that reports them elsewhere.
+    #[must_use]
+    pub fn words(self) -> Option<Both> {
+        match self {
+            Self::WrongBecause(words)
+            | Self::Usage(words)
+            | Self::Bus(words)
+            | Self::MachineBecause(words) => Some(words),
+            Self::Wrong | Self::Machine | Self::Interrupted | Self::Ended | Self::ReaderGone => {
+                None
+            }
+        }
+    }
+
     /// The exit code, and the words that are still to be reported.
     fn told(&self, lang: Lang) -> (u8, Option<&str>) {
         match self {

@@ -5,8 +5,9 @@ use std::collections::VecDeque;
 use std::io;
 
 use leadscrew_core::alarm::Alarm;
+use leadscrew_core::call::Position;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Event, Options};
+use leadscrew_core::program::{Carried, Event, Options};
 use leadscrew_language::dialect::Control;
 use leadscrew_language::flow::{Passes, Rules, Trouble};
 use leadscrew_language::heading::{Allowed, Heading};
@@ -32,6 +33,8 @@ pub struct Begin {
     pub passes: Passes,
     /// Numbers that the machine silences.
     pub allowed: Allowed,
+    /// What the text before has left in force, if the program goes on behind one.
+    pub carried: Option<Carried>,
 }
 
 /// A program being read.
@@ -138,6 +141,7 @@ impl<'p> Program<'p> {
             kept,
             passes,
             allowed,
+            carried,
         } = begin;
         let mut text = Again::open(source)?;
         let heading = Heading::read(&mut Lines::new(&mut text), Whose::Program)?;
@@ -147,8 +151,12 @@ impl<'p> Program<'p> {
             passes,
             ..Rules::default()
         };
+        let mut reader = Reader::new(text, params, options, kept, rules);
+        if let Some(carried) = &carried {
+            reader.carry(carried);
+        }
         Ok(Self {
-            reader: Reader::new(text, params, options, kept, rules),
+            reader,
             queue: heading.warning.map(Event::Warning).into_iter().collect(),
             steps: 0,
             pass: 1,
@@ -214,6 +222,18 @@ impl<'p> Program<'p> {
     /// Goes on with the next pass.
     pub const fn begin_pass(&mut self) {
         self.pass = self.reader.pass();
+    }
+
+    /// What the blocks so far leave in force for the next text.
+    #[must_use]
+    pub fn carried(&self) -> Carried {
+        self.reader.interpreter().carried()
+    }
+
+    /// Machine coordinates of the work zero in force.
+    #[must_use]
+    pub fn origin(&self) -> Position {
+        self.reader.interpreter().in_force().origin
     }
 
     /// The variables that outlive the program, as its last block has left them.

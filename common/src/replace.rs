@@ -12,16 +12,27 @@ use crate::interrupt;
 /// # Errors
 /// A file that cannot be written; the old one is unchanged.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    interrupt::whole(|| at_once(path, bytes))
+    interrupt::whole(|| at_once(path, bytes, true))
 }
 
-fn at_once(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// The same without waiting for the disk, for a process that has a beat to keep. The bytes outlive the process, however it
+/// ends, but perhaps not a loss of the computer's power.
+///
+/// # Errors
+/// As [`replace`].
+pub fn replace_soon(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    interrupt::whole(|| at_once(path, bytes, false))
+}
+
+fn at_once(path: &Path, bytes: &[u8], wait: bool) -> io::Result<()> {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let mut beside = target.clone().into_os_string();
     beside.push(format!(".new-{}", std::process::id()));
     let beside = PathBuf::from(beside);
-    let written = File::create(&beside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()));
+    let written = File::create(&beside).and_then(|mut file| {
+        file.write_all(bytes)?;
+        if wait { file.sync_all() } else { Ok(()) }
+    });
     written
         .and_then(|()| fs::rename(&beside, &target))
         .inspect_err(|_| {

@@ -20,6 +20,20 @@ use crate::diagnostics::alarm_words;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::words::{self, both};
 
+/// The folder for what programs keep: `$XDG_STATE_HOME/leadscrew`, else `~/.local/state/leadscrew`. `None` where neither
+/// variable names a folder.
+#[must_use]
+pub fn folder() -> Option<PathBuf> {
+    // A relative folder in XDG_STATE_HOME is to be ignored, as its specification says.
+    let named = |name| {
+        std::env::var_os(name)
+            .map(PathBuf::from)
+            .filter(|path| path.is_absolute())
+    };
+    let state = named("XDG_STATE_HOME").or_else(|| Some(named("HOME")?.join(".local/state")))?;
+    Some(state.join("leadscrew"))
+}
+
 /// A file with the flash of a simulated board.
 #[derive(Clone, Debug)]
 pub struct StateFile {
@@ -117,6 +131,15 @@ impl StateFile {
     /// A file that cannot be written.
     pub fn save(&self, flash: &Flash) -> Outcome {
         let replaced = crate::replace::replace(&self.path, &flash.image());
+        replaced.map_err(|error| Failure::file(Doing::Write, self.name(), &error))
+    }
+
+    /// The same without waiting for the disk: see [`replace_soon`](crate::replace::replace_soon).
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn save_soon(&self, flash: &Flash) -> Outcome {
+        let replaced = crate::replace::replace_soon(&self.path, &flash.image());
         replaced.map_err(|error| Failure::file(Doing::Write, self.name(), &error))
     }
 

@@ -237,9 +237,37 @@ impl FromStr for Percent {
     }
 }
 
+/// A factor, in thousandths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Factor(pub u32);
+
+impl FromStr for Factor {
+    type Err = Mistake;
+
+    fn from_str(text: &str) -> Result<Self, Mistake> {
+        let thousandths = decimal(text, 3)?;
+        u32::try_from(thousandths).map(Self).map_err(|_| {
+            mistake!(
+                "`{text}` is no factor; `2` is twice as fast, `0.5` half as fast",
+                "`{text}` 不是倍数；`2` 为两倍速，`0.5` 为半速"
+            )
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_factor_is_positive_and_has_three_decimals() {
+        for (text, thousandths) in [("1", 1000), ("0.05", 50), ("2.5", 2500), ("0", 0)] {
+            assert_eq!(text.parse(), Ok(Factor(thousandths)), "{text}");
+        }
+        for wrong in ["", "x", "-1", "0.0001", "9999999"] {
+            assert!(wrong.parse::<Factor>().is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn decimals_are_exact() {

@@ -10,15 +10,16 @@ use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use leadscrew_can::{Address, BitRate};
+use leadscrew_can::{Address, BitRate, MachineName, WrongAddress};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
+use leadscrew_desk::control::{Contact, Door, Power};
 use leadscrew_language::dialect::Control;
 
 pub use by_hand::{AxisWay, Jog, ModeName, StepLength};
 
 use crate::failure::{Failure, Outcome};
-use crate::values::{At, Mistake, Percent, Ripple, SetSignal, Tolerance, mistake};
+use crate::values::{At, Factor, Mistake, Percent, Ripple, SetSignal, Tolerance, mistake};
 use crate::words::both;
 
 const STYLES: Styles = Styles::styled()
@@ -39,16 +40,56 @@ pub struct Cli {
     pub global: Global,
 }
 
+/// The variable that names the bus where `--bus` does not.
+pub const BUS: &str = "LEADSCREW_BUS";
+
+impl Cli {
+    /// Decides which bus counts: the one that was typed, else that of the variable, else `sim`. A command that has no bus,
+    /// or works on a file (`--state`), is not changed by the variable [D278].
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where the variable names no bus.
+    pub fn settle(&mut self) -> Outcome {
+        let without = matches!(
+            self.command,
+            Command::Simulate(_) | Command::Plot(_) | Command::Completions { .. }
+        );
+        let global = &mut self.global;
+        if let Some(bus) = &global.typed_bus {
+            global.bus = bus.clone();
+            return Ok(());
+        }
+        let named = std::env::var_os(BUS).filter(|named| !named.is_empty());
+        let Some(named) = named.filter(|_| !without && global.state.is_none()) else {
+            return Ok(());
+        };
+        let named = named.to_string_lossy();
+        global.bus = named.parse().map_err(|wrong: WrongAddress| {
+            Failure::Usage(both!(
+                "the variable {BUS} is `{named}`: {wrong}",
+                "变量 {BUS} 的值是 `{named}`：{zh}",
+                zh = wrong.chinese()
+            ))
+        })?;
+        Ok(())
+    }
+}
+
 /// Options that every command takes.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of every command")]
 pub struct Global {
-    /// Where the machine is: `sim`, a SocketCAN interface (`can0`, `socketcan:can0`), or an adapter:
-    /// `slcan:/dev/ttyACM0[@BAUD]`, `slcan:tcp:HOST:PORT`, `slcan:unix:PATH`
+    /// Where the machine is: `sim`, `sim:NAME`, a SocketCAN interface (`can0`, `socketcan:can0`), or an adapter:
+    /// `slcan:/dev/ttyACM0[@BAUD]`, `slcan:tcp:HOST:PORT`, `slcan:unix:PATH` [default: $LEADSCREW_BUS, else sim]
     ///
     /// `sim` is a simulated board with drives and a spindle inside this process; it needs no device and no privileges.
-    /// The others talk to a board, whose own parameters then count.
-    #[arg(long, global = true, value_name = "BUS", default_value = "sim")]
+    /// `sim:NAME` is a simulated machine that `leadscrew up` keeps running. All but `sim` talk to a board, whose own
+    /// parameters then count. `simulate` and `plot`, and every command with `--state`, are without a bus, whatever
+    /// LEADSCREW_BUS says.
+    #[arg(id = "bus", long = "bus", global = true, value_name = "BUS")]
+    pub typed_bus: Option<Address>,
+    /// The bus that counts: see [`Cli::settle`].
+    #[arg(skip = Address::Sim)]
     pub bus: Address,
     /// Bit rate of the CAN behind an `slcan:` adapter, in kbit/s: 10 20 50 100 125 250 500 800 1000 [default: 1000]
     ///
@@ -280,39 +321,50 @@ pub enum Command {
     /// Touch off: a tool stands where the work has a known coordinate, and its geometry or the work offset follows
     #[command(after_help = examples::TOUCH)]
     Touch(Touch),
+    /// Check and run a line that is typed, behind the lines typed before (not with `--bus sim`)
+    ///
+    /// What the lines before have set holds on: modes, coordinate system, tool offset, F and S. It is told before the line
+    /// and behind it. It begins anew behind `run`, M30, and each time the board starts. Cycles, G41, G42 and G61 end
+    /// with their line.
+    #[command(after_help = examples::MDI)]
+    Mdi {
+        /// One or more blocks; without, lines are asked for one by one
+        #[arg(value_name = "LINE", allow_hyphen_values = true)]
+        line: Option<String>,
+    },
     /// One look at the board; with `sim`, at what the flash in `--state` remembers
     ///
     /// Without `--node` it names the other boards on the bus, too, which takes as long as they are silent at a time.
     #[command(after_help = examples::STATUS)]
     Status,
-    /// A live view of the board (needs a real bus)
+    /// A live view of the board (not with `--bus sim`)
     #[command(after_help = examples::MONITOR)]
     Monitor,
-    /// Feed hold (needs a real bus)
+    /// Feed hold (not with `--bus sim`)
     #[command(after_help = examples::HOLD)]
     Hold,
-    /// Go on after a hold (needs a real bus)
+    /// Go on after a hold (not with `--bus sim`)
     #[command(after_help = examples::RESUME)]
     Resume,
-    /// Reset the board (needs a real bus)
+    /// Reset the board (not with `--bus sim`)
     #[command(after_help = examples::RESET)]
     Reset,
-    /// Controlled stop (needs a real bus)
+    /// Controlled stop (not with `--bus sim`)
     #[command(after_help = examples::STOP)]
     Stop,
-    /// Change the mode of the machine (needs a real bus)
+    /// Change the mode of the machine (not with `--bus sim`)
     #[command(after_help = examples::MODE)]
     Mode {
         /// Which one
         #[arg(value_enum)]
         mode: ModeName,
     },
-    /// Move an axis by hand (needs a real bus)
+    /// Move an axis by hand (not with `--bus sim`)
     ///
     /// The board moves only while this program lives: it comes to rest by itself when the frames stay away.
     #[command(after_help = examples::JOG)]
     Jog(Jog),
-    /// Set an override (needs a real bus)
+    /// Set an override (not with `--bus sim`)
     #[command(after_help = examples::OVERRIDE)]
     Override {
         /// Which one
@@ -322,7 +374,7 @@ pub enum Command {
         #[arg(allow_negative_numbers = true)]
         percent: Percent,
     },
-    /// Set an input (needs a real bus)
+    /// Set an input (not with `--bus sim`)
     #[command(after_help = examples::SIGNAL)]
     Signal {
         /// `NAME=0` or `NAME=1`
@@ -340,6 +392,29 @@ pub enum Command {
         /// Drop the record instead: no tap is in a hole
         #[arg(long)]
         discard: bool,
+    },
+    /// Keep a simulated machine running, for other commands with `--bus sim:NAME`
+    ///
+    /// It comes back once the machine answers. The machine goes on in the background until `leadscrew down`; its flash and
+    /// its log are in the folder `leadscrew/NAME` of `$XDG_STATE_HOME`, else of `~/.local/state`.
+    #[command(after_help = examples::UP)]
+    Up(Up),
+    /// End a simulated machine that `up` keeps running
+    #[command(after_help = examples::DOWN)]
+    Down {
+        /// Which one [default: the one of `--bus sim:NAME` or LEADSCREW_BUS, else desk]
+        #[arg(long, value_name = "NAME")]
+        name: Option<MachineName>,
+    },
+    /// What happens around a simulated machine that `up` keeps running: door, emergency stop, power, time
+    #[command(after_help = examples::SIM)]
+    Sim {
+        /// Which one [default: the one of `--bus sim:NAME` or LEADSCREW_BUS, else desk]
+        #[arg(long, value_name = "NAME")]
+        name: Option<MachineName>,
+        /// What happens
+        #[command(subcommand)]
+        command: SimCommand,
     },
     /// Capture the bus into a file, until Ctrl-C
     #[command(after_help = examples::RECORD)]
@@ -463,6 +538,72 @@ pub struct Run {
     /// Fail (exit 1) when the worst synchronism error of a thread or a hole is above this many micrometres
     #[arg(long, value_name = "UM", allow_negative_numbers = true)]
     pub tolerance: Option<Tolerance>,
+}
+
+/// `up`.
+#[derive(Args, Debug, Default)]
+pub struct Up {
+    /// Its name [default: the one of `--bus sim:NAME` or LEADSCREW_BUS, else desk]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<MachineName>,
+    /// Machine file of a new board, which then keeps it (as `--params`) [default: the built-in machine]
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// Begin with an empty board: what it has kept is forgotten
+    #[arg(long)]
+    pub new: bool,
+    /// Machine time against real time, 0.01 to 5
+    #[arg(long, value_name = "K")]
+    pub speed: Option<Factor>,
+    /// Stay in this terminal, with the log, until Ctrl-C or `leadscrew down`
+    #[arg(long)]
+    pub foreground: bool,
+    /// This process was started by `up` itself: it leaves the terminal's session.
+    #[arg(long, hide = true, requires = "foreground")]
+    pub detached: bool,
+}
+
+/// `sim`.
+#[derive(Clone, Copy, Debug, Subcommand)]
+pub enum SimCommand {
+    /// Open or close the door
+    #[command(after_help = examples::SIM_DOOR)]
+    Door {
+        /// What happens to it
+        #[arg(value_enum)]
+        to: Door,
+    },
+    /// Press or release the emergency stop; it stays as it is
+    #[command(after_help = examples::SIM_ESTOP)]
+    Estop {
+        /// What happens to it
+        #[arg(value_enum)]
+        to: Contact,
+    },
+    /// Press or release the contact of feed hold; it stays as it is
+    #[command(after_help = examples::SIM_HOLD)]
+    Hold {
+        /// What happens to it
+        #[arg(value_enum)]
+        to: Contact,
+    },
+    /// Take the power of board and drives, or give it; `cycle` does both
+    #[command(after_help = examples::SIM_POWER)]
+    Power {
+        /// What happens to it
+        #[arg(value_enum)]
+        to: Power,
+    },
+    /// Machine time against real time, 0.01 to 5
+    #[command(after_help = examples::SIM_SPEED)]
+    Speed {
+        /// `2` is twice as fast, `0.5` half as fast
+        #[arg(value_name = "K", allow_negative_numbers = true)]
+        factor: Factor,
+    },
+    /// Only tell how the machine is
+    #[command(after_help = examples::SIM_STATE)]
+    State,
 }
 
 /// The overrides.

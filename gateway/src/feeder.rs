@@ -2,7 +2,7 @@
 
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::call::{Call, CallKind, Position};
-use leadscrew_core::program::Event;
+use leadscrew_core::program::{Carried, Event};
 use leadscrew_language::variables::Kept;
 
 use crate::diagnostics::Diagnostic;
@@ -76,6 +76,12 @@ impl<'a> Feeder<'a> {
         self.program.kept()
     }
 
+    /// What the text leaves in force for the next one; `None` behind M02 or M30, which end it all.
+    #[must_use]
+    pub fn carried(&self) -> Option<Carried> {
+        (!self.ended).then(|| self.program.carried())
+    }
+
     /// Words for an alarm or a warning of the machine.
     #[must_use]
     pub fn words(&self, alarm: &Alarm) -> Diagnostic {
@@ -97,7 +103,11 @@ impl<'a> Feeder<'a> {
                 None => {
                     self.over = true;
                     // Without M02 or M30 this call tells the board that no more calls come.
-                    return Ok((!self.ended).then_some(OVER));
+                    let kind = match self.setup.carried {
+                        Some(_) => CallKind::LineOver,
+                        None => CallKind::Over,
+                    };
+                    return Ok((!self.ended).then_some(Call { kind, ..OVER }));
                 }
                 Some(Ok(Event::Call(call))) => {
                     self.ended = matches!(call.kind, CallKind::End(_));

@@ -8,12 +8,12 @@ use leadscrew_common::{interrupt, mistyped};
 
 fn main() -> ExitCode {
     let typed: Vec<_> = std::env::args_os().collect();
-    let cli = match cli::Cli::try_parse_from(&typed) {
+    let mut cli = match cli::Cli::try_parse_from(&typed) {
         Ok(cli) => cli,
         Err(error) => return mistyped::report(&error, &typed),
     };
     interrupt::watch(cli.global.lang(), cli.global.json);
-    match commands::dispatch(&cli) {
+    match cli.settle().and_then(|()| commands::dispatch(&cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(cli.global.lang(), cli.global.json),
     }

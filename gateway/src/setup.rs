@@ -11,7 +11,7 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::identity;
 use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Options;
+use leadscrew_core::program::{Carried, Options};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 use leadscrew_language::dialect::Control;
@@ -68,6 +68,8 @@ pub struct Setup<'a> {
     pub machine: Option<PathBuf>,
     /// The variables that outlive a program.
     pub variables: VariableFile,
+    /// What the line before has left in force, where lines are typed one by one.
+    pub carried: Option<Carried>,
     /// How often the machine carries out a main program that begins itself again.
     pub passes: Passes,
 }
@@ -188,6 +190,7 @@ impl<'a> Setup<'a> {
             allow,
             machine,
             variables,
+            carried: None,
             passes: Passes::Once,
         })
     }
@@ -226,6 +229,7 @@ impl<'a> Setup<'a> {
             kept: self.variables.values.clone(),
             passes: Passes::Once,
             allowed: self.allow,
+            carried: self.carried,
         }
     }
 

@@ -15,6 +15,7 @@ use crate::cli::Global;
 use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::{Doing, Failure, Outcome, unreadable};
 use crate::replace::replace;
+use crate::state;
 use crate::words::{self, both};
 
 /// Name of the file beside a machine file.
@@ -89,14 +90,7 @@ fn place(global: &Global, machine: Option<&Path>) -> Option<PathBuf> {
     if let Some(machine) = machine {
         return Some(machine.with_file_name(NAME));
     }
-    // A relative folder in XDG_STATE_HOME is to be ignored, as its specification says.
-    let folder = |name| {
-        std::env::var_os(name)
-            .map(PathBuf::from)
-            .filter(|path| path.is_absolute())
-    };
-    let state = folder("XDG_STATE_HOME").or_else(|| Some(folder("HOME")?.join(".local/state")))?;
-    Some(state.join("leadscrew").join(NAME))
+    Some(state::folder()?.join(NAME))
 }
 
 fn read(path: &Path) -> std::io::Result<Vec<u8>> {

@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::call::{Aux, Call, CallKind, Position};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Dialect, Event, Interpreter, Options, Way};
+use leadscrew_core::program::{Carried, Dialect, Event, Interpreter, Options, Way};
 use leadscrew_core::units::{Decimal, StartAngle};
 
 use crate::dialect::{Control, Setting};
@@ -156,6 +156,11 @@ impl<'p, S: Source> Reader<'p, S> {
     /// The text cannot be read again.
     pub fn text(&mut self) -> std::io::Result<&[u8]> {
         self.flow.line_text()
+    }
+
+    /// Puts in force what the text before has left, before the first step.
+    pub fn carry(&mut self, carried: &Carried) {
+        self.core.interpreter.carry(carried);
     }
 
     /// The interpreter, for what it knows of the program.
@@ -436,6 +441,7 @@ const fn moves(call: &Call) -> bool {
             | CallKind::Aux(_)
             | CallKind::End(_)
             | CallKind::Over
+            | CallKind::LineOver
     )
 }
 

@@ -13,7 +13,7 @@ use nix::fcntl::OFlag;
 use nix::sys::termios::{self, BaudRate, SetArg, SpecialCharacterIndices};
 
 use super::{ANSWER, Stream};
-use crate::{Address, CanError};
+use crate::{Address, CanError, Port};
 
 /// Time limit for a connection.
 const CONNECT: Duration = Duration::from_secs(3);
@@ -30,6 +30,13 @@ pub fn open(address: &Address) -> Result<(String, Box<dyn Stream>), CanError> {
         Address::Tcp { host, port } => {
             let name = format!("tcp:{host}:{port}");
             let line = tcp(host, *port).map_err(|error| failed(&name, error))?;
+            Ok((name, Box::new(line)))
+        }
+        Address::Machine(machine) => {
+            let line = crate::connect(machine, Port::Bus)?;
+            let name = format!("sim:{machine}");
+            line.set_write_timeout(Some(ANSWER))
+                .map_err(|error| failed(&name, error))?;
             Ok((name, Box::new(line)))
         }
         Address::Unix(path) => {

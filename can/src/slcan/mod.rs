@@ -9,6 +9,8 @@ mod line;
 #[cfg(test)]
 mod tests;
 
+pub use fd::{LONGEST as FD_LINE, frame as fd_frame, line as fd_line, rate as fd_rate};
+
 use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};

@@ -63,7 +63,7 @@ impl Guard {
                 self.in_phase && tap.continues && tap.axis == hole.axis,
                 false,
             ),
-            CallKind::End(_) | CallKind::Over => (false, self.in_phase),
+            CallKind::End(_) | CallKind::Over | CallKind::LineOver => (false, self.in_phase),
             _ => (false, false),
         };
         if opens {

@@ -69,8 +69,8 @@ pub struct Planner {
     percent: u8,
     /// The inputs at the start of the last hole. A hole that continues after K198 keeps them.
     hole_signals: Signals,
-    /// The call under expansion ends the program.
-    ending: Option<Span>,
+    /// The call under expansion ends the program; true: it ends a line that was typed.
+    ending: Option<(Span, bool)>,
     /// End of the last planned move.
     position: Position,
     /// Start of the call under expansion: A of a cycle.
@@ -257,8 +257,9 @@ impl Planner {
             }
             return (true, None);
         }
-        if let Some(span) = self.ending.take() {
-            self.queue(span, Stops::default(), Action::End);
+        if let Some((span, typed)) = self.ending.take() {
+            let action = if typed { Action::LineEnd } else { Action::End };
+            self.queue(span, Stops::default(), action);
             // The next program counts its own moves.
             self.number = 0;
             return (true, None);

@@ -39,6 +39,8 @@ pub struct Board {
     queues: Queues,
     tick: Tick,
     background: Background,
+    /// The pins.
+    inputs: Inputs,
     /// Events that the owner has not read yet.
     events: Deque<Event, EVENTS>,
 }
@@ -80,6 +82,7 @@ impl Board {
             queues: Queues::new(),
             tick,
             background,
+            inputs: Inputs::default(),
             events: Deque::new(),
         })
     }
@@ -107,8 +110,9 @@ impl Board {
 
     /// One SYNC period. `received`: the frames from the bus since the last tick.
     pub fn tick(&mut self, sample: EncoderSample, received: &[Frame], output: &mut Output) {
+        let inputs = self.inputs;
         let (mut tick, _) = self.split();
-        tick.begin(&Inputs::default(), received.iter().copied());
+        tick.begin(&inputs, received.iter().copied());
         tick.run(sample, output);
         tick.report(output, true);
         self.hear();
@@ -202,6 +206,11 @@ impl Board {
     pub fn command(&mut self, command: Command) {
         self.tick.ticker.command(command);
         self.look();
+    }
+
+    /// Sets the pins: contacts and what else is wired to the board. They act in every tick from the next one on.
+    pub const fn set_pins(&mut self, inputs: Inputs) {
+        self.inputs = inputs;
     }
 
     /// Sets the inputs. They act in the next tick, and on the next call that is opened.

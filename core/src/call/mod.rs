@@ -91,6 +91,9 @@ pub enum CallKind {
     /// How cuts go on from now on, until the program ends. True (G61): each ends in a stop. False (G64, at power-on too):
     /// cuts that follow one another are joined, and pass their corners without a stop.
     ExactStop(bool),
+    /// A line that was typed is over, as a text is: no move, and no call follows. But the spindle goes on turning, since
+    /// the next line may cut [D284].
+    LineOver,
 }
 
 /// Cutting speed on the path.

@@ -44,6 +44,7 @@ fn single(next: &mut Move, call: &Call, context: &Context<'_>) -> Result<bool, A
     next.kind = match &call.kind {
         CallKind::Rapid(to) | CallKind::Line(to, _) if *to == at => return Ok(false),
         CallKind::Over
+        | CallKind::LineOver
         | CallKind::ExactStop(_)
         | CallKind::Thread(_)
         | CallKind::Groove(_)
@@ -113,6 +114,7 @@ impl Moves {
             | CallKind::TapReturn(_)
             | CallKind::End(_)
             | CallKind::Over
+            | CallKind::LineOver
             | CallKind::ExactStop(_) => {
                 let mut next = Move {
                     span,

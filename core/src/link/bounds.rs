@@ -59,7 +59,11 @@ pub fn call(call: &Call) -> Result<(), Beyond> {
         CallKind::Arc(call) => arc(call),
         CallKind::Dwell(time) => dwell(*time),
         CallKind::Spindle(call) => spindle(call),
-        CallKind::Aux(_) | CallKind::End(_) | CallKind::Over | CallKind::ExactStop(_) => Ok(()),
+        CallKind::Aux(_)
+        | CallKind::End(_)
+        | CallKind::Over
+        | CallKind::ExactStop(_)
+        | CallKind::LineOver => Ok(()),
         CallKind::Thread(call) => thread(call),
         CallKind::Groove(call) => groove(call),
         CallKind::Tap(call) => tap(call),

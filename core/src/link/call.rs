@@ -141,6 +141,7 @@ choices! {
         10 => End(_),
         11 => Over,
         12 => ExactStop(_),
+        13 => LineOver,
         else Self::Over
     }
     FeedRate {

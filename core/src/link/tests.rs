@@ -153,6 +153,7 @@ fn calls_come_back_equal_and_the_longest_fits() {
         CallKind::End(30),
         CallKind::Over,
         CallKind::ExactStop(true),
+        CallKind::LineOver,
     ] {
         let call = call(kind);
         assert_eq!(bounds::call(&call), Ok(()));
@@ -404,6 +405,7 @@ fn a_call_is_read_as_serde_reads_it() {
         CallKind::End(30),
         CallKind::Over,
         CallKind::ExactStop(true),
+        CallKind::LineOver,
     ];
     let mut state = 7_u64;
     let mut noise = || {

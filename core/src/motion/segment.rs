@@ -136,6 +136,8 @@ pub enum Action {
     Alarm(Alarm),
     /// The program has ended.
     End,
+    /// A line that was typed has ended.
+    LineEnd,
 }
 
 /// The plan of a motion bound to the spindle. A plan is several times as large as a segment, and only few segments have

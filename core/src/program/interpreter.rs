@@ -1,5 +1,6 @@
 //! Lines in, events out: the sans-IO driver of lexer, block and modal state.
 
+use super::carried::Carried;
 use super::in_force::InForce;
 use super::motion::Way;
 use super::state::State;
@@ -48,6 +49,17 @@ impl<'p> Interpreter<'p> {
     #[must_use]
     pub const fn offsets(&self) -> Source<'_> {
         self.state.modal.offsets()
+    }
+
+    /// Puts in force what the text before has left, and makes no call of it. This is for the start, before the first line.
+    pub fn carry(&mut self, carried: &Carried) {
+        self.state.carry(carried);
+    }
+
+    /// What the lines so far leave in force for the next text.
+    #[must_use]
+    pub fn carried(&self) -> Carried {
+        self.state.carried()
     }
 
     /// Takes in one line, with or without its line ending, and hands what it yields to `out`. `line` is its number in

@@ -8,6 +8,7 @@
 //! [`Interpreter`] takes lines, [`Events`] iterates over a program in memory, [`Reader`] takes pieces of a stream.
 
 mod arc;
+mod carried;
 mod in_force;
 mod interpreter;
 mod motion;
@@ -19,6 +20,7 @@ mod tests;
 
 pub use crate::text::{Dialect, Event, MAX_LINE, Options};
 pub use arc::ARC_END_TOLERANCE;
+pub use carried::{Carried, CarriedFeed};
 pub use in_force::InForce;
 pub use interpreter::{Interpreter, is_free_m};
 pub use motion::Way;

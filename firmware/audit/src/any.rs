@@ -237,7 +237,7 @@ choices! {
     CallKind {
         CallKind::Rapid(any()), CallKind::Line(any(), any()), CallKind::Arc(any()), CallKind::Dwell(any()),
         CallKind::Spindle(any()), CallKind::Aux(any()), CallKind::Thread(any()), CallKind::Groove(any()),
-        CallKind::Tap(any()), CallKind::TapReturn(any()), CallKind::Over, CallKind::ExactStop(any()),
+        CallKind::Tap(any()), CallKind::TapReturn(any()), CallKind::Over, CallKind::ExactStop(any()), CallKind::LineOver,
     } or CallKind::End(any());
 }
 

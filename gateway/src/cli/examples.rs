@@ -8,6 +8,7 @@ Examples:
   leadscrew plot examples/shaft.nc -o shaft.svg    a picture of path, speed and synchronism
   leadscrew run examples/shaft.nc                  run it on the simulated machine
   leadscrew simulate PROG -o setpoints.csv         the setpoints, tick by tick
+  leadscrew up                                     a simulated machine that stays, for all that follows
 
 Exit codes:
   0    done, warnings included
@@ -99,7 +100,7 @@ Examples:
 
 pub(super) const STATUS: &str = "\
 Examples:
-  leadscrew status --bus can0                  state, place, spindle, alarm, a tap in its hole
+  leadscrew status --bus can0                    state, place, spindle, alarm, a tap in its hole
   leadscrew status --bus can0 --node 2 --json    for programs
   leadscrew status --state board.flash           what a simulated board has kept";
 
@@ -208,3 +209,60 @@ pub(super) const COMPLETIONS: &str = "\
 Examples:
   leadscrew completions bash > ~/.local/share/bash-completion/completions/leadscrew
   leadscrew completions fish > ~/.config/fish/completions/leadscrew.fish";
+
+pub(super) const UP: &str = "\
+Examples:
+  leadscrew up --machine examples/leadscrew.toml       a machine named desk, for the programs of examples
+  export LEADSCREW_BUS=sim:desk                        which all commands of this terminal then mean
+  leadscrew run examples/shaft.nc
+  leadscrew monitor --bus sim:desk                     in another terminal
+  leadscrew up --name big --machine big.toml           another one, with its own parameters
+  leadscrew up --foreground                            its log in this terminal";
+
+pub(super) const DOWN: &str = "\
+Examples:
+  leadscrew down
+  leadscrew down --name big";
+
+pub(super) const SIM: &str = "\
+Examples:
+  leadscrew sim estop press       alarm 4300; behind its release `leadscrew reset`
+  leadscrew sim power cycle       the board starts again with what its flash has kept
+  leadscrew sim speed 0.1         a tenth of real time
+  leadscrew sim state --name big";
+
+pub(super) const SIM_DOOR: &str = "\
+Example:
+  leadscrew sim door open";
+
+pub(super) const SIM_ESTOP: &str = "\
+Examples:
+  leadscrew sim estop press
+  leadscrew sim estop release     behind it `leadscrew reset`";
+
+pub(super) const SIM_HOLD: &str = "\
+Examples:
+  leadscrew sim hold press
+  leadscrew sim hold release      behind it `leadscrew resume`";
+
+pub(super) const SIM_POWER: &str = "\
+Examples:
+  leadscrew sim power cycle
+  leadscrew sim power off         until `leadscrew sim power on`";
+
+pub(super) const SIM_SPEED: &str = "\
+Examples:
+  leadscrew sim speed 0.1
+  leadscrew sim speed 1";
+
+pub(super) const SIM_STATE: &str = "\
+Examples:
+  leadscrew sim state
+  leadscrew sim state --json";
+
+pub(super) const MDI: &str = "\
+Examples:
+  leadscrew mdi \"T0101 M3 S600\"
+  leadscrew mdi \"G98 G1 X38 Z-25 F100\"
+  leadscrew mdi \"G53 G0 X-100; Z-50\"     two blocks
+  leadscrew mdi                            asks for lines until Ctrl-D; arrow up brings the ones before";

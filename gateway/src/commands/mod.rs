@@ -3,6 +3,7 @@
 pub mod board;
 mod check;
 mod completions;
+mod desk;
 mod expand;
 mod params;
 mod plot;
@@ -69,6 +70,10 @@ pub fn dispatch(cli: &Cli) -> Outcome {
                 discard: *discard,
             },
         ),
+        Command::Mdi { line } if is_real(cli) => board::mdi(&cli.global, line.as_deref()),
+        Command::Up(args) => desk::up(&cli.global, args),
+        Command::Down { name } => desk::down(&cli.global, name.as_ref()),
+        Command::Sim { name, command } => desk::sim(&cli.global, name.as_ref(), *command),
         Command::Monitor if is_real(cli) => board::monitor(&cli.global),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
         Command::Resume if is_real(cli) => board::order(&cli.global, Order::Resume),

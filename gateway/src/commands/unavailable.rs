@@ -74,6 +74,10 @@ const fn name(command: &Command) -> &'static str {
         Command::Signal { .. } => "signal",
         Command::Retract { .. } => "retract",
         Command::Record(_) => "record",
+        Command::Mdi { .. } => "mdi",
+        Command::Up(_) => "up",
+        Command::Down { .. } => "down",
+        Command::Sim { .. } => "sim",
         Command::Completions { .. } => "completions",
     }
 }
@@ -99,8 +103,9 @@ fn needs_a_board(name: &str, command: &Command) -> Both {
     };
     both!(
         "`{name}` needs a board that goes on running between commands, and `--bus sim` lives inside one command: \
-         name the board's bus, as in `leadscrew {name} --bus can0`{en}",
-        "`{name}` 需要一块在命令之间持续运行的控制板，而 `--bus sim` 只存在于一条命令之内；请指定控制板所在的总线，如 `leadscrew {name} --bus can0`{zh}",
+         name the board's bus, as in `leadscrew {name} --bus can0`, or let a simulated one go on running (`leadscrew up`, then \
+         `--bus sim:desk`){en}",
+        "`{name}` 需要一块在命令之间持续运行的控制板，而 `--bus sim` 只存在于一条命令之内；请指定控制板所在的总线，如 `leadscrew {name} --bus can0`，或让模拟机床持续运行（先 `leadscrew up`，再用 `--bus sim:desk`）{zh}",
         en = instead.en,
         zh = instead.zh
     )

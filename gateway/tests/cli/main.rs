@@ -17,6 +17,7 @@ fn leadscrew(args: &[&str]) -> Output {
         .args(args)
         .current_dir(root())
         .env("NO_COLOR", "1")
+        .env_remove("LEADSCREW_BUS")
         .output()
         .unwrap()
 }

@@ -26,6 +26,10 @@ fn help_and_version_are_on_every_command() {
         "retract",
         "params",
         "record",
+        "mdi",
+        "up",
+        "down",
+        "sim",
         "completions",
     ] {
         let help = leadscrew(&[command, "--help"]);
@@ -39,6 +43,12 @@ fn help_and_version_are_on_every_command() {
         let help = leadscrew(&["params", verb, "--help"]);
         assert_eq!(code(&help), 0, "{verb}: {}", stderr(&help));
         let example = format!("  leadscrew params {verb}");
+        assert!(stdout(&help).contains(&example), "{verb}");
+    }
+    for verb in ["door", "estop", "hold", "power", "speed", "state"] {
+        let help = leadscrew(&["sim", verb, "--help"]);
+        assert_eq!(code(&help), 0, "{verb}: {}", stderr(&help));
+        let example = format!("  leadscrew sim {verb}");
         assert!(stdout(&help).contains(&example), "{verb}");
     }
 }
@@ -135,6 +145,7 @@ fn what_needs_a_board_says_so_and_how_to_name_one() {
         &["monitor"],
         &["override", "feed", "50"],
         &["signal", "RGTAP=1"],
+        &["mdi", "G0 X1"],
         &["record", "-o", "bus.log"],
     ] {
         let output = leadscrew(args);

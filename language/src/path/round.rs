@@ -63,7 +63,7 @@ impl Round {
                 (None, CallKind::Dwell(_) | CallKind::Spindle(_) | CallKind::Aux(_)) => {
                     Input::Still(event)
                 }
-                (None, CallKind::End(_) | CallKind::Over) => {
+                (None, CallKind::End(_) | CallKind::Over | CallKind::LineOver) => {
                     self.finish(out)?;
                     out.push_back(event);
                     return Ok(());

@@ -135,7 +135,10 @@ impl ProgramBuffer {
                     // No call may follow the end of a program.
                     return Err(Abort::Value);
                 }
-                ended = matches!(call.kind, CallKind::End(_) | CallKind::Over);
+                ended = matches!(
+                    call.kind,
+                    CallKind::End(_) | CallKind::Over | CallKind::LineOver
+                );
                 wanted = wanted.saturating_add(bytes.len());
             }
             number = number.saturating_add(1);

@@ -61,8 +61,9 @@ impl Planner {
         if !part.is_joined() {
             self.percent = settings.spindle_percent;
         }
-        if let CallKind::End(_) | CallKind::Over = call.kind {
-            self.ending = Some(call.span);
+        if let CallKind::End(_) | CallKind::Over | CallKind::LineOver = call.kind {
+            let typed = matches!(call.kind, CallKind::LineOver);
+            self.ending = Some((call.span, typed));
             self.joined.set_exact(false);
         }
         Ok(())

@@ -120,7 +120,10 @@ impl Ticker {
                 self.raise(&alarm, ends);
                 return None;
             }
-            Action::End => {
+            Action::End | Action::LineEnd => {
+                if matches!(segment.action, Action::End) {
+                    self.spindle.stop();
+                }
                 self.transition_to_idle(events);
                 ends.segments.take();
                 return None;

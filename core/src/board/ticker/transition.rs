@@ -35,10 +35,9 @@ impl Ticker {
         self.state = State::Idle;
     }
 
-    /// The program is over.
+    /// The program is over. Whether the spindle stops is for the caller.
     pub(super) fn transition_to_idle(&mut self, events: &mut EventIn<'_>) {
         self.course.end_program();
-        self.spindle.stop();
         self.state = State::Idle;
         emit(events, Event::Finished);
     }

@@ -144,3 +144,66 @@ fn the_modal_state_is_that_of_the_blocks_so_far() {
     let feed = now.feed.map(FeedRate::nominal);
     assert_eq!(feed.map(|feed| feed.nm_per_min()), Some(125_000_000));
 }
+
+/// The same blocks as one text, and as texts that each go on behind the one before.
+#[test]
+fn what_a_text_leaves_in_force_holds_in_the_next_and_makes_no_call() {
+    let params = Params::sheets();
+    for blocks in [
+        &[
+            "G0 X50 Z10",
+            "X40",
+            "G1 Z-2 F100",
+            "X30",
+            "M3 S500",
+            "S600",
+            "G3 X35 Z-4 R3",
+            "M5 S1",
+        ][..],
+        &[
+            "G20 G55 G99 T0102",
+            "M4 S200",
+            "G1 X1. Z-1. F0.01",
+            "W-0.1",
+            "G21 G1 U1 F0.3",
+        ],
+        &["G50 X20 Z5", "G0 X21", "T0303 G59", "X22", "G50 W3", "Z0"],
+        &[
+            "G96 S120 M3",
+            "G50 S1500",
+            "G0 X30",
+            "X20",
+            "G97",
+            "X25",
+            "G96 S100",
+        ],
+        // A cycle ends, and its words with it.
+        &["G17", "G0 X50 Z2", "G1 F200", "G2 X60 Z2 R9 G18"],
+    ] {
+        let text = blocks.join("\n");
+        let whole = calls(&text);
+        let mut apart = Vec::new();
+        let (mut carried, mut position) = (None, Position::ZERO);
+        for (line, block) in (1..).zip(blocks) {
+            let options = Options {
+                position,
+                ..Options::default()
+            };
+            let mut reader = Interpreter::new(&params, options);
+            if let Some(carried) = &carried {
+                reader.carry(carried);
+            }
+            let mut take = |event| match event {
+                Event::Call(call) => apart.push(call),
+                Event::Warning(warning) => panic!("{warning:?}"),
+            };
+            reader.line(block.as_bytes(), line, &mut take).unwrap();
+            reader.finish(&mut take).unwrap();
+            (carried, position) = (Some(reader.carried()), reader.position());
+        }
+        assert_eq!(apart, whole, "{text}");
+    }
+    let mut cycle = Interpreter::new(&params, Options::default());
+    cycle.line(b"G90 X10 Z-5 F100", 1, &mut |_| {}).unwrap();
+    assert_eq!((cycle.in_force().motion, cycle.carried().motion), (90, 0));
+}

@@ -2,6 +2,7 @@
 
 mod by_hand;
 mod machine;
+mod mdi;
 mod monitor;
 mod operate;
 mod run;
@@ -17,6 +18,7 @@ use crate::words::pick;
 
 pub use by_hand::{jog, mode};
 pub use machine::{Base, Greeted, Machine, Table, base};
+pub use mdi::mdi;
 pub use monitor::monitor;
 pub use operate::{levels, order, signal};
 pub use run::{no_figures, run};

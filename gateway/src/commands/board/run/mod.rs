@@ -7,17 +7,21 @@ mod work;
 use std::time::SystemTime;
 
 use leadscrew_core::journal::TapRecord;
+use leadscrew_core::link::Status;
+use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::Rpm;
 
 pub use self::tell::no_figures;
 use self::work::Ran;
 use super::{Base, Machine, Table};
+use crate::checking::Report;
 use crate::cli::{Drive, Global, Run};
 use crate::commands::run::passes;
 use crate::diagnostics;
 use crate::execution::tell_report;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
+use crate::link::Link;
 use crate::origin::Origin;
 use crate::setup::{Answer, Setup, alone_in};
 use crate::source::SourceFile;
@@ -36,13 +40,42 @@ fn refuse(global: &Global, drive: &Drive) -> Outcome {
     };
     let bus = &global.bus;
     Err(Failure::Usage(both!(
-        "`{option}` is for the simulated machine; behind `--bus {bus}` stands a real one",
-        "`{option}` 只用于模拟机床；`--bus {bus}` 后面是真实机床"
+        "`{option}` is for the machine inside the command (`--bus sim`); behind `--bus {bus}` stands one of its own",
+        "`{option}` 只用于命令内部的模拟机床（`--bus sim`）；`--bus {bus}` 后面是另一台独立的机床"
     )))
+}
+
+/// A program that was carried out, well or not.
+pub struct Done<'a> {
+    pub setup: Setup<'a>,
+    pub link: Link,
+    report: Report,
+    pub ran: Ran,
+    origin: Origin,
+    pub verdict: Outcome,
 }
 
 /// Runs a program on a board.
 pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
+    let done = perform(global, source, args, Work::Program, &mut |_, _| Ok(()))?;
+    let (setup, ran) = (&done.setup, &done.ran);
+    if global.json {
+        let ok = done.verdict.is_ok();
+        tell::result(setup, &done.report, ran, &done.origin, ok)?;
+    } else {
+        tell::summary(setup, source, ran, &done.origin, &done.verdict)?;
+    }
+    done.verdict
+}
+
+/// Checks a program and carries it out on a board. `begin` sees what the check goes by, and may add to it.
+pub fn perform<'a>(
+    global: &'a Global,
+    source: &SourceFile,
+    args: &Run,
+    work: Work,
+    begin: &mut dyn FnMut(&mut Setup<'a>, &Status) -> Outcome,
+) -> Outcome<Done<'a>> {
     refuse(global, &args.drive)?;
     // A mistyped name needs no board.
     source
@@ -68,10 +101,12 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let mut link = machine.link;
     let status = link.status()?;
     work::ready(&status, &link, global)?;
+    ensure_mode(&mut link, work)?;
     setup.passes = passes(args);
     setup.position = Some(status.position);
     setup.turning = status.command != Rpm::STOPPED;
     setup.tap = tap;
+    begin(&mut setup, &status)?;
     let origin = Origin {
         program: program.clone(),
         parameters: Some(status.parameters),
@@ -100,10 +135,30 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
         setup.variables.save(values, setup.lang)?;
     }
     let verdict = tell::verdict(&ran, args.tolerance);
-    if global.json {
-        tell::result(&setup, &report, &ran, &origin, verdict.is_ok())?;
-    } else {
-        tell::summary(&setup, source, &ran, &origin, &verdict)?;
-    }
-    verdict
+    Ok(Done {
+        setup,
+        link,
+        report,
+        ran,
+        origin,
+        verdict,
+    })
+}
+
+/// What a board is to do, for the mode that it has to be in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// A program.
+    Program,
+    /// A line that was typed.
+    Typed,
+}
+
+/// Brings the board into the mode for a work. The machine is at rest.
+fn ensure_mode(link: &mut Link, work: Work) -> Outcome {
+    let mode = match work {
+        Work::Program => OperatingMode::Automatic,
+        Work::Typed => OperatingMode::Mdi,
+    };
+    Ok(link.set_mode(mode)?)
 }

@@ -10,6 +10,7 @@ use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
+use leadscrew_core::program::Carried;
 
 use super::super::state_words;
 use leadscrew_language::variables::Kept;
@@ -56,6 +57,10 @@ pub struct Ran {
     /// The drives have been enabled again.
     ready: bool,
     pub interrupted: bool,
+    /// Its number on the board.
+    pub program: u32,
+    /// What a program that came to its end has left in force.
+    pub carried: Option<Carried>,
     /// The variables that the program has left, or its last pass that came to its end.
     pub variables: Option<Kept>,
 }
@@ -280,6 +285,8 @@ impl Runner<'_> {
         if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
             if self.ran.finished && !self.ran.reset && self.ran.alarms.is_empty() {
                 self.ran.variables = Some(feeder.variables().clone());
+                self.ran.carried = feeder.carried();
+                self.ran.program = feed.program();
                 if feeder.next_pass() {
                     // Each pass is a program of its own for the board.
                     (*feed, *started) = (Feed::new(program_number(), self.setup.revision()), false);

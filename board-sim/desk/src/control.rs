@@ -1,0 +1,259 @@
+//! The language of `leadscrew sim`: one JSON object a line in each direction, over a socket of its own.
+//!
+//! ```text
+//! {"do":"door","to":"open"}          {"ok":true,"machine":{"name":"desk","power":true,…}}
+//! {"do":"speed","thousandths":9}     {"ok":false,"error":{"en":"…","zh":"…"}}
+//! ```
+//!
+//! Every request that is carried out is answered with the machine as it is then. A new verb is a variant of [`Request`] and
+//! an arm in `server`; what a machine tells more is a field of [`View`]. It must not know how a request is carried out.
+
+use std::io::{BufRead as _, BufReader, ErrorKind, Write as _};
+use std::time::Duration;
+
+use clap::ValueEnum;
+use leadscrew_can::{CanError, MachineName, Port, connect};
+use leadscrew_common::words::Both;
+use serde::{Deserialize, Serialize};
+
+/// The longest wait for an answer: the computer may have stood still.
+const ANSWER: Duration = Duration::from_secs(10);
+
+/// The longest line.
+pub(crate) const LONGEST: usize = 1 << 16;
+
+/// What is to be done with a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case")]
+pub enum Request {
+    /// Opens or closes the door.
+    Door {
+        /// How it is then.
+        to: Door,
+    },
+    /// Presses or releases the emergency stop.
+    Estop {
+        /// How it is then.
+        to: Contact,
+    },
+    /// Presses or releases the contact of feed hold.
+    Hold {
+        /// How it is then.
+        to: Contact,
+    },
+    /// Takes the power of board and drives, or gives it.
+    Power {
+        /// What happens to it.
+        to: Power,
+    },
+    /// Machine time against real time.
+    Speed {
+        /// In thousandths.
+        thousandths: u32,
+    },
+    /// Nothing: only tells how the machine is.
+    State,
+    /// Ends the machine.
+    Down,
+}
+
+/// A door.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Door {
+    /// It is opened.
+    Open,
+    /// It is closed.
+    #[default]
+    Close,
+}
+
+/// A contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Contact {
+    /// It is pressed, and stays so.
+    Press,
+    /// It is released.
+    Release,
+}
+
+/// The power of board and drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Power {
+    /// It goes.
+    Off,
+    /// It comes.
+    On,
+    /// It goes and comes.
+    Cycle,
+}
+
+/// Words in both languages.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Text {
+    /// English.
+    pub en: String,
+    /// Chinese.
+    pub zh: String,
+}
+
+impl From<Both> for Text {
+    fn from(words: Both) -> Self {
+        Self {
+            en: words.en,
+            zh: words.zh,
+        }
+    }
+}
+
+impl From<Text> for Both {
+    fn from(text: Text) -> Self {
+        Self {
+            en: text.en,
+            zh: text.zh,
+        }
+    }
+}
+
+/// A machine as it is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct View {
+    /// Its name.
+    pub name: String,
+    /// Its process.
+    pub pid: u32,
+    /// The board's node number.
+    pub node: u8,
+    /// Board and drives have power.
+    pub power: bool,
+    /// The door.
+    pub door: Door,
+    /// The emergency stop is pressed.
+    pub estop: bool,
+    /// The contact of feed hold is pressed.
+    pub hold: bool,
+    /// Machine time in thousandths of real time.
+    pub speed: u32,
+    /// The length of a tick.
+    pub tick_us: u32,
+    /// Ticks since the machine was started.
+    pub ticks: u64,
+    /// How often machine time has slipped.
+    pub slips: u64,
+    /// Ticks that slipped in all.
+    pub lost_ticks: u64,
+    /// Clients on the bus.
+    pub clients: u32,
+    /// Clients that were dropped because they did not read.
+    pub dropped: u32,
+    /// The board's parameters are others than those that drives and spindle were made with.
+    pub outdated: bool,
+}
+
+/// An answer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Answer {
+    /// The request was carried out.
+    pub ok: bool,
+    /// Why it was not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<Text>,
+    /// What the user should know about it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<Text>,
+    /// The machine then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub machine: Option<View>,
+}
+
+impl Answer {
+    pub(crate) fn refused(why: Both) -> Self {
+        Self {
+            ok: false,
+            error: Some(why.into()),
+            note: None,
+            machine: None,
+        }
+    }
+}
+
+/// Asks a machine, and waits for its answer.
+///
+/// # Errors
+/// The machine does not run, or its answer cannot be read.
+pub fn ask(name: &MachineName, request: &Request) -> Result<Answer, CanError> {
+    let failed = |error: std::io::Error| match error.kind() {
+        ErrorKind::WouldBlock | ErrorKind::TimedOut => CanError::Stuck {
+            name: format!("sim:{name}"),
+        },
+        _ => CanError::System {
+            name: format!("sim:{name}"),
+            doing: "talk to",
+            error,
+        },
+    };
+    let mut line = connect(name, Port::Control)?;
+    line.set_read_timeout(Some(ANSWER)).map_err(failed)?;
+    line.set_write_timeout(Some(ANSWER)).map_err(failed)?;
+    let mut text = serde_json::to_vec(request).map_err(|error| failed(error.into()))?;
+    text.push(b'\n');
+    line.write_all(&text).map_err(failed)?;
+    let mut answer = String::new();
+    let read = BufReader::new(line)
+        .read_line(&mut answer)
+        .map_err(failed)?;
+    if read == 0 {
+        return Err(CanError::Closed {
+            name: format!("sim:{name}"),
+        });
+    }
+    serde_json::from_str(&answer).map_err(|error| failed(error.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_request_is_a_short_line_that_a_person_can_write() {
+        for (request, text) in [
+            (
+                Request::Door { to: Door::Open },
+                r#"{"do":"door","to":"open"}"#,
+            ),
+            (
+                Request::Estop { to: Contact::Press },
+                r#"{"do":"estop","to":"press"}"#,
+            ),
+            (
+                Request::Hold {
+                    to: Contact::Release,
+                },
+                r#"{"do":"hold","to":"release"}"#,
+            ),
+            (
+                Request::Power { to: Power::Cycle },
+                r#"{"do":"power","to":"cycle"}"#,
+            ),
+            (
+                Request::Speed { thousandths: 500 },
+                r#"{"do":"speed","thousandths":500}"#,
+            ),
+            (Request::State, r#"{"do":"state"}"#),
+            (Request::Down, r#"{"do":"down"}"#),
+        ] {
+            assert_eq!(serde_json::to_string(&request).unwrap(), text);
+            assert_eq!(serde_json::from_str::<Request>(text).unwrap(), request);
+        }
+        for wrong in [
+            r#"{"do":"fly"}"#,
+            r#"{"do":"door"}"#,
+            r#"{"do":"door","to":"ajar"}"#,
+            "x",
+        ] {
+            assert!(serde_json::from_str::<Request>(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! `mdi`: lines that are typed, one behind the other.
+
+use std::io::{Read as _, Write as _};
+use std::process::Stdio;
+
+use serde_json::Value;
+
+use crate::{SHORT, User, bad, good, text};
+
+/// What is in force before a line and behind it, without S and M.
+fn typed(user: &User, line: &str) -> (Value, Value) {
+    let mut done = user.json(&["mdi", line]);
+    (done["before"].take(), done["after"].take())
+}
+
+const POWER_ON: &str = "G00 G18 G21 G54 G98 G97 S0 M05 T--00";
+
+#[test]
+fn what_a_line_sets_holds_for_the_next_and_the_spindle_goes_on() {
+    let user = User::with_machine();
+    let (before, after) = typed(&user, "M3 S600");
+    assert_eq!(before["modal"], POWER_ON);
+    assert_eq!(after["modal"], "G00 G18 G21 G54 G98 G97 S600 M03 T--00");
+    let (before, after) = typed(&user, "G99 G1 X-4 F0.5");
+    assert_eq!(before["modal"], "G00 G18 G21 G54 G98 G97 S600 M03 T--00");
+    assert_eq!(
+        after["modal"],
+        "G01 G18 G21 G54 G99 G97 F0.5 S600 M03 T--00"
+    );
+    // G1, F and S are those of the lines before.
+    let (_, after) = typed(&user, "W-1");
+    assert_eq!((&after["mx"], &after["mz"]), (&(-4).into(), &(-1).into()));
+    assert_eq!(user.json(&["status"])["rpm_commanded"], 600);
+    // G50 shifts the work zero, and the machine stays.
+    let (before, after) = typed(&user, "G50 X20 T0203");
+    assert_eq!(
+        (&before["x"], &after["x"], &after["mx"]),
+        (&(-4).into(), &20.into(), &(-4).into())
+    );
+    assert_eq!(
+        after["modal"],
+        "G01 G18 G21 G54 G99 G97 F0.5 S600 M03 T--03"
+    );
+    let (_, after) = typed(&user, "G0 X21; G98 F77");
+    assert_eq!((&after["x"], &after["mx"]), (&21.into(), &(-3).into()));
+    let (_, after) = typed(&user, "M5");
+    assert_eq!(after["modal"], "G00 G18 G21 G54 G98 G97 F77 S600 M05 T--03");
+    assert_eq!(user.json(&["status"])["rpm_commanded"], 0);
+    // M30 ends it all.
+    let (_, after) = typed(&user, "M30");
+    assert_eq!(
+        (&after["modal"], &after["x"]),
+        (&POWER_ON.into(), &(-3).into())
+    );
+}
+
+#[test]
+fn a_refused_line_changes_nothing_and_moves_nothing() {
+    let user = User::with_machine();
+    typed(&user, "G1 X-4 F3000");
+    for (line, number) in [
+        ("G1 X-5 Q", "4003"),
+        ("X-9999", "4258"),
+        ("G1 X-5 L2", "0051"),
+    ] {
+        let told = bad(&user.does(&["mdi", line]), 1);
+        assert!(told.contains(&format!("alarm[{number}")), "{line}: {told}");
+        assert!(told.contains("--> mdi:1:"), "{line}: {told}");
+    }
+    let (before, after) = typed(&user, "Z-1");
+    assert_eq!(
+        before["modal"],
+        "G01 G18 G21 G54 G98 G97 F3000 S0 M05 T--00"
+    );
+    assert_eq!((&after["mx"], &after["mz"]), (&(-4).into(), &(-1).into()));
+}
+
+#[test]
+fn it_begins_anew_behind_a_program_and_a_power_up() {
+    let user = User::with_machine();
+    let line = "G1 X-4 F3000 S500";
+    let anew = |user: &User| typed(user, "G4 P1").0["modal"] == POWER_ON;
+    typed(&user, line);
+    assert!(!anew(&user));
+    let program = user.program(SHORT);
+    good(&user.does(&["run", &program]));
+    assert!(anew(&user));
+    typed(&user, line);
+    good(&user.does(&["sim", "power", "cycle"]));
+    assert!(anew(&user));
+    typed(&user, line);
+    good(&user.does(&["params", "set", "rapid_rate.X=9000"]));
+    assert!(anew(&user));
+}
+
+#[test]
+fn lines_from_a_pipe_end_at_the_first_that_is_wrong() {
+    let user = User::with_machine();
+    let mut mdi = user.command(&["mdi"]);
+    let piped = mdi.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut mdi = piped.stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = mdi.stdin.take().unwrap();
+    lines.write_all(b"G0 X1\n\nX2\nnonsense\nX3\n").unwrap();
+    drop(lines);
+    let ended = mdi.wait_with_output().unwrap();
+    bad(&ended, 1);
+    let told = text(&ended.stdout);
+    let starts: Vec<&str> = told
+        .lines()
+        .filter_map(|line| line.split("  ").next())
+        .collect();
+    assert_eq!(
+        starts,
+        ["before", "after", "before", "after", "before"],
+        "{told}"
+    );
+    assert_eq!(user.json(&["status"])["mx"], 2);
+    let told = bad(&user.does(&["mdi", "--json"]), 2);
+    assert!(told.contains("gives one result"), "{told}");
+}
+
+#[test]
+fn at_a_prompt_the_arrow_brings_the_line_before() {
+    let user = User::with_machine();
+    let terminal = nix::pty::openpty(None, None).unwrap();
+    let end = || terminal.slave.try_clone().unwrap();
+    let mut mdi = user.command(&["mdi"]);
+    mdi.env("TERM", "xterm");
+    let mut mdi = mdi
+        .stdin(end())
+        .stdout(end())
+        .stderr(end())
+        .spawn()
+        .unwrap();
+    let mut master = std::fs::File::from(terminal.master);
+    let mut shown = String::new();
+    // Waits until a prompt stands behind what has been shown, and types.
+    let mut type_behind = |words: &str, typed: &[u8]| {
+        let from = shown.len();
+        let comes = |shown: &str| {
+            let at = shown[from..].find(words)?;
+            shown[from + at..].find("mdi> ")
+        };
+        while comes(&shown).is_none() {
+            let mut bytes = [0; 4096];
+            let count = master.read(&mut bytes).unwrap();
+            shown += &String::from_utf8_lossy(&bytes[..count]);
+        }
+        master.write_all(typed).unwrap();
+    };
+    type_behind("", b"G0 U1\r");
+    type_behind("after", b"G0 U1 Q\r");
+    type_behind("alarm", b"\x1b[A\x1b[A\r");
+    type_behind("after", b"\x04");
+    assert_eq!(mdi.wait().unwrap().code(), Some(0));
+    assert_eq!(user.json(&["status"])["mx"], 2);
+}
