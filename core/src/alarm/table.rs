@@ -1038,6 +1038,31 @@ codes! {
     /// A step that would leave the travel: axis, how far is free.
     StepBeyondLimit = 4540, "the step would leave the travel of axis {0}: {1} are free", "make a shorter step, or look at the soft limits (1320, 1321)",
         "该步将超出 {0} 轴行程：尚余 {1}", "请减小步距，或检查软限位（1320、1321）";
+    /// A program is to begin, and a required axis has no reference; {0} to {2} the axes.
+    NotReferenced = 4503, "not referenced: {0} {1} {2}", "home first (`leadscrew home`)",
+        "未回零：{0} {1} {2}", "请先回零（`leadscrew home`）";
+    // 4520–4529: homing. {0} is the axis.
+    /// The drive has not found its mark within 9061 and 9062; {1} the time or the way that is allowed.
+    HomeNotFound = 4520, "axis {0} has not found its reference mark within what 9061 and 9062 allow", "look whether the switch and its wire work, and at the homing method (6098h); then reset and home again",
+        "{0} 轴在 9061 和 9062 允许的时间或距离内未找到参考标记", "请检查开关及其接线，以及回零方式（6098h）；然后复位并重新回零";
+    /// A homing was ended by the operator, by a stop, or by the loss of its operator.
+    HomeCancelled = 4521, "homing was cancelled: its axis is not referenced", "home again, after a reset where the machine stands on this alarm",
+        "回零已取消：该轴未回零", "请重新回零；机床处于此报警时请先复位";
+    /// The drive reports an error, or has not started; {1} its statusword.
+    HomeError = 4522, "the drive of axis {0} could not home: statusword {1}", "look at the drive's homing settings (6098h, 6099h, 609Ah), its switches and its own display; then reset and home again",
+        "{0} 轴驱动器回零失败：状态字 {1}", "请检查驱动器回零设置（6098h、6099h、609Ah）、其开关及显示；然后复位并重新回零";
+    /// An axis is to be homed that has no method; {0} the axis.
+    HomeMethodNone = 4528, "axis {0} has no way to home: 9050.{0} is 0", "set 9050.{0} to the way in which it finds its reference; an axis without one needs none",
+        "{0} 轴没有回零方式：9050.{0} 为 0", "请将 9050.{0} 设为其回零方式；没有回零方式的轴无需回零";
+    /// A drive stays in its mode instead of homing; {0} the axis, {1} 6061h.
+    HomeModeRefused = 4530, "the drive of axis {0} does not go into homing: its mode (6061h) is {1}", "look whether it has mode 6, and map 6060h into its RPDO2, and 6061h and 60FDh into its TPDO2 (`params push` with its section)",
+        "{0} 轴驱动器未进入回零模式：其运行模式（6061h）为 {1}", "请确认其支持模式 6，并将 6060h 映射到其 RPDO2，将 6061h 和 60FDh 映射到其 TPDO2（用 `params push` 及其驱动器段）";
+    /// A drive moves by itself where it should stand: letter, node, how far it is from where it is held.
+    DriveMovesOn = 4523, "drive {0} (node {1}) does not stand after homing: it is {2} from where it is told to be", "look at the drive's settings for halt and quick stop (605Dh, 605Ah) and at its load; then reset and home again",
+        "驱动器 {0}（节点 {1}）回零后未停止：距指令位置 {2}", "请检查驱动器的暂停与急停设置（605Dh、605Ah）及负载；然后复位并重新回零";
+    /// A drive is not in the mode that it was given: letter, node, 6061h; 0: not reported.
+    DriveNotInMode = 4529, "drive {0} (node {1}) does not take the mode it is told: 6061h is {2}", "map 6060h into its RPDO2, and 6061h and 60FDh into its TPDO2 (`params push` with its section); then reset",
+        "驱动器 {0}（节点 {1}）未进入指令的运行模式：6061h 为 {2}", "请将 6060h 映射到其 RPDO2，将 6061h 和 60FDh 映射到其 TPDO2（用 `params push` 及其驱动器段）；然后复位";
 
     // -- 4800–4811: what a program hardly means; a number may be allowed -----------------------------------------------
     /// A thread of a height that its pitch hardly has; {0} height, {1} pitch, {2} their ratio.

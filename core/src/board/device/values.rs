@@ -14,6 +14,7 @@ use super::recorder::RunRecorder;
 use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Command;
+use crate::board::guard::Guard;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::bus::{
@@ -232,6 +233,7 @@ impl ObjectValues {
         let command = match order {
             Order::Run => {
                 self.let_in(Request::Run)?;
+                self.let_in_referenced()?;
                 // A program is dropped together with the parameters for which it was sent.
                 if self.is_changing() || !self.program_buffer.run() {
                     return Err(Alarm::of(Code::NothingToRun, &[]));
@@ -240,13 +242,16 @@ impl ObjectValues {
                 return Ok(());
             }
             Order::Mode(mode) => return self.change_mode(mode),
-            Order::Home(_) => {
+            Order::Home(axes) => {
                 self.let_in(Request::Home)?;
-                return Err(Alarm::of(Code::NothingToRun, &[]));
+                if let Some(alarm) = Guard::of(self.snapshot.tap.as_ref()).refusal() {
+                    return Err(alarm);
+                }
+                Command::Home(axes.axes())
             }
             Order::Cancel => {
                 self.end_press();
-                return Ok(());
+                Command::Cancel
             }
             Order::Hold => Command::Hold,
             Order::Resume => {
