@@ -15,7 +15,7 @@ use crate::call::{
 };
 use crate::params::Params;
 use crate::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
+    Angle, Axes, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
     StartAngle, TurnRate, Turns,
 };
 
@@ -522,6 +522,8 @@ fn events_and_status_come_back_equal() {
         credit: u16::MAX,
         newest_event: u32::MAX,
         signals: u16::MAX,
+        referenced: Axes::ALL,
+        unreferenced: Axes::ALL,
         parameters: identity(&Params::sheets()),
     };
     let mut bytes = [0; Status::BYTES];

@@ -1,5 +1,8 @@
 //! Axes and what limits them.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 /// An axis of the lathe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Axis {
@@ -27,7 +30,7 @@ impl Axis {
 }
 
 /// A set of axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub struct Axes(u8);
 
 impl Axes {

@@ -21,7 +21,12 @@ impl BackgroundSide<'_> {
             && self.ends.presses.ready()
             && let Some(asked) = self.state.device.asked()
         {
-            let press = plan_press(&asked, &self.state.params, &self.state.limits);
+            let press = plan_press(
+                &asked,
+                self.state.snapshot.referenced,
+                &self.state.params,
+                &self.state.limits,
+            );
             // There is room.
             let _ = put(&mut self.ends.presses, press);
             self.ends.order(&mut self.state.orders, Order::Press);

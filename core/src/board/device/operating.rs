@@ -247,9 +247,13 @@ impl ObjectValues {
         if is_new {
             let admitted = self.admit_by_hand(Request::Step).and_then(|()| {
                 let position = &self.snapshot.setpoint.position;
-                self.operating
-                    .steps
-                    .admit(request.on_z, way, position, params)
+                self.operating.steps.admit(
+                    request.on_z,
+                    way,
+                    position,
+                    self.snapshot.referenced,
+                    params,
+                )
             });
             self.count_press(request.session, request.count, admitted);
         }

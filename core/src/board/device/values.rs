@@ -363,6 +363,8 @@ impl ObjectValues {
             credit: self.program_buffer.credit(),
             newest_event: self.log.newest(),
             signals: self.snapshot.signals(),
+            referenced: snapshot.referenced,
+            unreferenced: snapshot.unreferenced,
             parameters: identity(params),
         }
     }

@@ -1,6 +1,7 @@
 //! Commands that talk to a board on a real bus. What they share: opening the link, the words for a state, one result.
 
 mod by_hand;
+mod home;
 mod machine;
 mod monitor;
 mod operate;
@@ -16,6 +17,7 @@ use crate::link::Link;
 use crate::words::pick;
 
 pub use by_hand::{jog, mode};
+pub use home::{home, names};
 pub use machine::{Greeted, Machine, base};
 pub use monitor::monitor;
 pub use operate::{levels, order, signal};
