@@ -454,9 +454,12 @@ impl Dictionary<'_> {
             (0x60C2, 2) => Ok((1, u32::from(settings.period.1 as u8))),
             (
                 0x1000 | 0x1001 | 0x1010 | 0x1018 | 0x6007 | 0x6040 | 0x6041 | 0x6060 | 0x6061
-                | 0x6064 | 0x607A | 0x607C | 0x607F | 0x6083 | 0x60C2,
+                | 0x6064 | 0x607A | 0x607F | 0x6083 | 0x60C2,
                 _,
             ) => Err(Abort::NoSubIndex),
+            (0x607C | 0x6098 | 0x6099 | 0x609A | 0x60FD, _) if !now.spindle => {
+                Err(Abort::NoSubIndex)
+            }
             _ => Err(Abort::NoObject),
         }
     }

@@ -79,7 +79,7 @@ pub struct DriveMaster {
     last_target: Increments,
     /// The NMT start is still to be sent.
     start: bool,
-    /// Its mode, its inputs, and its homing.
+    /// Its mode and its homing.
     home: Home,
 }
 

@@ -10,9 +10,9 @@ use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError, Victim};
 use leadscrew_core::bus::{
     Abort, AxisSet, Beat, BlockSize, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle,
     BoardState, BoardStatus, BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig,
-    DriveStatus, Emcy, ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, HomeLimits, Increments,
-    JogRequest, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order, Periods, Scale,
-    SdoProtocol, SpindleCommand, SpindleDemand, Statusword, StepRequest, SyncProducer,
+    DriveStatus, Emcy, ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, HomeLimits,
+    Increments, JogRequest, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order, Periods,
+    Scale, SdoProtocol, SpindleCommand, SpindleDemand, Statusword, StepRequest, SyncProducer,
 };
 use leadscrew_core::call::{
     ArcCall, Aux, Call, CallKind, ChainPart, CutIn, Extraction, FeedRate, GrooveCall, Hand,

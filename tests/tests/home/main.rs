@@ -4,4 +4,5 @@ mod bench;
 mod faults;
 mod methods;
 mod options;
+mod orders;
 mod references;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Starting ─► Idle ◄─► Running ◄─► Held
-//!     ▲         ▲ ▲ ◄─► ByHand
+//!     ▲         ▲ ▲ ◄─► ByHand, Homing
 //!     ▲         ▲          │ each of them
 //!     │         └─ reset ── Stopping ── alarm ─► Alarm
 //!     └──────────────────── reset ──────────────────┘

@@ -76,8 +76,6 @@ pub(super) struct Home {
     told: u8,
     /// Periods since that.
     since: u8,
-    /// 60FDh as last reported.
-    pub inputs: u32,
     /// Feed hold: the drive halts on its way (bit 8).
     halted: bool,
     /// Bit 10 was 0 after the start.
@@ -97,7 +95,6 @@ impl Home {
             mode: 0,
             told: 0,
             since: 0,
-            inputs: 0,
             halted: false,
             fresh: false,
             started: Periods::new(0),
@@ -189,12 +186,6 @@ impl DriveMaster {
         self.home.lost = lost;
     }
 
-    /// 60FDh as last reported.
-    #[must_use]
-    pub const fn inputs(&self) -> u32 {
-        self.home.inputs
-    }
-
     const fn go_home(&mut self, step: HomeStep) {
         self.phase = Phase::Homing(step);
         self.waited = Periods::new(0);
@@ -283,7 +274,6 @@ impl DriveMaster {
     #[inline(never)]
     pub(super) fn hear_report(&mut self, report: AxisReport) {
         self.home.mode = report.mode;
-        self.home.inputs = report.inputs;
         let homing = report.mode == Mode::Homing as u8;
         match self.phase {
             Phase::Homing(HomeStep::ToHoming) if homing => {
