@@ -20,8 +20,8 @@ use crate::call::{Position, TapSpindle};
 use crate::params::Params;
 use crate::units::{Angle, Axes, Axis, Length};
 
-/// The most frames that a board sends in one period: SYNC, and a start, an RPDO1 and an RPDO2 for each of three axes and two
-/// spindles.
+/// The most frames that a board sends in one period: SYNC, and a start, an RPDO1 and an RPDO2 for each of three axes and
+/// two spindles.
 pub const FRAMES: usize = 16;
 
 /// The most drives of a board: three axes and four spindles.

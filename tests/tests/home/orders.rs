@@ -118,8 +118,19 @@ fn only_in_its_mode_and_a_program_waits_for_it() {
         (status.referenced, status.unreferenced),
         (Axes::ALL, Axes::NONE)
     );
+    // What was loaded before was meant for another position: it is dropped.
     joined.order(Order::Run);
-    assert_eq!(joined.state(), State::Running);
+    assert_eq!(
+        (joined.state(), joined.refused()),
+        (State::Idle, Some(4334))
+    );
+    load(&mut joined);
+    let mut ran = false;
+    for _ in 0..50 {
+        ran |= joined.state() == State::Running;
+        joined.tick();
+    }
+    assert!(ran, "{:?} {:?}", joined.state(), joined.refused());
 }
 
 #[test]

@@ -44,6 +44,10 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
     link.order(Order::Home(
         AxisSet::from_bits(wanted.bits()).unwrap_or_default(),
     ))?;
+    // With a tap in its hole nothing homes, whatever the mode.
+    if let Some(reason) = link.refusal()? {
+        return Err(link.refused_by(reason).into());
+    }
     let ended = wait(&mut link, global)?;
     let wanted = if wanted.is_empty() { Axes::ALL } else { wanted };
     let status = ended.status;
