@@ -89,12 +89,13 @@ fn only_in_its_mode_and_a_program_waits_for_it() {
         (State::Idle, Some(4501))
     );
     let text = "G0 X10 Z10\nM30\n";
-    let load = |joined: &mut Joined| {
-        let mut upload = Upload::new(7, &calls(text, &params()));
-        while upload.feed(&mut joined.gateway, &mut joined.bench.sim) {}
+    let load = |joined: &mut Joined, number| {
+        let mut upload = Upload::new(number, &calls(text, &params()));
+        assert!(upload.feed(&mut joined.gateway, &mut joined.bench.sim));
+        assert!(upload.is_done());
         joined.order(Order::Run);
     };
-    load(&mut joined);
+    load(&mut joined, 7);
     assert_eq!(
         (joined.state(), joined.refused()),
         (State::Idle, Some(4503))
@@ -124,7 +125,7 @@ fn only_in_its_mode_and_a_program_waits_for_it() {
         (joined.state(), joined.refused()),
         (State::Idle, Some(4334))
     );
-    load(&mut joined);
+    load(&mut joined, 8);
     let mut ran = false;
     for _ in 0..50 {
         ran |= joined.state() == State::Running;
