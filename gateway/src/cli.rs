@@ -13,6 +13,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use leadscrew_can::{Address, BitRate, MachineName, WrongAddress};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
+use leadscrew_core::units::Axis;
 use leadscrew_desk::control::{Contact, Door, Power};
 use leadscrew_language::dialect::Control;
 
@@ -364,6 +365,13 @@ pub enum Command {
     /// The board moves only while this program lives: it comes to rest by itself when the frames stay away.
     #[command(after_help = examples::JOG)]
     Jog(Jog),
+    /// Find the references of the axes, and wait for the end (not with `--bus sim`)
+    #[command(after_help = examples::HOME)]
+    Home {
+        /// Which ones; all that have a way to home (9050) where none is named
+        #[arg(value_enum, ignore_case = true)]
+        axes: Vec<HomeAxis>,
+    },
     /// Set an override (not with `--bus sim`)
     #[command(after_help = examples::OVERRIDE)]
     Override {
@@ -604,6 +612,32 @@ pub enum SimCommand {
     /// Only tell how the machine is
     #[command(after_help = examples::SIM_STATE)]
     State,
+}
+
+/// The axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HomeAxis {
+    /// Cross slide.
+    #[value(name = "X")]
+    X,
+    /// Carriage.
+    #[value(name = "Z")]
+    Z,
+    /// Rotary axis.
+    #[value(name = "C")]
+    C,
+}
+
+impl HomeAxis {
+    /// The axis.
+    #[must_use]
+    pub const fn axis(self) -> Axis {
+        match self {
+            Self::X => Axis::X,
+            Self::Z => Axis::Z,
+            Self::C => Axis::C,
+        }
+    }
 }
 
 /// The overrides.

@@ -5,9 +5,10 @@
 //! entries, in a frame with the commands of other drives. A written value counts until the drive restarts; `save`
 //! (1010h:01h) keeps it beyond that.
 
+use super::homing::{Homing, Speeds};
 use leadscrew_core::bus::{
-    Abort, CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Objects, Service, Setpoints,
-    SpindleCommand,
+    Abort, AxisMode, AxisReport, CobId, DriveCommand, DriveStatus, Frame, Mapped, NodeId, Object,
+    Objects, Service, Setpoints, SpindleCommand,
 };
 
 /// `save`, the value that 1010h:01h takes.
@@ -32,6 +33,9 @@ pub(super) struct Settings {
     command: Pdo<COMMAND>,
     /// 1401h, of spindles only.
     spindle: Pdo<2>,
+    /// 1401h and 1801h of an axis: the frames with its mode, and with mode and inputs.
+    mode: Pdo<1>,
+    report: Pdo<2>,
     /// 1800h: the frame with the status, and its times.
     status: Pdo<2>,
     /// 1800h:06h.
@@ -44,6 +48,14 @@ pub(super) struct Settings {
     acceleration: u32,
     /// 60C2h.
     period: (u8, i8),
+    /// 6098h.
+    method: u8,
+    /// 6099h.
+    homing_speed: [u32; 2],
+    /// 609Ah.
+    homing_acceleration: u32,
+    /// 607Ch.
+    home_offset: i32,
 }
 
 /// The reaction of a drive with torque to NMT stop, by CiA 402.
@@ -84,9 +96,9 @@ struct Pdo<const N: usize> {
 }
 
 impl<const N: usize> Pdo<N> {
-    fn new(service: Service, node: NodeId, transmission: u8, mapping: &[Mapped; 2]) -> Self {
+    fn new(service: Service, node: NodeId, transmission: u8, mapping: &[Mapped]) -> Self {
         let rtr = match service {
-            Service::Tpdo1 => NO_RTR,
+            Service::Tpdo1 | Service::Tpdo2 => NO_RTR,
             _ => 0,
         };
         let mut objects = [0; N];
@@ -96,7 +108,7 @@ impl<const N: usize> Pdo<N> {
         Self {
             cob_id: CobId::of(service, node).get() as u32 | rtr,
             transmission,
-            count: 2,
+            count: mapping.len() as u8,
             objects,
         }
     }
@@ -131,24 +143,31 @@ impl<const N: usize> Pdo<N> {
         match sub {
             // The identifier is fixed; only the switch may change.
             1 if (value ^ self.cob_id) & !INVALID == 0 => self.cob_id = value,
-            2 if (1..=240).contains(&value) => self.transmission = value as u8,
-            2 if value == 0 || value > 240 => return Err(Abort::Value),
+            2 if (1..=240).contains(&value) && self.transmission < 254 => {
+                self.transmission = value as u8;
+            }
+            // What is sent on change stays so.
+            2 if (254..=255).contains(&value) && self.transmission >= 254 => {
+                self.transmission = value as u8;
+            }
             _ => return Err(Abort::Value),
         }
         Ok(())
     }
 
-    fn map(&mut self, sub: u8, value: u32, mapping: &[Mapped; 2]) -> Result<(), Abort> {
+    fn map(&mut self, sub: u8, value: u32, mapping: &[Mapped]) -> Result<(), Abort> {
         // The order of CiA 301: switch off, then empty, then fill.
         if self.cob_id & INVALID == 0 {
             return Err(Abort::State);
         }
-        let wanted = mapping.map(Mapped::raw);
+        let wanted = || mapping.iter().map(|mapped| mapped.raw());
         match sub {
             0 if value == 0 => self.count = 0,
             0 => match self.objects.get(..value as usize) {
-                Some([dummies @ .., first, second])
-                    if [*first, *second] == wanted && dummies.iter().all(|raw| is_dummy(*raw)) =>
+                Some(all)
+                    if let Some(dummies) = all.len().checked_sub(mapping.len())
+                        && all.iter().skip(dummies).copied().eq(wanted())
+                        && all.iter().take(dummies).all(|raw| is_dummy(*raw)) =>
                 {
                     self.count = value as u8;
                 }
@@ -160,8 +179,8 @@ impl<const N: usize> Pdo<N> {
                 let slot = self.objects.get_mut(place).ok_or(Abort::NoSubIndex)?;
                 // Where there is room for dummies, the final count checks the order of the entries.
                 let mappable = match N {
-                    2 => wanted.get(place) == Some(&value),
-                    _ => wanted.contains(&value) || is_dummy(value),
+                    COMMAND => wanted().any(|raw| raw == value) || is_dummy(value),
+                    _ => wanted().nth(place) == Some(value),
                 };
                 if !mappable {
                     return Err(Abort::NotMappable);
@@ -176,6 +195,14 @@ impl<const N: usize> Pdo<N> {
 /// A dummy entry stands for bytes of other drives: UNSIGNED8, UNSIGNED16, UNSIGNED32.
 const fn is_dummy(raw: u32) -> bool {
     matches!(raw, 0x0005_0008 | 0x0006_0010 | 0x0007_0020)
+}
+
+impl<const N: usize> Pdo<N> {
+    /// Switched off.
+    const fn off(mut self) -> Self {
+        self.cob_id |= INVALID;
+        self
+    }
 }
 
 impl Pdo<COMMAND> {
@@ -210,11 +237,61 @@ impl Settings {
             command: Pdo::new(Service::Rpdo1, node, 1, &DriveCommand::MAPPING),
             spindle: Pdo::new(Service::Rpdo2, node, 1, &SpindleCommand::MAPPING),
             status: Pdo::new(Service::Tpdo1, node, transmission, &DriveStatus::MAPPING),
+            mode: Pdo::new(Service::Rpdo2, node, 254, &AxisMode::MAPPING).off(),
+            report: Pdo::new(Service::Tpdo2, node, 254, &AxisReport::MAPPING).off(),
             start,
             stop: StopOption::QuickStop,
             velocity: 10_000_000,
             acceleration: 100_000_000,
             period: (1, -3),
+            method: 37,
+            homing_speed: [200_000, 20_000],
+            homing_acceleration: 2_000_000,
+            home_offset: 0,
+        }
+    }
+
+    /// Switches on what an axis with a reference needs.
+    pub(super) fn with_reference(mut self, node: NodeId) -> Self {
+        self.mode = Pdo::new(Service::Rpdo2, node, 254, &AxisMode::MAPPING);
+        self.report = Pdo::new(Service::Tpdo2, node, 254, &AxisReport::MAPPING);
+        self
+    }
+
+    /// The mode in a frame that brings it.
+    pub(super) fn mode_in(&self, frame: &Frame) -> Option<u8> {
+        let ours = self.mode.works() && self.mode.cob_id == u32::from(frame.id().get());
+        match frame.payload() {
+            [mode, ..] if ours => Some(*mode),
+            _ => None,
+        }
+    }
+
+    /// Mode and inputs are sent.
+    pub(super) const fn reports(&self) -> bool {
+        self.report.works()
+    }
+
+    /// 6098h.
+    pub(super) const fn homing_method(&self) -> u8 {
+        self.method
+    }
+
+    /// 607Ch.
+    pub(super) const fn home_offset(&self) -> i32 {
+        self.home_offset
+    }
+
+    /// 6099h and 609Ah, and the period for which 60C2h stands.
+    pub(super) fn homing_speeds(&self) -> Speeds {
+        let [fast, slow] = self.homing_speed;
+        let (value, exponent) = self.period;
+        let power = u32::try_from(exponent.saturating_add(6)).unwrap_or(0);
+        Speeds {
+            fast,
+            slow,
+            ramp: self.homing_acceleration,
+            tick_us: u32::from(value).wrapping_mul(10_u32.wrapping_pow(power)),
         }
     }
 
@@ -315,6 +392,8 @@ pub(super) struct Now {
     pub(super) control: u16,
     pub(super) status: u16,
     pub(super) mode: u8,
+    /// 60FDh.
+    pub(super) inputs: u32,
     pub(super) actual: i32,
     pub(super) target: i32,
 }
@@ -346,8 +425,12 @@ impl Dictionary<'_> {
             (0x1018, 4) => Ok((4, u32::from(now.node.get()))),
             (0x1400, sub) => settings.command.told(2, sub),
             (0x1401, sub) if now.spindle => settings.spindle.told(2, sub),
+            (0x1401, sub) => settings.mode.told(2, sub),
             (0x1600, sub) => settings.command.mapped(sub),
             (0x1601, sub) if now.spindle => settings.spindle.mapped(sub),
+            (0x1601, sub) => settings.mode.mapped(sub),
+            (0x1801, sub) if !now.spindle => settings.report.told(2, sub),
+            (0x1A01, sub) if !now.spindle => settings.report.mapped(sub),
             (0x1800, 6) => Ok((1, u32::from(settings.start))),
             (0x1800, sub) => settings.status.told(6, sub),
             (0x1A00, sub) => settings.status.mapped(sub),
@@ -357,6 +440,13 @@ impl Dictionary<'_> {
             (0x6060 | 0x6061, 0) => Ok((1, u32::from(now.mode))),
             (0x6064, 0) => Ok((4, now.actual as u32)),
             (0x607A, 0) => Ok((4, now.target as u32)),
+            (0x607C, 0) if !now.spindle => Ok((4, settings.home_offset as u32)),
+            (0x6098, 0) if !now.spindle => Ok((1, u32::from(settings.method))),
+            (0x6099, 0) if !now.spindle => Ok((1, 2)),
+            (0x6099, 1) if !now.spindle => Ok((4, settings.homing_speed[0])),
+            (0x6099, 2) if !now.spindle => Ok((4, settings.homing_speed[1])),
+            (0x609A, 0) if !now.spindle => Ok((4, settings.homing_acceleration)),
+            (0x60FD, 0) if !now.spindle => Ok((4, now.inputs)),
             (0x607F, 0) => Ok((4, settings.velocity)),
             (0x6083, 0) => Ok((4, settings.acceleration)),
             (0x60C2, 0) => Ok((1, 2)),
@@ -367,6 +457,9 @@ impl Dictionary<'_> {
                 | 0x6064 | 0x607A | 0x607F | 0x6083 | 0x60C2,
                 _,
             ) => Err(Abort::NoSubIndex),
+            (0x607C | 0x6098 | 0x6099 | 0x609A | 0x60FD, _) if !now.spindle => {
+                Err(Abort::NoSubIndex)
+            }
             _ => Err(Abort::NoObject),
         }
     }
@@ -385,14 +478,28 @@ impl Dictionary<'_> {
                 settings.command.move_to(value, self.now.node)?;
             }
             (0x1400, sub @ 1..) => settings.command.communication(sub, value)?,
-            (0x1401, sub @ 1..) => settings.spindle.communication(sub, value)?,
+            (0x1401, sub @ 1..) if self.now.spindle => {
+                settings.spindle.communication(sub, value)?
+            }
+            (0x1401, sub @ 1..) => settings.mode.communication(sub, value)?,
+            (0x1801, sub @ 1..) => settings.report.communication(sub, value)?,
             (0x1800, 6) if value <= 240 => settings.start = value as u8,
             (0x1800, 6) => return Err(Abort::TooHigh),
             (0x1800, sub @ 1..) => settings.status.communication(sub, value)?,
             (0x1600, sub) => settings.command.map(sub, value, &DriveCommand::MAPPING)?,
+            (0x1601, sub) if !self.now.spindle => {
+                settings.mode.map(sub, value, &AxisMode::MAPPING)?
+            }
+            (0x1A01, sub) => settings.report.map(sub, value, &AxisReport::MAPPING)?,
             (0x1601, sub) => settings.spindle.map(sub, value, &SpindleCommand::MAPPING)?,
             (0x1A00, sub) => settings.status.map(sub, value, &DriveStatus::MAPPING)?,
             (0x6007, 0) => settings.stop = StopOption::of(value)?,
+            (0x6098, 0) if Homing::has(value as u8) => settings.method = value as u8,
+            (0x6098, 0) => return Err(Abort::Value),
+            (0x6099, 1) => settings.homing_speed[0] = within(value, 1, 10_000_000)?,
+            (0x6099, 2) => settings.homing_speed[1] = within(value, 1, 10_000_000)?,
+            (0x609A, 0) => settings.homing_acceleration = within(value, 1, 1_000_000_000)?,
+            (0x607C, 0) => settings.home_offset = value as i32,
             (0x607F, 0) => settings.velocity = within(value, 1, 100_000_000)?,
             (0x6083, 0) => settings.acceleration = within(value, 1, 1_000_000_000)?,
             (0x60C2, 1) => settings.period.0 = within(value, 1, 255)? as u8,

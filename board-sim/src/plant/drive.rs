@@ -6,10 +6,12 @@
 
 use super::dictionary::{Commanded, Dictionary, Now, Settings, StopOption, TooShort};
 use super::follower::Follower;
+use super::homing::{Homing, HomingOptions};
 use super::power::Power;
 use leadscrew_core::bus::{
-    BlockSize, CobId, DriveCommand, DriveStatus, Emcy, FdFrame, Frame, Increments, MilliRpm, Mode,
-    NmtCommand, NmtState, NodeId, Periods, SdoServer, Setpoints, SpindleCommand, Statusword,
+    AxisReport, BlockSize, CobId, DriveCommand, DriveStatus, Emcy, FdFrame, Frame, Increments,
+    MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, SdoServer, Setpoints, SpindleCommand,
+    Statusword,
 };
 
 /// SYNC periods for which a client of the drive's SDO server may be silent.
@@ -82,6 +84,16 @@ pub struct Drive {
     follower: Follower,
     /// The spindle turns: its drive cannot change the mode.
     turning: bool,
+    /// The drive's count, less the place of the axis.
+    shift: i64,
+    /// 6060h of an axis as last received, 6061h, and SYNCs until the one becomes the other.
+    wanted: u8,
+    mode: u8,
+    changing: u16,
+    homing: Homing,
+    /// The last TPDO2, and SYNCs since it.
+    reported: Option<AxisReport>,
+    since: u8,
     /// This is a spindle's drive, which has a second RPDO.
     of_spindle: bool,
     /// SYNCs since the last answer.
@@ -126,6 +138,13 @@ impl Drive {
             next_spindle: standing,
             follower,
             turning: false,
+            shift: 0,
+            wanted: Mode::Position as u8,
+            mode: Mode::Position as u8,
+            changing: 0,
+            homing: Homing::new(HomingOptions::default()),
+            reported: None,
+            since: 0,
             of_spindle: false,
             syncs: 0,
             busy: 0,
@@ -153,6 +172,44 @@ impl Drive {
         self.settings = self.settings.with_setpoints_of(board, place);
         self.kept = self.settings;
         self
+    }
+
+    /// The drive of an axis with a reference: it also takes its mode, and tells mode and inputs.
+    #[must_use]
+    pub(super) fn with_reference(mut self) -> Self {
+        self.settings = self.settings.with_reference(self.node);
+        self.kept = self.settings;
+        self
+    }
+
+    /// The drive of an axis that is at this place, whatever the drive counts.
+    #[must_use]
+    pub(super) fn at(mut self, place: Increments) -> Self {
+        self.shift = self.count().wrapping_sub(i64::from(place.get()));
+        self.homing.pass(self.place());
+        self
+    }
+
+    /// Gives the axis switches and an index, and the drive what is odd about it.
+    pub fn set_homing(&mut self, options: HomingOptions) {
+        self.homing.options = options;
+        self.homing.pass(self.place());
+    }
+
+    /// The place of the axis in increments, whatever the drive counts.
+    #[must_use]
+    pub const fn place(&self) -> i64 {
+        self.count().wrapping_sub(self.shift)
+    }
+
+    const fn count(&self) -> i64 {
+        self.follower.actual().get() as i64
+    }
+
+    /// The drive counts otherwise from now on, while its axis stays where it is.
+    pub fn count_from(&mut self, count: i64) {
+        self.shift = self.shift.wrapping_add(count.wrapping_sub(self.count()));
+        self.follower.stand_at(count);
     }
 
     /// The drive of a spindle: it also takes mode and speed.
@@ -216,7 +273,14 @@ impl Drive {
     /// Switches the drive off and on: it restarts at its position.
     pub fn restart(&mut self) {
         self.follower.stop();
+        self.homing.restart();
+        if self.homing.options.forgets {
+            self.count_from(0);
+        }
         *self = Self {
+            shift: self.shift,
+            homing: self.homing,
+            of_spindle: self.of_spindle,
             trouble: self.trouble,
             settings: self.kept,
             kept: self.kept,
@@ -241,6 +305,8 @@ impl Drive {
             && self.settings.takes_speed()
         {
             self.next_spindle = command;
+        } else if let Some(mode) = self.settings.mode_in(frame) {
+            self.order(mode);
         }
     }
 
@@ -273,6 +339,14 @@ impl Drive {
         true
     }
 
+    /// 6060h.
+    const fn order(&mut self, mode: u8) {
+        if mode != self.wanted {
+            self.wanted = mode;
+            self.changing = self.homing.options.slow;
+        }
+    }
+
     fn is_mute(&self) -> bool {
         matches!(self.trouble, Trouble::Silent | Trouble::CutOff)
     }
@@ -300,8 +374,13 @@ impl Drive {
             pre_operational: self.nmt == NmtState::PreOperational,
             spindle: self.of_spindle,
             control: self.control,
-            status: self.power.statusword(),
-            mode: self.spindle.mode as u8,
+            status: self.statusword(),
+            mode: if self.of_spindle {
+                self.spindle.mode as u8
+            } else {
+                self.mode
+            },
+            inputs: self.homing.inputs(),
             actual: self.follower.actual().get(),
             target: self.command.map_or(0, |command| command.target.get()),
         };
@@ -374,6 +453,7 @@ impl Drive {
         let target = self.latch(&mut send);
         self.suffer(&mut send);
         self.drive(target);
+        self.report(&mut send);
         self.answer(measured, send);
     }
 
@@ -424,11 +504,79 @@ impl Drive {
         }
     }
 
+    /// 6041h: in homing bits 13, 12 and 10 are those of homing.
+    const fn statusword(&self) -> u16 {
+        let word = self.power.statusword();
+        if self.mode == Mode::Homing as u8 && matches!(self.power, Power::Enabled) {
+            word & !0x3400 | self.homing.bits()
+        } else {
+            word
+        }
+    }
+
+    /// A SYNC period of an axis in homing.
+    fn home(&mut self) {
+        let speeds = self.settings.homing_speeds();
+        let method = self.settings.homing_method();
+        let (place, mark) = self
+            .homing
+            .advance(self.place(), self.control, method, &speeds);
+        if let Some(mark) = mark {
+            let offset = i64::from(self.settings.home_offset());
+            let at_mark = if self.homing.options.adds_offset {
+                offset
+            } else {
+                offset.wrapping_neg()
+            };
+            self.shift = at_mark.wrapping_sub(mark);
+        }
+        self.follower.stand_at(place.wrapping_add(self.shift));
+    }
+
+    /// The mode that has been ordered comes into force.
+    fn change_mode(&mut self) {
+        if self.changing > 0 {
+            self.changing = self.changing.wrapping_sub(1);
+        } else if matches!(self.wanted, 6 | 8) {
+            self.mode = self.wanted;
+        }
+    }
+
     fn drive(&mut self, target: Option<Increments>) {
+        self.change_mode();
+        let homes = self.mode == Mode::Homing as u8;
+        let stuck = self.trouble == Trouble::Stuck;
+        if homes && self.power == Power::Enabled && !stuck && target.is_some() {
+            return self.home();
+        }
+        self.homing.rest();
+        self.follow(target);
+        self.homing.pass(self.place());
+    }
+
+    fn follow(&mut self, target: Option<Increments>) {
         match (self.power, target) {
             _ if self.trouble == Trouble::Stuck => self.follower.stop(),
             (Power::Enabled, Some(target)) => self.follower.follow(target),
             _ => self.follower.stop(),
+        }
+    }
+
+    /// TPDO2: on change, and at every 16th SYNC.
+    fn report(&mut self, mut send: impl FnMut(Frame)) {
+        if !self.settings.reports() || self.nmt != NmtState::Operational {
+            self.reported = None;
+            return;
+        }
+        let report = AxisReport {
+            mode: self.mode,
+            inputs: self.homing.inputs(),
+        };
+        self.since = self.since.saturating_add(1);
+        if self.reported != Some(report) || self.since >= 16 {
+            self.reported = Some(report);
+            self.since = 0;
+            send(report.frame(self.node));
         }
     }
 
@@ -447,7 +595,7 @@ impl Drive {
         self.syncs = 0;
         send(
             DriveStatus {
-                status: Statusword::from_raw(self.power.statusword()),
+                status: Statusword::from_raw(self.statusword()),
                 actual: measured.unwrap_or(self.follower.actual()),
             }
             .frame(self.node),

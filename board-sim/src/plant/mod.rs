@@ -30,6 +30,7 @@ mod drive;
 mod encoder;
 mod flash;
 mod follower;
+mod homing;
 mod power;
 mod sine;
 mod spindle;
@@ -41,6 +42,7 @@ pub use drive::{Drive, DriveOptions, Trouble};
 pub use encoder::Encoder;
 pub use flash::{Flash, FlashError, ImageError, Order, Tear};
 pub use follower::Follower;
+pub use homing::HomingOptions;
 pub use power::Power;
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};
 pub use tapper::Tapper;
@@ -370,9 +372,16 @@ pub fn axis_drive(
     };
     let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))
         .ok_or(PlantError::Scale(axis))?;
-    let at = scale
+    // The drive of an axis that homes counts from its mark.
+    let mark = match params.home_method(axis) {
+        1 => params.home_position(axis),
+        _ => 0,
+    };
+    let place_of = scale
         .increments(position)
         .ok_or(PlantError::Position(axis))?;
+    let mark = scale.increments(mark).ok_or(PlantError::Position(axis))?;
+    let at = Increments::new(place_of.get().wrapping_sub(mark.get()));
     let follower = Follower::new(
         at,
         params.latency_us(axis),
@@ -381,8 +390,12 @@ pub fn axis_drive(
     )
     .ok_or(PlantError::Latency(axis))?;
     let place = axis as u8;
-    let drive = Drive::new(node, staggered(options, place), follower);
-    Ok(set_up(drive, params, options, usize::from(place)))
+    let drive = Drive::new(node, staggered(options, place), follower).at(place_of);
+    let drive = set_up(drive, params, options, usize::from(place));
+    Ok(match params.home_method(axis) {
+        0 => drive,
+        _ => drive.with_reference(),
+    })
 }
 
 /// The drive of a spindle that turns in position mode only, and the spindle itself, just switched on. In a whole plant

@@ -297,7 +297,7 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::TapCodeTaken => &[5210],
         Code::RapidBeyondTick => &[1420, 9000],
         Code::SpindleTooFastForTick => &[3772, 9000],
-        Code::TravelBeyondDrive => &[1320, 1321, 9001, 9002],
+        Code::TravelBeyondDrive => &[1320, 1321, 9001, 9002, 9058],
         Code::IncrementAboveLimit => &[1828, 9001, 9002],
         Code::ToleranceAboveVariation => &[9007, 9010],
         Code::TapSpeedAboveSpindle => &[3772, 5241],

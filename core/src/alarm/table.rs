@@ -949,9 +949,9 @@ codes! {
         "lower 3772 to {2}, or make the tick (9000) shorter",
         "{0} 时主轴在一个周期（{1} µs）内转过半圈以上", "请将 3772 减小到 {2}，或缩短周期（9000）";
     /// Travel beyond the 32 bits of a drive's target: axis.
-    TravelBeyondDrive = 4425, "the travel of {0} in drive increments does not fit the 32 bits of the target position",
-        "make the increments coarser (9001.{0} / 9002.{0}) or the travel (1320.{0}, 1321.{0}) shorter",
-        "{0} 轴行程的驱动脉冲数超过目标位置的 32 位", "请加大驱动当量（9001.{0}／9002.{0}）或缩短行程（1320.{0}、1321.{0}）";
+    TravelBeyondDrive = 4425, "the travel of {0}, or the position of its mark, in drive increments does not fit the 32 bits of the target position",
+        "make the increments coarser (9001.{0} / 9002.{0}) or the travel (1320.{0}, 1321.{0}) shorter, or correct 9058.{0}",
+        "{0} 轴行程或参考标记位置的驱动脉冲数超过目标位置的 32 位", "请加大驱动当量（9001.{0}／9002.{0}）、缩短行程（1320.{0}、1321.{0}）或修改 9058.{0}";
     /// A following-error limit below one increment: axis.
     IncrementAboveLimit = 4426, "one drive increment of {0} is larger than its following-error limit (1828.{0})",
         "make the increments finer (9001.{0} / 9002.{0}) or the limit larger",
@@ -1060,6 +1060,37 @@ codes! {
     /// A step that would leave the travel: axis, how far is free.
     StepBeyondLimit = 4540, "the step would leave the travel of axis {0}: {1} are free", "make a shorter step, or look at the soft limits (1320, 1321)",
         "该步将超出 {0} 轴行程：尚余 {1}", "请减小步距，或检查软限位（1320、1321）";
+    /// A program is to begin, and a required axis has no reference; {0} to {2} the axes.
+    NotReferenced = 4503, "not referenced: {0} {1} {2}", "home first (`leadscrew home`)",
+        "未回零：{0} {1} {2}", "请先回零（`leadscrew home`）";
+    // 4520–4529: homing. {0} is the axis.
+    /// The drive has not found its mark within 9061 and 9062.
+    HomeNotFound = 4520, "axis {0} has not found its reference mark within what 9061 and 9062 allow", "look whether the switch and its wire work, and at the homing method (6098h); then reset and home again",
+        "{0} 轴在 9061 和 9062 允许的时间或距离内未找到参考标记", "请检查开关及其接线，以及回零方式（6098h）；然后复位并重新回零";
+    /// A homing was ended by the operator, by a stop, or by the loss of its operator.
+    HomeCancelled = 4521, "homing was cancelled: its axis is not referenced", "home again, after a reset where the machine stands on this alarm",
+        "回零已取消：该轴未回零", "请重新回零；机床处于此报警时请先复位";
+    /// The drive reports an error, or has not started; {1} its statusword.
+    HomeError = 4522, "the drive of axis {0} could not home: statusword {1}", "look at the drive's homing settings (6098h, 6099h, 609Ah), its switches and its own display; then reset and home again",
+        "{0} 轴驱动器回零失败：状态字 {1}", "请检查驱动器回零设置（6098h、6099h、609Ah）、其开关及显示；然后复位并重新回零";
+    /// A home offset in a drive; {0} the drive, {1} 607Ch.
+    HomeOffset = 4524, "drive {0}: the home offset (607Ch) would be {1}, and has to be 0", "write the position of the mark into 9058 instead: drives differ in the sign of 607Ch",
+        "驱动器 {0}：原点偏移（607Ch）为 {1}，必须为 0", "请将参考标记的位置写入 9058：各驱动器对 607Ch 的符号处理不同";
+    /// A homing method that is not among those of the page; {0} the drive, {1} 6098h.
+    HomeMethodUnknown = 4531, "drive {0}: homing method {1} (6098h) is none that the board knows the mark of", "write one of 1, 2, 7 to 14, 17 to 30, 33 to 35, 37",
+        "驱动器 {0}：回零方式 {1}（6098h）不在已知方式之列", "请写 1、2、7 至 14、17 至 30、33 至 35 或 37 之一";
+    /// An axis is to be homed that has no method; {0} the axis.
+    HomeMethodNone = 4528, "axis {0} has no way to home: 9050.{0} is 0", "set 9050.{0} to the way in which it finds its reference; an axis without one needs none",
+        "{0} 轴没有回零方式：9050.{0} 为 0", "请将 9050.{0} 设为其回零方式；没有回零方式的轴无需回零";
+    /// A drive stays in its mode instead of homing; {0} the axis, {1} 6061h.
+    HomeModeRefused = 4530, "the drive of axis {0} does not go into homing: its mode (6061h) is {1}", "look whether it has mode 6, and map 6060h into its RPDO2, and 6061h and 60FDh into its TPDO2 (`params push` with its section)",
+        "{0} 轴驱动器未进入回零模式：其运行模式（6061h）为 {1}", "请确认其支持模式 6，并将 6060h 映射到其 RPDO2，将 6061h 和 60FDh 映射到其 TPDO2（用 `params push` 及其驱动器段）";
+    /// A drive moves by itself where it should stand: letter, node, how far it is from where it is held.
+    DriveMovesOn = 4523, "drive {0} (node {1}) does not stand after homing: it is {2} from where it is told to be", "look at the drive's settings for halt and quick stop (605Dh, 605Ah) and at its load; then reset and home again",
+        "驱动器 {0}（节点 {1}）回零后未停止：距指令位置 {2}", "请检查驱动器的暂停与急停设置（605Dh、605Ah）及负载；然后复位并重新回零";
+    /// A drive is not in the mode that it was given: letter, node, 6061h; 0: not reported.
+    DriveNotInMode = 4529, "drive {0} (node {1}) does not take the mode it is told: 6061h is {2}", "map 6060h into its RPDO2, and 6061h and 60FDh into its TPDO2 (`params push` with its section); then reset",
+        "驱动器 {0}（节点 {1}）未进入指令的运行模式：6061h 为 {2}", "请将 6060h 映射到其 RPDO2，将 6061h 和 60FDh 映射到其 TPDO2（用 `params push` 及其驱动器段）；然后复位";
 
     // -- 4800–4811: what a program hardly means; a number may be allowed -----------------------------------------------
     /// A thread of a height that its pitch hardly has; {0} height, {1} pitch, {2} their ratio.

@@ -3,6 +3,7 @@
 use super::trouble::BusTrouble;
 use crate::alarm::Code;
 use crate::call::Aux;
+use crate::units::Axes;
 
 /// What a tick asks of the board's switches. This is part of the tick's output, because the next move may depend on it and
 /// the queue of [`Event`](crate::link::Event)s may be full [D191].
@@ -36,6 +37,10 @@ pub enum Command {
     /// A stop for a trouble of the bus. Drives that cannot be reached are told to let go, so that nothing pulls them when
     /// they can be reached again [D124].
     Trouble(BusTrouble),
+    /// Find the references of these axes.
+    Home(Axes),
+    /// Give up finding references.
+    Cancel,
     /// Single block on or off.
     SingleBlock(bool),
     /// Feed override in percent, 0…150.

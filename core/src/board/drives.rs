@@ -2,6 +2,10 @@
 //!
 //! Knows positions, scales and the masters of the drives; knows nothing of segments or of the reason for a position.
 
+mod home;
+
+pub(super) use home::Homing;
+
 use heapless::Vec;
 
 use super::nodes::DriveNodes;
@@ -14,10 +18,10 @@ use crate::bus::{
 use crate::bus::{Phase, Service, Setpoints, Step};
 use crate::call::{Position, TapSpindle};
 use crate::params::Params;
-use crate::units::{Angle, Axis, Length};
+use crate::units::{Angle, Axes, Axis, Length};
 
-/// The most frames that a board sends in one period: SYNC, a start and an RPDO1 for each of three axes, and a start, an
-/// RPDO1 and an RPDO2 for each of two spindles.
+/// The most frames that a board sends in one period: SYNC, and a start, an RPDO1 and an RPDO2 for each of three axes and
+/// two spindles.
 pub const FRAMES: usize = 16;
 
 /// The most drives of a board: three axes and four spindles.
@@ -39,6 +43,8 @@ pub(super) struct Figures {
     axes: [DriveConfig; 3],
     /// Of the first spindle; the others are like it, with consecutive nodes.
     spindle: DriveConfig,
+    /// Increments that the drives of the axes count in addition to the position, where they have homed.
+    homed: [i32; 3],
     /// Number of spindles, 1–4.
     spindles: u8,
     /// Increments of a spindle's drive in a turn.
@@ -73,11 +79,16 @@ impl Figures {
                 standing: true,
             }),
             reach: per_turn / SPINDLE_REACH,
+            homes: None,
             ..*c
         };
+        let homed = |axis, config: &DriveConfig| home::offset(params, axis, &config.scale);
+        let [x, z, c] = &axes;
+        let homed = [homed(Axis::X, x), homed(Axis::Z, z), homed(Axis::C, c)];
         Some(Self {
             axes,
             spindle,
+            homed,
             spindles: params.tap_spindles(),
             per_turn,
             nodes,
@@ -110,6 +121,7 @@ fn axis_config(
             standing: false,
         }),
         reach: increments,
+        homes: home::limits(params, axis, &scale),
     })
 }
 
@@ -117,9 +129,11 @@ fn axis_config(
 #[derive(Debug)]
 pub(super) struct Drives {
     axes: [DriveMaster; 3],
-    /// Increments that a drive counts in addition to its axis' position: for an axis whose reference was lost and whose
-    /// position is known from elsewhere.
+    /// Increments that a drive counts in addition to its axis' position: because zero of its count is the mark of its
+    /// homing, or because its reference was lost and the position is known from elsewhere.
     offsets: [i32; 3],
+    /// The same, where the drives' own positions count.
+    homed: [i32; 3],
     /// The last target of each axis.
     last: [Told; 3],
     spindles: Spindles,
@@ -140,7 +154,8 @@ impl Drives {
         let [x, z, c] = figures.axes;
         Self {
             axes: figures.axes.each_ref().map(master),
-            offsets: [0; 3],
+            offsets: figures.homed,
+            homed: figures.homed,
             last: [x.scale.find(0), z.scale.find(0), c.scale.find(0)],
             spindles: Spindles::new(&figures.spindle, figures.spindles, figures.per_turn),
             sync: SyncProducer::new(),
@@ -152,9 +167,11 @@ impl Drives {
         }
     }
 
-    /// As [`new`](Self::new), with three exceptions: the positions of axes whose reference was lost stay, the error codes
-    /// of the drives stay, and SYNC goes on counting.
-    pub(super) fn begin_anew(&mut self, figures: &Figures) {
+    /// As [`new`](Self::new), with three exceptions: the positions of axes whose drives count as before stay, the error
+    /// codes of the drives stay, and SYNC goes on counting. Gives the axes whose drives count otherwise.
+    pub(super) fn begin_anew(&mut self, figures: &Figures) -> Axes {
+        let changed = home::changed(self, figures);
+        let lost = self.axes.each_ref().map(DriveMaster::has_lost);
         let (offsets, sync) = (self.offsets, self.sync);
         // Error codes by node number.
         let mut told = [None; DRIVES];
@@ -167,8 +184,19 @@ impl Drives {
                 drive.set_error_code(code);
             }
         }
-        self.offsets = offsets;
+        for (drive, lost) in self.axes.iter_mut().zip(lost) {
+            drive.set_lost(lost);
+        }
+        for (axis, (now, before)) in Axis::ALL
+            .into_iter()
+            .zip(self.offsets.iter_mut().zip(offsets))
+        {
+            if !changed.contains(axis) {
+                *now = before;
+            }
+        }
         self.sync = sync;
+        changed
     }
 
     /// The drives' node numbers.
@@ -323,7 +351,7 @@ impl Drives {
 
     /// The drives' own positions count again. True where they did not count before.
     pub(super) fn forget_places(&mut self) -> bool {
-        core::mem::take(&mut self.offsets) != [0; 3]
+        core::mem::replace(&mut self.offsets, self.homed) != self.homed
     }
 
     /// Makes the frames of a period: SYNC, then the target of each drive. Returns an axis whose position its drive cannot
@@ -335,8 +363,7 @@ impl Drives {
         spindle: Spindle,
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
-        // FRAMES is more than one SYNC, two frames for each of three axes and three for each of two spindles, so there is
-        // room.
+        // FRAMES is one SYNC and three frames for each of three axes and two spindles, so there is room.
         let mut put = |frame: Frame| {
             let _ = frames.push(frame);
         };
@@ -451,6 +478,24 @@ fn silence(params: &Params) -> Periods {
 /// A position in the units of its drives, in the order X, Z, C: nanometres, and for C millionths of a degree.
 const fn figures(position: Position) -> [i64; 3] {
     [position.x.nm(), position.z.nm(), position.c.udeg()]
+}
+
+/// A position with another place of one axis, in the unit of its drive.
+const fn with(axis: Axis, at: Position, place: i64) -> Position {
+    match axis {
+        Axis::X => Position {
+            x: Length::from_nm(place),
+            ..at
+        },
+        Axis::Z => Position {
+            z: Length::from_nm(place),
+            ..at
+        },
+        Axis::C => Position {
+            c: Angle::from_udeg(place),
+            ..at
+        },
+    }
 }
 
 /// A master that has sent nothing to its drive yet.

@@ -5,7 +5,7 @@ use super::trouble::BusTrouble;
 use crate::alarm::Code;
 use crate::motion::Rate;
 use crate::signals::Signals;
-use crate::units::Rpm;
+use crate::units::{Axes, Rpm};
 
 /// The operator's settings. They act in the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,10 @@ pub struct Operator {
     reset: bool,
     /// Continue in the next tick.
     resume: bool,
+    /// Home these axes in the next tick.
+    home: Option<Axes>,
+    /// Give up homing in the next tick.
+    cancel: bool,
 }
 
 impl Operator {
@@ -48,6 +52,8 @@ impl Operator {
             cut_off: false,
             reset: false,
             resume: false,
+            home: None,
+            cancel: false,
         }
     }
 
@@ -60,6 +66,8 @@ impl Operator {
                 self.resume = false;
             }
             Command::Resume => self.resume = true,
+            Command::Home(axes) => self.home = Some(axes),
+            Command::Cancel => self.cancel = true,
             Command::Reset => {
                 self.reset = true;
                 self.hold = false;
@@ -112,10 +120,25 @@ impl Operator {
         core::mem::replace(&mut self.resume, false)
     }
 
-    /// True while a stop, a trouble of the bus, a reset or a resume waits for the tick.
+    /// True, once, after homing is to be given up.
+    pub(super) const fn takes_cancel(&mut self) -> bool {
+        core::mem::replace(&mut self.cancel, false)
+    }
+
+    /// The axes to home, once.
+    pub(super) const fn takes_home(&mut self) -> Option<Axes> {
+        self.home.take()
+    }
+
+    /// True while a stop, a trouble of the bus, a reset, a resume or a homing waits for the tick.
     #[must_use]
     pub(super) const fn asks(&self) -> bool {
-        self.stop.is_some() || self.trouble.is_some() || self.reset || self.resume
+        self.stop.is_some()
+            || self.trouble.is_some()
+            || self.reset
+            || self.resume
+            || self.home.is_some()
+            || self.cancel
     }
 
     /// True while a requested reset is not done.

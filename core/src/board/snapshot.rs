@@ -9,7 +9,7 @@ use crate::journal::TapRecord;
 use crate::motion::{Cut, Motion, Setpoint};
 use crate::operating::PressState;
 use crate::signals::Signals;
-use crate::units::{Rpm, TurnRate, Turns};
+use crate::units::{Axes, Rpm, TurnRate, Turns};
 
 /// The operator's contacts on a board with pins for them. This is their state only; their effects are
 /// [commands](super::Command).
@@ -44,6 +44,10 @@ pub struct Snapshot {
     pub spindle_in_use: TapSpindle,
     /// The newest entry of the tap journal.
     pub tap: Option<TapRecord>,
+    /// The axes whose position is that of the machine: see [`Ticker::referenced`].
+    pub referenced: Axes,
+    /// The axes without a reference that a program needs.
+    pub unreferenced: Axes,
     /// The operator's settings.
     pub operator: Operator,
     /// Number of the last press by hand, and what became of it.
@@ -69,6 +73,8 @@ impl Snapshot {
             needs_spindle: ticker.needs_spindle(),
             spindle_in_use: ticker.tap_spindle(),
             tap: ticker.tap_entry(),
+            referenced: ticker.referenced(),
+            unreferenced: ticker.unreferenced(),
             operator: *ticker.operator(),
             jog: ticker.jog(),
             contacts,
@@ -82,6 +88,7 @@ impl Snapshot {
             (State::Alarm(_) | State::Stopping(Outcome::Alarm(_)), _) => BoardState::Alarm,
             (State::Starting, _) => BoardState::Starting,
             (State::Stopping(Outcome::Reset), _) => BoardState::Stopping,
+            (State::Homing, _) => BoardState::Run,
             (_, Motion::Hold) | (State::Held, _) => BoardState::Hold,
             (State::ByHand, _) => BoardState::Run,
             (_, Motion::Dwell) => BoardState::Dwell,
@@ -131,7 +138,9 @@ impl Snapshot {
         match self.state {
             State::Starting | State::Alarm(_) => true,
             State::Idle => !self.in_program,
-            State::Running | State::Held | State::ByHand | State::Stopping(_) => false,
+            State::Running | State::Held | State::Homing | State::ByHand | State::Stopping(_) => {
+                false
+            }
         }
     }
 

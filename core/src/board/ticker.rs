@@ -17,6 +17,7 @@
 //! | `Away` | the way out of a stroke and back |
 //! | `SpindleMode` | what the spindles are told: a speed, or position mode |
 //! | `Journal` | the entry of the tap in its hole |
+//! | `Home` | the references of the axes |
 //! | `Operator` | what the operator has asked for and set |
 //! | `Drives`, `Observer`, `Executor` | the drives, the measured spindle, the segment under way |
 
@@ -25,6 +26,7 @@ mod away;
 mod begin;
 mod by_hand;
 mod course;
+mod home;
 mod journal;
 mod setup;
 mod spindle;
@@ -38,6 +40,7 @@ use heapless::Vec;
 
 use self::away::{Away, LastPass};
 use self::course::{Course, Source};
+use self::home::Home;
 use self::journal::Journal;
 use self::setup::Given;
 pub use self::setup::Setup;
@@ -125,6 +128,7 @@ pub struct Ticker {
     journal: Journal,
     drives: Drives,
     jog: Jog,
+    home: Home,
     executor: Executor,
 }
 
@@ -154,6 +158,7 @@ impl Ticker {
             journal: Journal::new(tap, given.second),
             drives: Drives::new(&setup.figures),
             jog: Jog::new(),
+            home: Home::new(),
             executor: Executor::new(given.arrival),
         }
     }
@@ -372,20 +377,31 @@ impl Ticker {
 
     fn watch_drives(&mut self, ends: &mut Ends<'_>) {
         match self.state {
-            State::Alarm(_) => return self.drives.let_go(true),
-            State::Stopping(Outcome::Alarm(_)) => return self.drives.let_go(false),
+            State::Alarm(_) => return self.let_go(true),
+            State::Stopping(Outcome::Alarm(_)) => return self.let_go(false),
             State::Starting if self.drives.enable() => self.come_up(ends),
+            State::Homing => self.go_on_homing(ends),
             _ => {}
         }
         if let Some(alarm) = self.drives.failure() {
+            self.lose_references();
             self.raise(&alarm, ends);
         }
+    }
+
+    /// The machine stops on an alarm, or stands on it.
+    #[cold]
+    #[inline(never)]
+    fn let_go(&mut self, at_rest: bool) {
+        self.lose_references();
+        self.drives.let_go(at_rest);
     }
 
     /// The drives are enabled.
     #[cold]
     #[inline(never)]
     fn come_up(&mut self, ends: &mut Ends<'_>) {
+        self.lose_references();
         emit(&mut ends.events, Event::Ready);
         let mut position = self.drives.position(self.remembered.take());
         self.place_tap(&mut position, ends);
@@ -402,7 +418,7 @@ impl Ticker {
         }
     }
 
-    /// Carries out what the operator asks for: stop, reset, resume, in this order.
+    /// Carries out what the operator asks for: stop, reset, resume, homing, in this order.
     #[cold]
     #[inline(never)]
     fn act(&mut self, ends: &mut Ends<'_>) {
@@ -420,13 +436,19 @@ impl Ticker {
             self.course.resume();
             self.go_back();
         }
+        if self.operator.takes_cancel() && matches!(self.state, State::Homing) {
+            self.transition_to_stopping_by_reset(ends);
+        }
+        if let Some(axes) = self.operator.takes_home() {
+            self.home(axes, ends);
+        }
     }
 
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_>) {
         // Frozen in a thread cycle, and also while a reset leaves that cycle.
         let frozen = match self.state {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
-            State::Starting | State::Idle | State::ByHand | State::Alarm(_) => None,
+            State::Starting | State::Idle | State::ByHand | State::Homing | State::Alarm(_) => None,
         };
         self.spindle
             .set_percent(frozen.unwrap_or(self.operator.spindle_percent()));

@@ -23,6 +23,18 @@ impl Statusword {
         self.0 & 0x6F == 0x27
     }
 
+    /// The homing in the statusword: bits 13, 12 and 10 in mode 6.
+    #[must_use]
+    pub const fn homing(self) -> HomingState {
+        match (self.0 >> 13 & 1, self.0 >> 12 & 1, self.0 >> 10 & 1) {
+            (0, 0, 0) => HomingState::Runs,
+            (0, 0, _) => HomingState::NotStarted,
+            (0, _, 0) => HomingState::Found,
+            (0, _, _) => HomingState::Done,
+            _ => HomingState::Error,
+        }
+    }
+
     /// The state in the statusword; `None` for a pattern that CiA 402 does not define.
     #[must_use]
     pub const fn state(self) -> Option<State> {
@@ -42,6 +54,21 @@ impl Statusword {
             _ => None,
         }
     }
+}
+
+/// How far a homing is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum HomingState {
+    /// Under way.
+    Runs,
+    /// Not started, or interrupted; the axis stands.
+    NotStarted,
+    /// The mark is found, and the axis still moves.
+    Found,
+    /// The mark is found, and the axis stands.
+    Done,
+    /// Failed.
+    Error,
 }
 
 /// A state of the power state machine.
@@ -109,6 +136,12 @@ impl Controlword {
     pub const SWITCH_ON: Self = Self(0x0007);
     /// To operation enabled.
     pub const ENABLE_OPERATION: Self = Self(0x000F);
+    /// Enabled, bit 4: homing runs as long as the bit stays.
+    pub const HOME: Self = Self(0x001F);
+    /// The same with bit 8: the axis halts on its way.
+    pub const HOME_HALTED: Self = Self(0x011F);
+    /// Enabled, bit 8: the axis halts.
+    pub const HALT: Self = Self(0x010F);
     /// Out of fault, on the rising edge of bit 7.
     pub const FAULT_RESET: Self = Self(0x0080);
 

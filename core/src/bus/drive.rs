@@ -13,6 +13,9 @@
 //!                               only                      standby 0006h ◄── disable, fault, loss ───────────┘
 //! ```
 //!
+//! A drive that homes by itself leaves position mode and comes back to it: see `home`. It is enabled only in position mode
+//! (6061h = 8), whatever it was doing when the board came up.
+//!
 //! Each step has the same time limit. A step that takes longer is a [`DriveFailure`] with the step and the statusword.
 //! A failure is latched until [`DriveMaster::reset`]; no drive is enabled again by itself. A fault or a loss of
 //! operation enabled ends the commands at once, because such a drive follows no target. A following error or silence
@@ -22,11 +25,14 @@
 
 pub(super) mod config;
 mod hear;
+mod home;
 #[cfg(test)]
 mod tests;
 mod tick;
 
 pub use config::{DriveConfig, FollowingLimit, Phase, Step};
+use home::Home;
+pub use home::{HomeEnd, HomeLimits, HomeStep};
 pub use tick::DriveOutput;
 
 use super::cia402::State;
@@ -73,6 +79,8 @@ pub struct DriveMaster {
     last_target: Increments,
     /// The NMT start is still to be sent.
     start: bool,
+    /// Its mode and its homing.
+    home: Home,
 }
 
 impl DriveMaster {
@@ -97,6 +105,7 @@ impl DriveMaster {
             target: Increments::new(0),
             last_target: Increments::new(0),
             start: false,
+            home: Home::new(),
         }
     }
 
@@ -178,7 +187,9 @@ impl DriveMaster {
         match self.phase {
             Phase::Offline | Phase::Standby => {}
             Phase::Step(Step::Contact) => self.phase = Phase::Offline,
-            Phase::Step(_) | Phase::Enabled | Phase::Halted => self.phase = Phase::Standby,
+            Phase::Step(_) | Phase::Enabled | Phase::Homing(_) | Phase::Halted => {
+                self.phase = Phase::Standby;
+            }
         }
     }
 
@@ -188,7 +199,7 @@ impl DriveMaster {
     /// for its own.
     pub(crate) fn wait(&mut self, goes: bool) -> bool {
         match self.phase {
-            Phase::Step(Step::FaultReset) | Phase::Enabled | Phase::Halted => {
+            Phase::Step(Step::FaultReset) | Phase::Enabled | Phase::Homing(_) | Phase::Halted => {
                 return true;
             }
             Phase::Standby | Phase::Step(_) | Phase::Offline => self.phase = Phase::Offline,

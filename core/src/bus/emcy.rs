@@ -25,6 +25,12 @@ impl Emcy {
     /// Error register bit 7: manufacturer-specific error.
     pub const MAKER: u8 = 0x80;
 
+    /// True for the error codes of a sensor, an encoder among them (73xxh).
+    #[must_use]
+    pub const fn is_of_sensor(code: u16) -> bool {
+        code >> 8 == 0x73
+    }
+
     /// The message that no error is left.
     pub const GONE: Self = Self {
         code: 0,

@@ -43,6 +43,15 @@ pub enum DriveFailure {
         /// Its actual position.
         actual: Increments,
     },
+    /// The drive stays in this mode (6061h; 0: not reported) and is not in position mode.
+    Mode(u8),
+    /// The drive goes on moving by itself where it should stand.
+    Moves {
+        /// The position where it is held.
+        target: Increments,
+        /// Its actual position.
+        actual: Increments,
+    },
     /// A spindle in position mode stands, although its target is elsewhere.
     Stands {
         /// Its target.
@@ -68,6 +77,10 @@ impl DriveFailure {
                 let limit = config.following.map_or(0, |limit| limit.increments);
                 let increments = |count: u32| Arg::Int(i64::from(count));
                 (increments(actual.turned(target)), increments(limit))
+            }
+            Self::Mode(told) => (Arg::Int(i64::from(told)), Arg::None),
+            Self::Moves { target, actual } => {
+                (distance(config, actual.distance(target)), Arg::None)
             }
             Self::Jump { target, demand } => (distance(config, demand.distance(target)), Arg::None),
             Self::Following { target, actual } => {
@@ -101,6 +114,8 @@ impl DriveFailure {
             Self::Overhears(_) => Code::DriveOverhears,
             Self::Restarted => Code::DriveRestarted,
             Self::Jump { .. } => Code::DriveJump,
+            Self::Mode(_) => Code::DriveNotInMode,
+            Self::Moves { .. } => Code::DriveMovesOn,
             Self::Silent => Code::DriveSilent,
             Self::Following { .. } => Code::FollowingError,
             Self::Stands { .. } => Code::SpindleStands,

@@ -5,6 +5,7 @@
 //! | every tick | SYNC with its counter; RPDO1 of each drive, or one CAN FD frame with all setpoints |
 //! | every fourth tick | RPDO1 of each spindle that only taps, while it does not tap |
 //! | every n-th SYNC | TPDO1 of each drive |
+//! | every 16th SYNC | TPDO2 of each axis with a reference; as often, in homing, its RPDO2 |
 //! | every status period | TPDO1–3 and TPDO5 of the board |
 
 use super::fd::FdBits;
@@ -23,6 +24,8 @@ pub struct Cycle {
     pub further: u32,
     /// Each drive answers once in this number of SYNCs.
     pub drive_syncs: u32,
+    /// Axes with a reference to find: their drives tell mode and inputs.
+    pub homing: u32,
     /// Time from status to status of the board in milliseconds.
     pub status_ms: u32,
     /// Data rate in kbit/s of the one CAN FD frame with all setpoints; 0: each drive gets its own RPDO1.
@@ -50,6 +53,7 @@ impl Cycle {
     pub fn load(&self) -> u32 {
         let all = self.drives.saturating_add(self.further);
         let [sync, setpoint, status] = const { [frame_bits(1), frame_bits(6), frame_bits(8)] };
+        let report = const { frame_bits(5).saturating_add(frame_bits(1)) };
         let alone = [self.drives, self.further];
         let (alone, together) = match self.fd_kbit {
             0 => (alone, 0),
@@ -66,6 +70,7 @@ impl Cycle {
             (setpoint, self.tick_us, 4, further),
             (together, self.tick_us, 1, 1),
             (setpoint, self.tick_us, self.drive_syncs, all),
+            (report, self.tick_us, 16, self.homing),
             (status, self.status_ms, 1000, 4),
         ];
         let mut thousandths = 0_u64;
@@ -114,6 +119,7 @@ mod tests {
             drives,
             further: 0,
             drive_syncs,
+            homing: 0,
             status_ms: 10,
             fd_kbit: 0,
         }
@@ -149,6 +155,16 @@ mod tests {
             ..cycle(4, 4)
         };
         assert_eq!(four_spindles.load(), 867);
+    }
+
+    #[test]
+    fn an_axis_with_a_reference_costs_a_percent() {
+        let homing = Cycle {
+            homing: 2,
+            ..cycle(2, 4)
+        };
+        // 105 and 65 bits in sixteen ticks, twice.
+        assert_eq!(homing.load(), cycle(2, 4).load() + 21);
     }
 
     #[test]

@@ -39,9 +39,12 @@ pub use board_pdo::{
     AxisSet, Beat, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState,
     BoardStatus, JogRequest, Order, OrderGate, StepRequest,
 };
-pub use cia402::{Controlword, State, Statusword};
+pub use cia402::{Controlword, HomingState, State, Statusword};
 pub use controller::{BusState, Controller, ErrorCounts};
-pub use drive::{DriveConfig, DriveMaster, DriveOutput, FollowingLimit, Phase, Step};
+pub use drive::{
+    DriveConfig, DriveMaster, DriveOutput, FollowingLimit, HomeEnd, HomeLimits, HomeStep, Phase,
+    Step,
+};
 pub use emcy::Emcy;
 pub use emcy_producer::EmcyProducer;
 pub use failure::DriveFailure;
@@ -54,7 +57,7 @@ pub use mapping::{Mapped, PdoCommunication};
 pub use nmt::{NmtCommand, NmtState};
 pub use nmt_slave::{NmtEvent, NmtSlave};
 pub use object::{Abort, Object, Objects};
-pub use pdo::{DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
+pub use pdo::{AxisMode, AxisReport, DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
 pub use periods::Periods;
 pub use sdo::{
     BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,

@@ -4,7 +4,9 @@
 //! |---|---|
 //! | RPDO1 | 6040h controlword (16 bit), 607Ah target position (32 bit, drive increments) |
 //! | RPDO2, spindles | 6060h mode of operation (8 bit), 60FFh target velocity (32 bit, 0.001 rpm) |
+//! | RPDO2, axes that home by themselves | 6060h mode of operation (8 bit) |
 //! | TPDO1 | 6041h statusword (16 bit), 6064h actual position (32 bit, drive increments) |
+//! | TPDO2, axes with a reference | 6061h mode in force (8 bit), 60FDh inputs (32 bit) |
 //!
 //! All values are little-endian. The spindle's velocity unit is that of object 60A9h = FDB44700h (milli-revolutions per
 //! minute). A drive with another unit scales the velocity by its own factors.
@@ -137,10 +139,58 @@ impl SpindleCommand {
     }
 }
 
-/// Mode of operation, 6060h: the cyclic synchronous modes.
+/// RPDO2 of an axis that homes by itself: its mode, sent when it changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisMode(pub Mode);
+
+impl AxisMode {
+    /// The objects that the drive must map into this PDO.
+    pub const MAPPING: [Mapped; 1] = [Mapped::new(0x6060, 0, 8)];
+
+    /// The frame to `node`.
+    #[must_use]
+    pub const fn frame(self, node: NodeId) -> Frame {
+        Frame::of(CobId::of(Service::Rpdo2, node), [self.0 as u8])
+    }
+}
+
+/// TPDO2 of an axis with a reference: its mode and its inputs. The drive sends it when one of them changes, and at every
+/// 16th SYNC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisReport {
+    /// 6061h.
+    pub mode: u8,
+    /// 60FDh.
+    pub inputs: u32,
+}
+
+impl AxisReport {
+    /// The objects that the drive must map into this PDO.
+    pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6061, 0, 8), Mapped::new(0x60FD, 0, 32)];
+
+    /// The frame from `node`.
+    #[must_use]
+    pub const fn frame(self, node: NodeId) -> Frame {
+        let [a, b, c, d] = self.inputs.to_le_bytes();
+        Frame::of(CobId::of(Service::Tpdo2, node), [self.mode, a, b, c, d])
+    }
+
+    /// The report in a frame that is known to carry one.
+    pub(super) fn payload(frame: &Frame) -> Option<Self> {
+        let [mode, a, b, c, d] = frame.exactly()?;
+        Some(Self {
+            mode,
+            inputs: u32::from_le_bytes([a, b, c, d]),
+        })
+    }
+}
+
+/// Mode of operation, 6060h: homing, and the cyclic synchronous modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Mode {
+    /// Homing by the drive itself.
+    Homing = 6,
     /// Cyclic synchronous position (CSP): for axes, and for a spindle that taps.
     Position = 8,
     /// Cyclic synchronous velocity (CSV): for a spindle at a speed.

@@ -118,7 +118,7 @@ impl SpindleMaster {
         let wanted = match self.drive.phase() {
             // A drive that is being started has forgotten its earlier commands.
             Phase::Offline | Phase::Step(Step::Contact) => None,
-            Phase::Enabled => Some(wish),
+            Phase::Enabled | Phase::Homing(_) => Some(wish),
             Phase::Standby | Phase::Halted | Phase::Step(_) => Some(SpindleCommand {
                 mode: Mode::Velocity,
                 velocity: MilliRpm::STOPPED,
@@ -156,6 +156,7 @@ mod tests {
             silence: Periods::new(8),
             following: None,
             reach: 9_000,
+            homes: None,
         })
     }
 

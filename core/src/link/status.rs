@@ -8,7 +8,7 @@ use super::{LinkError, Version};
 use crate::alarm::Alarm;
 use crate::bus::BoardState;
 use crate::call::Position;
-use crate::units::{Length, Rpm, TurnRate, Turns};
+use crate::units::{Axes, Length, Rpm, TurnRate, Turns};
 
 /// The status record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -60,6 +60,10 @@ pub struct Status {
     /// The inputs and the mirrored bits above them, as [`Snapshot::signals`](crate::board::Snapshot::signals) gives
     /// them: object 5060h.
     pub signals: u16,
+    /// The axes whose position is that of the machine: they need no reference, or it is found.
+    pub referenced: Axes,
+    /// The axes without a reference that a program needs.
+    pub unreferenced: Axes,
     /// CRC-32 of the parameter set in force.
     pub parameters: u32,
 }

@@ -16,7 +16,7 @@ use crate::call::{
 use crate::offsets::Revision;
 use crate::params::Params;
 use crate::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
+    Angle, Axes, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
     StartAngle, TurnRate, Turns,
 };
 
@@ -525,6 +525,8 @@ fn events_and_status_come_back_equal() {
         credit: u16::MAX,
         newest_event: u32::MAX,
         signals: u16::MAX,
+        referenced: Axes::ALL,
+        unreferenced: Axes::ALL,
         parameters: identity(&Params::sheets()),
     };
     let mut bytes = [0; Status::BYTES];

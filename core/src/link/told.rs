@@ -7,7 +7,7 @@ use super::{Certificate, Status, Tally, ThreadKind, ThreadRecord, ThreadState, V
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::BoardState;
 use crate::call::{Aux, Position};
-use crate::units::{Angle, Length, Rpm, TurnRate, Turns};
+use crate::units::{Angle, Axes, Length, Rpm, TurnRate, Turns};
 
 /// Quantities, encoded as their number.
 macro_rules! quantities {
@@ -22,6 +22,7 @@ macro_rules! quantities {
 
 quantities! {
     Angle: udeg;
+    Axes: bits;
     Code: number;
     Length: nm;
     Rpm: get;
@@ -48,7 +49,7 @@ records! {
     Status {
         version, tick, state, alarm, in_program, line, number, position, spindle, speed, command, hold, single_block,
         feed_percent, rapid_percent, spindle_percent, sync_error, late, program, next_call, credit, newest_event, signals,
-        parameters
+        referenced, unreferenced, parameters
     }
     Certificate { version, program, ticks, setpoint_hash, measured, largest, squares, late }
     ThreadRecord { line, kind, state, tally }
@@ -256,6 +257,7 @@ mod tests {
     fn status_and_certificate_are_written_as_serde_writes_them() {
         for (place, number) in numbers().enumerate() {
             let (even, word, half) = (number & 1 == 0, number as u32, number as u16);
+            let axes = Axes::from_bits(word as u8 & 7).expect("three bits");
             same(&Status {
                 version: VERSION,
                 tick: number as u64,
@@ -284,6 +286,8 @@ mod tests {
                 credit: half,
                 newest_event: word >> 17,
                 signals: !half,
+                referenced: axes,
+                unreferenced: Axes::ALL.minus(axes),
                 parameters: word.swap_bytes(),
             });
             same(&Certificate {

@@ -33,6 +33,12 @@ pub struct AxisTravel {
 }
 
 impl AxisTravel {
+    /// No limits: farther than any axis goes.
+    pub const UNLIMITED: Self = Self {
+        low: Length::from_nm(-100_000_000_000),
+        high: Length::from_nm(100_000_000_000),
+    };
+
     /// How far it is from `at` to the end in this direction; zero at it and beyond it.
     fn free(&self, at: Length, towards: Towards) -> Length {
         let way = match towards {

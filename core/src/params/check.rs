@@ -82,7 +82,9 @@ impl Params {
         let beyond =
             |limit: i64, none| limit != none && limit.wrapping_mul(numerator).wrapping_abs() > most;
         blame(
-            beyond(plus, i64::MAX) || beyond(minus, i64::MIN),
+            beyond(plus, i64::MAX)
+                || beyond(minus, i64::MIN)
+                || beyond(self.home_position(axis), i64::MAX),
             Code::TravelBeyondDrive,
         );
         let limit = self.following_error_limit(axis).wrapping_mul(numerator);

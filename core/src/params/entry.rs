@@ -44,7 +44,7 @@ pub struct Entry {
     /// Place in the list of ranges.
     pub(super) range: u8,
     /// Place in the set.
-    pub(super) slot: u8,
+    pub(super) slot: u16,
 }
 
 /// What a value means to a person; a board does not ask.

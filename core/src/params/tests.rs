@@ -365,6 +365,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x080D_790C),
     // Jogging, and the age of an order: 9040 to 9043, 9047.
     (2, 0xC736_4277),
+    // References: 9050, 9058 to 9062.
+    (2, 0x8222_8EC1),
 ];
 
 #[test]

@@ -44,7 +44,7 @@ mod trig;
 mod wide;
 
 pub use angle::{Angle, StartAngle, Turns};
-pub use axis::{Acceleration, Axis, Jerk};
+pub use axis::{Acceleration, Axes, Axis, Jerk};
 pub use change::LeadChange;
 pub use decimal::{Decimal, DecimalError};
 pub use feed::{CentiRpm, Feed, FeedPerTurn, Lead, Millis, Rpm};

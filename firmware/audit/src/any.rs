@@ -10,9 +10,9 @@ use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError, Victim};
 use leadscrew_core::bus::{
     Abort, AxisSet, Beat, BlockSize, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle,
     BoardState, BoardStatus, BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig,
-    DriveStatus, Emcy, ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, Increments,
-    JogRequest, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order, Periods, Scale,
-    SdoProtocol, SpindleCommand, SpindleDemand, Statusword, StepRequest, SyncProducer,
+    DriveStatus, Emcy, ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, HomeLimits,
+    Increments, JogRequest, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order, Periods,
+    Scale, SdoProtocol, SpindleCommand, SpindleDemand, Statusword, StepRequest, SyncProducer,
 };
 use leadscrew_core::call::{
     ArcCall, Aux, Call, CallKind, ChainPart, CutIn, Extraction, FeedRate, GrooveCall, Hand,
@@ -158,7 +158,8 @@ records! {
     BoardStatus { state flags alarm count late credit }
     BoardPlace { line number }
     BoardSpindle { angle speed sync_error }
-    DriveConfig { letter node scale step silence following reach }
+    DriveConfig { letter node scale step silence following reach homes }
+    HomeLimits { time travel stale }
 }
 
 impl Any for Extraction {
@@ -180,7 +181,7 @@ macro_rules! choices {
 }
 choices! {
     StoreError { StoreError::Device, StoreError::Full } or StoreError::Damaged;
-    Mode { Mode::Position } or Mode::Velocity;
+    Mode { Mode::Position, Mode::Homing } or Mode::Velocity;
     SpindleDemand { SpindleDemand::Speed(any()) } or SpindleDemand::Position(any());
     NmtCommand {
         NmtCommand::Start, NmtCommand::Stop, NmtCommand::PreOperational, NmtCommand::ResetNode,

@@ -116,6 +116,11 @@ pub(super) const RESUME: &str = "\
 Example:
   leadscrew resume --bus can0     behind a hold, M00 or M01";
 
+pub(super) const HOME: &str = "\
+Examples:
+  leadscrew home --bus can0       all axes, in the order of 9059
+  leadscrew home X --bus can0";
+
 pub(super) const RESET: &str = "\
 Example:
   leadscrew reset --bus can0     forgets the program, and leaves an alarm whose cause is gone";

@@ -66,6 +66,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Monitor => "monitor",
         Command::Hold => "hold",
         Command::Resume => "resume",
+        Command::Home { .. } => "home",
         Command::Reset => "reset",
         Command::Stop => "stop",
         Command::Mode { .. } => "mode",

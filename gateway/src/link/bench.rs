@@ -9,7 +9,7 @@ use leadscrew_core::bus::{BoardState, FdFrame, Frame, NodeId};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::{Status, VERSION};
 use leadscrew_core::params::Params;
-use leadscrew_core::units::{Rpm, TurnRate, Turns};
+use leadscrew_core::units::{Axes, Rpm, TurnRate, Turns};
 
 use super::{Inside, Link};
 
@@ -60,6 +60,8 @@ pub fn status() -> Status {
         credit: 2048,
         newest_event: 0,
         signals: 0,
+        referenced: Axes::ALL,
+        unreferenced: Axes::NONE,
         parameters: 0,
     }
 }

@@ -122,9 +122,9 @@ fn drives_are_where_the_parameters_say() {
     nodes.sort_unstable();
     assert_eq!(nodes, [5, 6, 17, 32, 70], "boot-up messages");
     let mut second_rpdo = |node| bench.read(NodeId::new(node).unwrap(), 0x1601, 2);
-    // A spindle has a second RPDO at any node, and an axis has none.
+    // A spindle has mode and speed in its second RPDO at any node, and an axis the mode alone.
     assert_eq!(second_rpdo(6), Ok(0x60FF_0020));
-    assert_eq!(second_rpdo(32), Err(Abort::NoObject));
+    assert_eq!(second_rpdo(32), Err(Abort::NoSubIndex));
 }
 
 #[test]
@@ -150,8 +150,15 @@ fn a_drive_says_what_it_is_and_how() {
         (0x60C2, 1, Ok(1)),
         (0x60C2, 2, Ok(0xFD)),
         (0x60C2, 3, Err(Abort::NoSubIndex)),
-        (0x1601, 0, Err(Abort::NoObject)),
-        (0x6099, 1, Err(Abort::NoObject)),
+        // Off, until a machine needs them.
+        (0x1401, 1, Ok(0x8000_0310)),
+        (0x1801, 1, Ok(0xC000_0290)),
+        (0x1601, 1, Ok(0x6060_0008)),
+        (0x1A01, 2, Ok(0x60FD_0020)),
+        (0x6098, 0, Ok(37)),
+        (0x6099, 1, Ok(200_000)),
+        (0x6099, 3, Err(Abort::NoSubIndex)),
+        (0x60FE, 1, Err(Abort::NoObject)),
     ] {
         assert_eq!(bench.read(x, index, sub), expected, "{index:04X}h:{sub}");
     }
@@ -209,6 +216,43 @@ fn limits_change_in_every_state_communication_in_pre_operational_alone() {
     assert_eq!(answers.count(), 4);
     // The other drives have not changed.
     assert_eq!(bench.read(NodeId::DRIVE_X, 0x1800, 2), Ok(4));
+}
+
+/// What `params push` writes for an axis that homes.
+#[test]
+fn an_axis_is_set_up_to_home() {
+    let mut bench = Bench::new();
+    let x = NodeId::DRIVE_X;
+    for (index, sub, value, bytes) in [
+        (0x1401, 1, 0x0310, 4),
+        (0x1801, 2, 255, 1),
+        (0x1801, 1, 0x0290 | 1 << 30, 4),
+        (0x6098, 0, 24, 1),
+        (0x6099, 1, 300_000, 4),
+        (0x6099, 2, 10_000, 4),
+        (0x609A, 0, 1_000_000, 4),
+        (0x607C, 0, 0, 4),
+    ] {
+        let told = bench.write(x, index, sub, value, bytes);
+        assert_eq!(told, Ok(()), "{index:04X}h:{sub}");
+        assert_eq!(bench.read(x, index, sub), Ok(value), "{index:04X}h:{sub}");
+    }
+    // Methods that it does not have, and a report at every so many SYNCs.
+    for method in [0, 3, 6, 15, 16, 31, 32, 36, 38, 0xFF] {
+        assert_eq!(bench.write(x, 0x6098, 0, method, 1), Err(Abort::Value));
+    }
+    assert_eq!(bench.write(x, 0x1801, 2, 4, 1), Err(Abort::Value));
+    bench.nmt(NmtCommand::Start);
+    let report = |frames: Vec<Frame>| {
+        let mut own = frames.into_iter().filter(|frame| frame.id().get() == 0x290);
+        own.next().map(|frame| Vec::from(frame.payload()))
+    };
+    // At once, and then at every 16th SYNC.
+    assert_eq!(report(bench.tick()), Some(Vec::from([8, 0, 0, 0, 0])));
+    for _ in 1..16 {
+        assert_eq!(report(bench.tick()), None);
+    }
+    assert_eq!(report(bench.tick()), Some(Vec::from([8, 0, 0, 0, 0])));
 }
 
 #[test]

@@ -35,6 +35,7 @@ impl Bench {
                 standing: false,
             }),
             reach: 10_000,
+            homes: None,
         };
         Self {
             plant: Plant::new(&Params::sheets(), options).unwrap(),

@@ -18,9 +18,11 @@ use std::ops::Range;
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
-    CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Service, Setpoints, SpindleCommand,
+    AxisMode, AxisReport, CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Service,
+    Setpoints, SpindleCommand,
 };
 use leadscrew_core::params::Params;
+use leadscrew_core::units::Axis;
 
 use crate::diagnostics::Place;
 
@@ -36,6 +38,16 @@ const NO_REMOTE: i64 = 1 << 30;
 /// Identifiers of the frame with all setpoints (9031), of boards with the numbers 1 to 127.
 const TOGETHER_FIRST: i64 = 0x481;
 const TOGETHER_LAST: i64 = 0x4FF;
+
+/// 607Ch and 6098h.
+const HOME_OFFSET: Object = Object::new(0x607C, 0);
+const HOMING_METHOD: Object = Object::new(0x6098, 0);
+
+/// The methods of 6098h whose mark is where the board takes it to be.
+const METHODS: [i64; 28] = [
+    1, 2, 7, 8, 9, 10, 11, 12, 13, 14, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 33,
+    34, 35, 37,
+];
 
 /// The key of all sections.
 pub const KEY: &str = "drive";
@@ -192,7 +204,9 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                 let board: &[Mapped] = match mapping {
                     0x1600 => &command,
                     0x1601 if drive.is_spindle() => &SpindleCommand::MAPPING,
+                    0x1601 if homes(drive, params) == 1 => &AxisMode::MAPPING,
                     0x1A00 => &DriveStatus::MAPPING,
+                    0x1A01 if homes(drive, params) != 0 => &AxisReport::MAPPING,
                     _ => continue,
                 };
                 if objects != board {
@@ -206,6 +220,24 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                     );
                 }
             }
+            Wanted::Number { object, value, .. }
+                if *object == HOME_OFFSET && *value != 0 && homes(drive, params) == 1 =>
+            {
+                conflict(
+                    Code::HomeOffset,
+                    [value.to_string(), String::new(), String::new()],
+                );
+            }
+            Wanted::Number { object, value, .. }
+                if *object == HOMING_METHOD
+                    && !METHODS.contains(value)
+                    && homes(drive, params) == 1 =>
+            {
+                conflict(
+                    Code::HomeMethodUnknown,
+                    [value.to_string(), String::new(), String::new()],
+                );
+            }
             Wanted::Number { object, value, .. } => {
                 if let Some((theirs, board)) = cob_id_conflict(drive, *object, *value, params) {
                     conflict(Code::DriveCobId, [object_text(*object), theirs, board]);
@@ -214,6 +246,17 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
         }
     }
     found
+}
+
+/// 9050 of the axis of this drive; 0 for a spindle.
+fn homes(drive: DriveName, params: &Params) -> u8 {
+    let axis = match drive {
+        DriveName::X => Axis::X,
+        DriveName::Z => Axis::Z,
+        DriveName::C => Axis::C,
+        _ => return 0,
+    };
+    params.home_method(axis)
 }
 
 /// The mapping of RPDO1 that the board needs of a drive: its own objects, after those of other drives where all drives get
@@ -236,8 +279,9 @@ fn cob_id_conflict(
     let nodes = DriveNodes::of(params);
     let service = match (object.index, object.sub) {
         (0x1400, 1) => Service::Rpdo1,
-        (0x1401, 1) if drive.is_spindle() => Service::Rpdo2,
+        (0x1401, 1) if drive.is_spindle() || homes(drive, params) == 1 => Service::Rpdo2,
         (0x1800, 1) => Service::Tpdo1,
+        (0x1801, 1) if homes(drive, params) != 0 => Service::Tpdo2,
         _ => return None,
     };
     // The drive decides whether it answers a remote request.

@@ -3,7 +3,7 @@
 use super::BackgroundSide;
 use super::press::plan_press;
 use crate::board::message::Order;
-use crate::board::queue::put;
+use crate::board::queue::{put, room};
 use crate::board::ticker::Setup;
 use crate::motion::Limits;
 
@@ -18,10 +18,15 @@ impl BackgroundSide<'_> {
                 .order(&mut self.state.orders, Order::Command(command));
         }
         if self.ends.has_room()
-            && self.ends.presses.ready()
+            && room(&self.ends.presses) > 0
             && let Some(asked) = self.state.device.asked()
         {
-            let press = plan_press(&asked, &self.state.params, &self.state.limits);
+            let press = plan_press(
+                &asked,
+                self.state.snapshot.referenced,
+                &self.state.params,
+                &self.state.limits,
+            );
             // There is room.
             let _ = put(&mut self.ends.presses, press);
             self.ends.order(&mut self.state.orders, Order::Press);

@@ -4,13 +4,13 @@ use crate::board::device::Asked;
 use crate::motion::{AxisPress, Limits, PathRate, Press};
 use crate::operating::Towards;
 use crate::params::Params;
-use crate::units::{Axis, Feed};
+use crate::units::{Axes, Axis, Feed};
 
 /// Nanometres in a millimetre.
 const MM: i64 = 1_000_000;
 
-/// The press for the tick. No axis goes faster than its rapid (1420) and 9042.
-pub fn plan_press(asked: &Asked, params: &Params, limits: &Limits) -> Press {
+/// The press for the tick. No axis goes faster than its rapid (1420) and 9042; one without a reference, than 9043.
+pub fn plan_press(asked: &Asked, referenced: Axes, params: &Params, limits: &Limits) -> Press {
     let tick_us = params.tick_us();
     let speed = match asked.mm_per_min {
         Some(mm) => Feed::from_nm_per_min(i64::from(mm).saturating_mul(MM)),
@@ -21,7 +21,12 @@ pub fn plan_press(asked: &Asked, params: &Params, limits: &Limits) -> Press {
         true => top,
         false => PathRate::of_feed(speed, tick_us),
     };
+    let slow = PathRate::of_feed(params.slow_feed(), tick_us).min(top);
     let plan = |axis, towards: Option<Towards>| {
+        let top = match referenced.contains(axis) {
+            true => top,
+            false => slow,
+        };
         AxisPress::new((axis, towards?), (speed, top), asked.rapid, limits)
     };
     Press {

@@ -75,6 +75,7 @@ use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
+use crate::units::Axis;
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.
 const URGENT: usize = 12;
@@ -209,6 +210,7 @@ impl Device {
             drives: DRIVES,
             further: u32::from(params.tap_spindles()).saturating_sub(1),
             drive_syncs: params.drive_status_syncs(),
+            homing: homing(params),
             status_ms: params.status_period_ms(),
             fd_kbit: if params.setpoint_frame() == 1 {
                 params.fd_kbit()
@@ -444,4 +446,10 @@ impl Device {
     pub fn take_params(&mut self) -> Option<&Params> {
         self.values.take_params()
     }
+}
+
+/// Axes whose drives tell mode and inputs.
+fn homing(params: &Params) -> u32 {
+    let with = |axis: &Axis| params.home_method(*axis) != 0;
+    Axis::ALL.iter().filter(|axis| with(axis)).count() as u32
 }

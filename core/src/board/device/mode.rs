@@ -33,6 +33,8 @@ pub enum Doing {
     Starting,
     /// Axes are moved by hand.
     ByHand,
+    /// Axes find their reference.
+    Homing,
     /// A program is under way.
     Program,
     /// A program is held.
@@ -55,6 +57,7 @@ impl Doing {
             State::Running => Self::Program,
             State::Held => Self::Held,
             State::ByHand => Self::ByHand,
+            State::Homing => Self::Homing,
             State::Stopping(Outcome::Reset) => Self::Stopping,
             State::Stopping(Outcome::Alarm(_)) => Self::Failing,
             State::Alarm(_) => Self::Alarm,
@@ -83,7 +86,7 @@ pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), 
         }
         (_, Doing::Program | Doing::Held) => Code::ProgramUnderWay,
         (_, Doing::Failing | Doing::Alarm) => Code::AlarmStands,
-        (_, Doing::Starting | Doing::Stopping) => Code::NotAtRest,
+        (_, Doing::Starting | Doing::Stopping | Doing::Homing) => Code::NotAtRest,
         (_, _) if needed != mode => {
             return Err(Alarm::of(
                 Code::WrongMode,
@@ -154,6 +157,11 @@ mod tests {
                 Doing::Starting,
                 [4507, 4507, 4507, 4507, 0, 0],
                 [4507, 4507, 4507, 4507, 0, 0],
+            ),
+            (
+                Doing::Homing,
+                [4507, 4507, 4507, 4507, 0, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507],
             ),
             (
                 Doing::Stopping,

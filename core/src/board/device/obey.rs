@@ -7,6 +7,7 @@ use super::served::Served;
 use super::tell::HEARTBEAT_ERROR;
 use crate::alarm::Code;
 use crate::board::command::Command;
+use crate::board::ticker::State;
 use crate::bus::{
     BoardCommand, Emcy, Frame, JogRequest, NmtEvent, NmtState, PdoCommunication, Service,
     StepRequest,
@@ -120,6 +121,9 @@ impl Device {
 
     /// The gateway is lost.
     pub(super) fn lose(&mut self, params: &Params) {
+        if let State::Homing = self.values.snapshot.state {
+            self.values.command(Command::Halt(Code::HomeCancelled));
+        }
         if !self.values.snapshot.in_program {
             return;
         }

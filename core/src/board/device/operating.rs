@@ -13,7 +13,7 @@
 use super::mode::{Doing, Request, admit};
 use super::steps::Steps;
 use super::values::ObjectValues;
-use crate::alarm::{Alarm, Code};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::board::command::Command;
 use crate::board::guard::Guard;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest};
@@ -166,6 +166,20 @@ impl ObjectValues {
         admit(self.operating.mode, request, Doing::of(&self.snapshot))
     }
 
+    /// Lets a program begin, if every axis that it needs has its reference. The way out of a hole needs none: nothing else
+    /// is let out of it.
+    pub(super) fn let_in_referenced(&self) -> Result<(), Alarm> {
+        let missing = self.snapshot.unreferenced;
+        if missing.is_empty() || self.snapshot.tap.is_some_and(|tap| tap.in_hole) {
+            return Ok(());
+        }
+        let mut figures = [Arg::None; 3];
+        for (figure, axis) in figures.iter_mut().zip(missing.each()) {
+            *figure = Arg::Letter(axis.letter());
+        }
+        Err(Alarm::of(Code::NotReferenced, &figures))
+    }
+
     /// A request has been let in.
     pub(super) const fn accept(&mut self) {
         self.operating.refused = None;
@@ -233,9 +247,13 @@ impl ObjectValues {
         if is_new {
             let admitted = self.admit_by_hand(Request::Step).and_then(|()| {
                 let position = &self.snapshot.setpoint.position;
-                self.operating
-                    .steps
-                    .admit(request.on_z, way, position, params)
+                self.operating.steps.admit(
+                    request.on_z,
+                    way,
+                    position,
+                    self.snapshot.referenced,
+                    params,
+                )
             });
             self.count_press(request.session, request.count, admitted);
         }

@@ -5,7 +5,7 @@
 use crate::alarm::{Alarm, Arg, Code};
 use crate::call::Position;
 use crate::params::Params;
-use crate::units::{Axis, Diameter, Length};
+use crate::units::{Axes, Axis, Diameter, Length};
 
 /// The step under way and those that wait.
 const MOST: u8 = 4;
@@ -22,7 +22,8 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Lets a step of this way in. `at`: where the machine stands, if nothing moves.
+    /// Lets a step of this way in. `at`: where the machine stands, if nothing moves. An axis without a reference has no
+    /// limits.
     ///
     /// # Errors
     /// [`Code::StepsWait`], [`Code::NotAtRest`] for another axis or the other direction, [`Code::StepBeyondLimit`].
@@ -31,6 +32,7 @@ impl Steps {
         on_z: bool,
         way: Length,
         at: &Position,
+        referenced: Axes,
         params: &Params,
     ) -> Result<(), Alarm> {
         if self.count >= MOST {
@@ -54,7 +56,7 @@ impl Steps {
         } else {
             Length::from_nm(params.soft_limit_plus(axis)) - from
         };
-        if way.abs() > free {
+        if way.abs() > free && referenced.contains(axis) {
             let free = free.max(Length::ZERO);
             let told = match axis {
                 Axis::X => Arg::Diameter(Diameter::of_radius(free)),

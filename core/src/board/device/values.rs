@@ -15,6 +15,7 @@ use super::shelf::Shelf;
 use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Command;
+use crate::board::guard::Guard;
 use crate::board::kept::Kept;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
@@ -238,6 +239,7 @@ impl ObjectValues {
             Order::Run => {
                 self.let_in(Request::Run)?;
                 self.same_offsets()?;
+                self.let_in_referenced()?;
                 // A program is dropped together with the parameters for which it was sent.
                 if self.is_changing() || !self.program_buffer.run() {
                     return Err(Alarm::of(Code::NothingToRun, &[]));
@@ -246,13 +248,16 @@ impl ObjectValues {
                 return Ok(());
             }
             Order::Mode(mode) => return self.change_mode(mode),
-            Order::Home(_) => {
+            Order::Home(axes) => {
                 self.let_in(Request::Home)?;
-                return Err(Alarm::of(Code::NothingToRun, &[]));
+                if let Some(alarm) = Guard::of(self.snapshot.tap.as_ref()).refusal() {
+                    return Err(alarm);
+                }
+                Command::Home(axes.axes())
             }
             Order::Cancel => {
                 self.end_press();
-                return Ok(());
+                Command::Cancel
             }
             Order::Hold => Command::Hold,
             Order::Resume => {
@@ -378,6 +383,8 @@ impl ObjectValues {
             credit: self.program_buffer.credit(),
             newest_event: self.log.newest(),
             signals: self.snapshot.signals(),
+            referenced: snapshot.referenced,
+            unreferenced: snapshot.unreferenced,
             parameters: identity(params),
         }
     }

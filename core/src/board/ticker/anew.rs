@@ -42,6 +42,7 @@ impl Ticker {
             drives,
             now: _,
             jog,
+            home,
             executor,
         } = self;
         *state = State::Starting;
@@ -62,7 +63,7 @@ impl Ticker {
         *remembered = position;
         *notice = Some(Notice::Restart(position.unwrap_or_default(), epoch));
         journal.begin_anew(given.second);
-        drives.begin_anew(&setup.figures);
+        home.begin_anew(drives.begin_anew(&setup.figures));
         jog.begin_anew();
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.

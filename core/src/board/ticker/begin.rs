@@ -143,6 +143,9 @@ impl Ticker {
                 if !self.executor.is_free() || self.away.is_under_way() || self.jog.moves() {
                     return;
                 }
+                if self.is_homing() && self.leaves_homing(ends) {
+                    return;
+                }
                 if self.away.takes_clearing()
                     && let Some(target) = self.not_clear()
                 {
@@ -188,7 +191,7 @@ impl Ticker {
                 }
             }
             State::Alarm(_) => self.stood = self.stood.saturating_add(1),
-            State::Starting => {}
+            State::Starting | State::Homing => {}
         }
     }
 }

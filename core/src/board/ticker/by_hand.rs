@@ -3,7 +3,8 @@
 //! Says when a press may move the machine, and ends it where something else does. Must not know who presses.
 
 use super::{State, Ticker};
-use crate::motion::{JogConditions, Press};
+use crate::motion::{AxisTravel, JogConditions, Press};
+use crate::units::Axis;
 
 impl Ticker {
     /// Takes a press, if the machine may be moved by hand now. The background has asked the same of an older state.
@@ -16,11 +17,25 @@ impl Ticker {
         if !stands || self.operator.hold || self.journal.has_hole() {
             return self.jog.refuse(press.number);
         }
-        self.jog
-            .press(press, &self.given.travel_x, &self.given.travel_z);
+        let (x, z) = self.travel();
+        self.jog.press(press, &x, &z);
         if self.jog.is_busy() {
             self.transition_to_by_hand();
         }
+    }
+
+    /// How far X and Z may go. Where an axis without a reference is, nobody knows: it has no limits.
+    const fn travel(&self) -> (AxisTravel, AxisTravel) {
+        let referenced = self.referenced();
+        let x = match referenced.contains(Axis::X) {
+            true => self.given.travel_x,
+            false => AxisTravel::UNLIMITED,
+        };
+        let z = match referenced.contains(Axis::Z) {
+            true => self.given.travel_z,
+            false => AxisTravel::UNLIMITED,
+        };
+        (x, z)
     }
 
     /// One tick of the axes that are moved by hand.
@@ -36,8 +51,8 @@ impl Ticker {
             rapid: self.operator.rapid(),
         };
         let mut position = self.executor.position();
-        let (x, z) = (&self.given.travel_x, &self.given.travel_z);
-        self.jog.tick(&conditions, x, z, &mut position);
+        let (x, z) = self.travel();
+        self.jog.tick(&conditions, &x, &z, &mut position);
         self.executor.set_position(position);
     }
 }

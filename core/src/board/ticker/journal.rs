@@ -75,6 +75,13 @@ impl Journal {
         matches!(&self.record, Some(TapRecord { in_hole: true, .. }))
     }
 
+    /// The alarm of a guarded hole.
+    pub(super) fn hole_alarm(&self) -> Option<Alarm> {
+        let hole = &self.record.as_ref().filter(|record| record.in_hole)?.hole;
+        let figures = [Arg::Letter(hole.letter()), hole.figure(hole.bottom)];
+        Some(Alarm::of(Code::TapInHole, &figures))
+    }
+
     /// The tick side starts again while the power stays on. The knowledge of a hole stays.
     pub(super) const fn begin_anew(&mut self, ticks_per_second: u32) {
         self.part = None;

@@ -1,5 +1,6 @@
 //! What a ticker needs of a parameter set.
 
+use super::home::Wanted;
 use super::surface;
 use crate::board::drives::Figures;
 use crate::board::kept::Found;
@@ -58,6 +59,7 @@ pub(super) struct Given {
     pub hold_retracts: bool,
     /// The most that a command under constant surface speed changes to the next, thousandths of a turn per minute.
     pub surface_step: u32,
+    pub home: Wanted,
 }
 
 impl Given {
@@ -94,6 +96,7 @@ impl Given {
             edge_time: params.encoder_edge_time(),
             hold_retracts: params.thread_hold_retracts(),
             surface_step: surface_step(params),
+            home: Wanted::of(params),
         })
     }
 }

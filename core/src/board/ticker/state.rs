@@ -18,6 +18,8 @@ pub enum State {
     Idle,
     /// Carrying out segments.
     Running,
+    /// Axes find their reference.
+    Homing,
     /// At rest by feed hold or single block.
     Held,
     /// Axes are moved by hand.
@@ -153,7 +155,12 @@ impl Ticker {
     #[must_use]
     pub const fn needs_spindle(&self) -> bool {
         let brakes = match self.state {
-            State::Idle | State::Running | State::Held | State::ByHand | State::Stopping(_) => true,
+            State::Idle
+            | State::Running
+            | State::Held
+            | State::ByHand
+            | State::Homing
+            | State::Stopping(_) => true,
             State::Alarm(_) => {
                 self.observer.is_turning() && self.stood <= self.given.arrival.speed_ticks
             }

@@ -22,7 +22,7 @@ impl Ticker {
             State::Stopping(Outcome::Alarm(_)) => return,
             State::Alarm(_) if self.state.stays_at_rest() => {}
             State::Alarm(_) => self.transition_to_starting(),
-            State::Idle | State::Running | State::Held | State::ByHand => {
+            State::Idle | State::Running | State::Held | State::ByHand | State::Homing => {
                 self.transition_to_stopping_by_reset(ends);
             }
             // What the reset asks for is under way.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Starting ─► Idle ◄─► Running ◄─► Held
-//!     ▲         ▲ ▲ ◄─► ByHand
+//!     ▲         ▲ ▲ ◄─► ByHand, Homing
 //!     ▲         ▲          │ each of them
 //!     │         └─ reset ── Stopping ── alarm ─► Alarm
 //!     └──────────────────── reset ──────────────────┘
@@ -68,6 +68,7 @@ impl Ticker {
     pub(super) fn transition_to_stopping_on_alarm(&mut self, alarm: &Alarm, ends: &mut Ends<'_>) {
         self.executor.stop(self.course.current(ends));
         self.jog.release();
+        self.stop_homing();
         // A reset may have been on its way out of a thread: an alarm moves nothing any more.
         self.away.forget();
         self.spindle.stop();
@@ -83,6 +84,7 @@ impl Ticker {
         self.course.forget_pauses();
         self.jog.release();
         self.away.forget();
+        self.stop_homing();
         self.spindle.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);
         let current = self.course.current(ends);

@@ -4,6 +4,7 @@
 //! Must not know who orders, or whether the machine may obey.
 
 use crate::operating::OperatingMode;
+use crate::units::Axes;
 
 /// The time of the board in milliseconds since power-up. It wraps after 65.5 s.
 ///
@@ -53,6 +54,15 @@ impl AxisSet {
             Some(Self(bits))
         } else {
             None
+        }
+    }
+
+    /// The axes that are meant.
+    #[must_use]
+    pub const fn axes(self) -> Axes {
+        match Axes::from_bits(self.0) {
+            Some(axes) if !axes.is_empty() => axes,
+            _ => Axes::ALL,
         }
     }
 

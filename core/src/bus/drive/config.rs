@@ -2,6 +2,7 @@
 //!
 //! Plain values for the master and for the failures. This module must not know either of them, nor any frame.
 
+use super::home::{HomeLimits, HomeStep};
 use crate::bus::frame::NodeId;
 use crate::bus::increments::Scale;
 use crate::bus::periods::Periods;
@@ -24,6 +25,8 @@ pub struct DriveConfig {
     /// Largest distance of a silent drive's target from its last known position, in increments. Counts in position
     /// mode.
     pub reach: u32,
+    /// What the drive is allowed in homing; `None` where it does not home by itself, and its mode is not ordered.
+    pub homes: Option<HomeLimits>,
 }
 
 /// How far an enabled drive may be from its target while it follows, and for how long.
@@ -66,7 +69,9 @@ pub enum Phase {
     Step(Step),
     /// Operation enabled.
     Enabled,
-    /// The drive is silent, and its demand is too far from its last known position. It gets quick stop, in case it
-    /// still hears.
+    /// Operation enabled, homing by itself.
+    Homing(HomeStep),
+    /// The drive gets quick stop: it is silent, and its demand is too far from its last known position, or it homes; or
+    /// it moves by itself where it should stand.
     Halted,
 }

@@ -8,7 +8,7 @@ use crate::bus::emcy::Emcy;
 use crate::bus::frame::{Frame, Service};
 use crate::bus::increments::Increments;
 use crate::bus::nmt::NmtState;
-use crate::bus::pdo::DriveStatus;
+use crate::bus::pdo::{AxisReport, DriveStatus};
 use crate::bus::periods::Periods;
 
 impl DriveMaster {
@@ -29,6 +29,7 @@ impl DriveMaster {
         match service {
             Service::Heartbeat => NmtState::decode(frame).map(|(_, state)| self.hear_state(state)),
             Service::Emcy => Emcy::decode(frame).map(|(_, emcy)| self.hear_error(emcy.code)),
+            Service::Tpdo2 => AxisReport::payload(frame).map(|report| self.hear_report(report)),
             _ => None,
         }
         .is_some()
@@ -38,6 +39,7 @@ impl DriveMaster {
     /// does not replace another one, which may be the cause of a fault. Other errors with frames (8250h: none came in
     /// time) are causes.
     const fn hear_error(&mut self, code: u16) {
+        self.home.lost |= Emcy::is_of_sensor(code);
         let of_length = matches!(code, Emcy::PDO_TOO_SHORT | Emcy::PDO_TOO_LONG);
         if self.error_code == 0 || !of_length {
             self.error_code = code;
@@ -67,7 +69,13 @@ impl DriveMaster {
     #[inline(never)]
     fn hear_on_the_way(&mut self, status: DriveStatus) {
         let state = status.status.state();
-        if self.phase == Phase::Enabled {
+        if let Phase::Homing(step) = self.phase {
+            if self.hear_homing(step, status) {
+                return;
+            }
+            self.target = status.actual;
+        }
+        if matches!(self.phase, Phase::Enabled | Phase::Homing(_)) {
             match state {
                 Some(State::Fault | State::FaultReactionActive) => self.fault(status.status),
                 _ => self.fail(DriveFailure::Lost(status.status), Phase::Standby),
@@ -95,6 +103,8 @@ impl DriveMaster {
             (Step::Contact, Some(_)) => self.enter(Step::Shutdown),
             (Step::Release, Some(State::SwitchOnDisabled)) => self.enter(Step::Shutdown),
             (Step::Shutdown, Some(State::ReadyToSwitchOn)) => self.enter(Step::SwitchOn),
+            // In another mode the drive would not follow its target.
+            (Step::SwitchOn, Some(State::SwitchedOn)) if self.awaits_position_mode() => {}
             (Step::SwitchOn, Some(State::SwitchedOn)) => self.enter(Step::EnableOperation),
             (Step::EnableOperation, Some(State::OperationEnabled)) => {
                 self.phase = Phase::Enabled;
@@ -155,11 +165,12 @@ impl DriveMaster {
         if state != NmtState::BootUp {
             return;
         }
+        self.home.lost = true;
         match self.phase {
             Phase::Offline => {}
             // The drive has booted only now, so it has not heard the first start.
             Phase::Step(Step::Contact) => self.start = true,
-            Phase::Standby | Phase::Step(_) | Phase::Enabled | Phase::Halted => {
+            Phase::Standby | Phase::Step(_) | Phase::Enabled | Phase::Homing(_) | Phase::Halted => {
                 self.fail(DriveFailure::Restarted, Phase::Offline);
             }
         }

@@ -24,6 +24,7 @@ fn master() -> DriveMaster {
             standing: false,
         }),
         reach: 1000,
+        homes: None,
     })
 }
 

@@ -15,6 +15,8 @@ use crate::bus::periods::Periods;
 pub struct DriveOutput {
     /// An NMT command.
     pub network: Option<Frame>,
+    /// RPDO2: the mode, where it changes.
+    pub mode: Option<Frame>,
     /// RPDO1.
     pub command: Option<Frame>,
 }
@@ -25,6 +27,9 @@ impl DriveOutput {
     pub(crate) fn each(self, put: &mut impl FnMut(Frame)) {
         if let Some(network) = self.network {
             put(network);
+        }
+        if let Some(mode) = self.mode {
+            put(mode);
         }
         if let Some(command) = self.command {
             put(command);
@@ -48,6 +53,7 @@ impl DriveMaster {
         match self.follow_on(demand) {
             Some(command) => DriveOutput {
                 network: None,
+                mode: None,
                 command: Some(command),
             },
             None => self.tick_slowly(demand),
@@ -111,9 +117,11 @@ impl DriveMaster {
                 Some(Controlword::DISABLE_VOLTAGE)
             }
             Phase::Step(Step::FaultReset) => Some(Controlword::FAULT_RESET),
+            Phase::Homing(step) => Some(self.homing_control(step)),
         };
         DriveOutput {
             network,
+            mode: self.mode_frame(),
             command: control.map(|control| self.command(control)),
         }
     }
@@ -148,6 +156,7 @@ impl DriveMaster {
                 self.latch(DriveFailure::Silent);
             }
             Phase::Enabled if self.astray > Periods::new(0) => self.check_following(),
+            Phase::Homing(step) => self.count_homing(step),
             Phase::Enabled | Phase::Standby | Phase::Offline | Phase::Halted => {}
         }
     }
@@ -177,8 +186,17 @@ impl DriveMaster {
         self.astray = self.astray.one_more();
     }
 
+    /// True while the drive, whose mode is ordered, has not reported position mode.
+    pub(super) const fn awaits_position_mode(&self) -> bool {
+        self.config.homes.is_some() && !self.home.in_position_mode()
+    }
+
     fn step_failed(&mut self, step: Step) {
         match self.status {
+            Some(_) if step == Step::SwitchOn && self.awaits_position_mode() => {
+                let told = self.home.mode;
+                self.fail(DriveFailure::Mode(told), Phase::Standby);
+            }
             Some(status) if self.answered => {
                 self.fail(DriveFailure::Step(step, status.status), Phase::Standby);
             }

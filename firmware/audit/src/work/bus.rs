@@ -44,6 +44,7 @@ impl Work for Commanding {
                 standing: false,
             }),
             reach: 10_000,
+            homes: None,
         });
         master.enable().expect("a new master has no failure");
         master.tick(None);

@@ -1,6 +1,7 @@
 //! Commands that talk to a board on a real bus. What they share: opening the link, the words for a state, one result.
 
 mod by_hand;
+mod home;
 mod machine;
 mod mdi;
 mod monitor;
@@ -17,6 +18,7 @@ use crate::link::Link;
 use crate::words::pick;
 
 pub use by_hand::{jog, mode};
+pub use home::{home, names};
 pub use machine::{Base, Greeted, Machine, Table, base};
 pub use mdi::mdi;
 pub use monitor::monitor;

@@ -8,7 +8,7 @@ use leadscrew_core::link::Status;
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::signals::Signals;
 
-use super::{open, state_name, state_words};
+use super::{names, open, state_name, state_words};
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
 use crate::failure::Outcome;
@@ -53,6 +53,8 @@ pub fn status(global: &Global) -> Outcome {
             json.decimal::<6>("mc", status.position.c.udeg());
             json.integer("rpm", i64::from(status.speed.rpm().get()));
             json.integer("rpm_commanded", i64::from(status.command.get()));
+            json.text("referenced", &names(status.referenced));
+            json.text("unreferenced", &names(status.unreferenced));
             json.flag("hold", status.hold);
             json.flag("feed_hold", mirrors(&status, Signals::HOLD));
             json.flag("single_block", status.single_block);
@@ -144,6 +146,14 @@ fn words(status: &Status, mode: OperatingMode, node: u8, lang: Lang) -> String {
     )
     .get(lang)
     .to_owned();
+    if !status.unreferenced.is_empty() {
+        let line = both!(
+            "not referenced: {axes}\n",
+            "未回零：{axes}\n",
+            axes = names(status.unreferenced)
+        );
+        text.push_str(line.get(lang));
+    }
     if status.hold {
         text.push_str(pick(lang, "feed hold is on\n", "进给保持已打开\n"));
     } else if mirrors(status, Signals::HOLD) {

@@ -1,0 +1,8 @@
+//! Homing of whole machines in virtual time: the drives' own homing, what is odd about drives, and what goes wrong.
+
+mod bench;
+mod faults;
+mod methods;
+mod options;
+mod orders;
+mod references;
