@@ -689,8 +689,8 @@ codes! {
         "总线上另有节点使用本控制板的节点号", "请为每块控制板设置不同的节点号，然后重新启动";
     /// The cyclic frames do not fit: load in per cent, tick in µs, drives, kbit/s.
     BusOverload = 4333, "the cycle would take {0} of the bus: SYNC, {2} drives and the board's status every {1} µs at {3} kbit/s",
-        "make the tick (9000) longer, let the drives send their status less often (9021), or raise the bit rate (9020)",
-        "周期通信将占用总线 {0}：每 {1} µs 发送 SYNC、{2} 个驱动和控制板状态，波特率 {3} kbit/s", "请加长周期（9000）、减少驱动状态发送次数（9021）或提高波特率（9020）";
+        "make the tick (9000) longer, let the drives (9021) or the board (9022) send their status less often, or raise the bit rate (9020)",
+        "周期通信将占用总线 {0}：每 {1} µs 发送 SYNC、{2} 个驱动和控制板状态，波特率 {3} kbit/s", "请加长周期（9000）、减少驱动（9021）或控制板（9022）的状态发送次数，或提高波特率（9020）";
     /// `run` has come where no program waits for it. A warning in the event log.
     NothingToRun = 4334, "`run` did nothing: no program waits for it", "load a program first, also after a reset or an alarm; `resume` goes on after a feed hold",
         "“运行”命令无效：没有等待运行的程序", "请先装入程序（复位或报警之后也是如此）；进给保持之后请用“恢复”";

@@ -233,7 +233,8 @@ fn a_cycle_that_leaves_no_room_is_refused_when_the_board_joins() {
     for (values, load) in [
         (&[("9021", 1)][..], Some(())),
         (&[("9020", 500)][..], Some(())),
-        (&[("9020", 500), ("9000", 2000)][..], None),
+        (&[("9020", 500), ("9000", 2000)][..], Some(())),
+        (&[("9020", 500), ("9000", 2000), ("9022", 20)][..], None),
         (&[][..], None),
     ] {
         let params = with(values);

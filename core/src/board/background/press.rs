@@ -16,7 +16,7 @@ pub fn plan_press(asked: &Asked, referenced: Axes, params: &Params, limits: &Lim
         Some(mm) => Feed::from_nm_per_min(i64::from(mm).saturating_mul(MM)),
         None => params.jog_feed(),
     };
-    let top = PathRate::of_feed(params.jog_rapid(), tick_us);
+    let top = PathRate::of_feed(params.manual_rapid(), tick_us);
     let speed = match asked.rapid {
         true => top,
         false => PathRate::of_feed(speed, tick_us),
