@@ -45,6 +45,7 @@ pub use board::BoardParams;
 pub use feed::Feed;
 pub use inside::Inside;
 pub use offsets::BoardOffsets;
+pub use operate::BY_MODE;
 pub use traffic::Traffic;
 pub use trouble::{LinkResult, Trouble, reason};
 

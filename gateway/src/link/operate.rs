@@ -10,8 +10,8 @@ use leadscrew_core::operating::OperatingMode;
 
 use super::{Link, LinkResult, Trouble};
 
-/// Refusals by the mode, by their numbers.
-const BY_MODE: std::ops::Range<u16> = 4500..4600;
+/// Refusals of what an operator asks, by their numbers.
+pub const BY_MODE: std::ops::Range<u16> = 4500..4600;
 /// The longest time for an axis to brake.
 const RESTS: Duration = Duration::from_secs(5);
 /// By default a beat comes every 10 ms. Boards above node 31 send none, and are asked.

@@ -1,5 +1,5 @@
-//! Axes that are moved by hand, and whoever moves them is killed (SIGKILL): the board comes to rest by itself. All times are
-//! the board's, by its beat, so nothing depends on how fast this computer is.
+//! Axes that are moved by hand, and whoever moves them is killed (SIGKILL): the board comes to rest by itself. All times
+//! are the board's, by its beat, so nothing depends on how fast this computer is.
 
 use std::process::Stdio;
 use std::time::Instant;
@@ -86,6 +86,7 @@ fn whoever_jogs_is_killed_and_the_axis_rests_in_time_and_stays() {
                 break;
             }
         }
+        jogging.wait().unwrap();
     }
 }
 

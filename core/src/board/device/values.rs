@@ -278,8 +278,8 @@ impl ObjectValues {
         Ok(())
     }
 
-    /// A waiting program runs with the table of offsets that it was resolved with. With a tap in its hole only the way out can
-    /// move, and no offset counts for it.
+    /// A waiting program runs with the table of offsets that it was resolved with. With a tap in its hole only the way
+    /// out can move, and no offset counts for it.
     fn same_offsets(&self) -> Result<(), Alarm> {
         if self.offset_store.shelf.is_busy() {
             return Err(Alarm::of(Code::OffsetsAtWork, &[]));

@@ -20,7 +20,7 @@ use crate::diagnostics::{self, Diagnostic, alarm_words};
 use crate::failure::{Failure, Outcome};
 use crate::feeder::{Feeder, placed};
 use crate::interrupt;
-use crate::link::{Feed, Link};
+use crate::link::{BY_MODE, Feed, Link};
 use crate::place::SourceLine;
 use crate::setup::Setup;
 use crate::source::SourceFile;
@@ -496,6 +496,8 @@ impl Runner<'_> {
                 let alarm = placed(alarm, self.ran.line);
                 self.ran.alarms.push(feeder.words(&alarm));
             }
+            // What an operator was refused is told where it was asked.
+            Event::Warning(warning) if BY_MODE.contains(&warning.number()) => {}
             Event::Warning(warning) => {
                 let known = |w: &Diagnostic| w.number == warning.number();
                 if !self.ran.warnings.iter().any(known) {
