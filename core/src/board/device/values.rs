@@ -237,15 +237,12 @@ impl ObjectValues {
     fn carry_out(&mut self, order: Order) -> Result<(), Alarm> {
         let command = match order {
             Order::Run => {
-                self.let_in(Request::Run)?;
-                self.same_offsets()?;
-                self.let_in_referenced()?;
-                // A program is dropped together with the parameters for which it was sent.
-                if self.is_changing() || !self.program_buffer.run() {
-                    return Err(Alarm::of(Code::NothingToRun, &[]));
+                let begun = self.begin_program();
+                // Nobody is to begin it later, when what has refused it is forgotten [D316].
+                if begun.is_err() && self.program_buffer.is_loading() {
+                    self.program_buffer.close();
                 }
-                self.recorder.begin(self.program_buffer.program());
-                return Ok(());
+                return begun;
             }
             Order::Mode(mode) => return self.change_mode(mode),
             Order::Home(axes) => {
@@ -278,8 +275,21 @@ impl ObjectValues {
         Ok(())
     }
 
-    /// A waiting program runs with the table of offsets that it was resolved with. With a tap in its hole only the way out can
-    /// move, and no offset counts for it.
+    /// Begins the program whose calls wait.
+    fn begin_program(&mut self) -> Result<(), Alarm> {
+        self.let_in(Request::Run)?;
+        self.same_offsets()?;
+        self.let_in_referenced()?;
+        // A program is dropped together with the parameters for which it was sent.
+        if self.is_changing() || !self.program_buffer.run() {
+            return Err(Alarm::of(Code::NothingToRun, &[]));
+        }
+        self.recorder.begin(self.program_buffer.program());
+        Ok(())
+    }
+
+    /// A waiting program runs with the table of offsets that it was resolved with. With a tap in its hole only the way out
+    /// can move, and no offset counts for it.
     fn same_offsets(&self) -> Result<(), Alarm> {
         if self.offset_store.shelf.is_busy() {
             return Err(Alarm::of(Code::OffsetsAtWork, &[]));
