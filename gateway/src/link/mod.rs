@@ -22,6 +22,8 @@ mod offsets;
 mod operate;
 mod params;
 mod presence;
+#[cfg(test)]
+mod refusals;
 mod round_trip;
 #[cfg(test)]
 mod tests;

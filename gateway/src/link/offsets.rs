@@ -132,10 +132,11 @@ impl Link {
     /// Marks a position, or none.
     ///
     /// # Errors
-    /// The board does not answer.
+    /// [`Trouble::Offsets`] where the board refuses it.
     pub fn set_mark(&mut self, axis: Axis, mark: Option<i32>) -> LinkResult {
         let raw = mark.unwrap_or(UNMARKED);
-        self.write(mark_of(axis), &raw.to_le_bytes())
+        let marked = self.write(mark_of(axis), &raw.to_le_bytes());
+        self.explained_offsets(marked)
     }
 
     fn no_offsets(&self, reason: Option<Alarm>) -> Trouble {

@@ -372,3 +372,45 @@ fn a_marked_position_is_kept_until_the_power_goes() {
     let (mut sim, mut gateway, _) = power_up(sim.flash().clone());
     assert_eq!(read(&mut gateway, &mut sim), [UNMARKED; 2]);
 }
+
+#[test]
+fn nothing_changes_in_the_mode_that_finds_the_reference() {
+    let (mut sim, mut gateway) = connected();
+    stage(&mut gateway, &mut sim, &image(1)).expect("in manual");
+    gateway.order(&mut sim, Order::Mode(OperatingMode::Reference));
+    let names = [OperatingMode::Manual, OperatingMode::Reference].map(Arg::Mode);
+    let wrong = Some(Alarm::of(Code::WrongMode, &names));
+    let checksum = sum(&image(1));
+    let mark = Object::new(0x5011, 8);
+    for number in 0..3 {
+        let written = match number {
+            0 => stage(&mut gateway, &mut sim, &image(1)),
+            1 => commit(&mut gateway, &mut sim, checksum),
+            _ => write(&mut gateway, &mut sim, mark, 5, 4),
+        };
+        assert_eq!(written, refused(Abort::State), "{number}");
+        assert_eq!(reason(&mut gateway, &mut sim), wrong, "{number}");
+    }
+    assert_eq!(in_force(&mut gateway, &mut sim), Offsets::default());
+    gateway.order(&mut sim, Order::Mode(OperatingMode::Automatic));
+    commit(&mut gateway, &mut sim, checksum).expect("it is still staged");
+    assert_eq!(in_force(&mut gateway, &mut sim), table(1));
+}
+
+#[test]
+fn no_position_is_marked_while_a_program_is_under_way() {
+    let (mut sim, mut gateway) = connected();
+    let mark = Object::new(0x5011, 8);
+    write(&mut gateway, &mut sim, mark, 5, 4).expect("at rest");
+    upload(&mut gateway, &mut sim, 7, 0);
+    run(&mut gateway, &mut sim).expect("it runs");
+    step(&mut gateway, &mut sim, 100);
+    let other = write(&mut gateway, &mut sim, mark, 6, 4);
+    assert_eq!(other, refused(Abort::State));
+    let at_work = alarm(Code::OffsetsAtWork, &[]);
+    assert_eq!(reason(&mut gateway, &mut sim), at_work);
+    assert_eq!(number(&mut gateway, &mut sim, mark), 5);
+    // It may be forgotten.
+    write(&mut gateway, &mut sim, mark, UNMARKED.into(), 4).expect("none");
+    assert_eq!(number(&mut gateway, &mut sim, mark) as i32, UNMARKED);
+}

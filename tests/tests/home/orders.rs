@@ -1,13 +1,16 @@
 //! Homing by the order of the bus: which mode lets it in, what a program needs, and a gateway that is lost.
 
-use leadscrew_core::alarm::Code;
+use leadscrew_core::alarm::{Alarm, Arg, Code};
+use leadscrew_core::board::device::UNMARKED;
 use leadscrew_core::board::{Event, State};
 use leadscrew_core::bus::{AxisSet, NmtState, NodeId, Object, Order, SdoProtocol};
-use leadscrew_core::link::{EventReader, Status};
+use leadscrew_core::link::{EventReader, Status, decode_alarm};
 use leadscrew_core::operating::OperatingMode;
+use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axes, Axis};
 use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::calls;
+use leadscrew_tests::params::set;
 
 use crate::bench::{Bench, SWITCHES, both, params};
 
@@ -18,7 +21,11 @@ struct Joined {
 
 impl Joined {
     fn new() -> Self {
-        let mut bench = Bench::new(290_000, SWITCHES, 24);
+        Self::with(&params())
+    }
+
+    fn with(params: &Params) -> Self {
+        let mut bench = Bench::with(params, 290_000, SWITCHES, 24);
         let gateway = Gateway::connect(&mut bench.sim);
         Self { bench, gateway }
     }
@@ -50,6 +57,29 @@ impl Joined {
             .expect("of this version")
     }
 
+    /// Marks where an axis stands, for a touch; gives the board's reason where it refuses.
+    fn mark(&mut self, axis: Axis, at: i32) -> Option<Alarm> {
+        let (gateway, sim) = (&mut self.gateway, &mut self.bench.sim);
+        let protocol = SdoProtocol::Segmented;
+        if gateway
+            .write(sim, mark_of(axis), &at.to_le_bytes(), protocol)
+            .is_ok()
+        {
+            return None;
+        }
+        let reason = gateway.read(sim, Object::new(0x5011, 5), protocol);
+        decode_alarm(&reason.expect("a reason")).expect("an alarm")
+    }
+
+    /// What is marked of X and Z.
+    fn marks(&mut self) -> [i32; 2] {
+        [Axis::X, Axis::Z].map(|axis| {
+            let (gateway, sim) = (&mut self.gateway, &mut self.bench.sim);
+            let read = gateway.read(sim, mark_of(axis), SdoProtocol::Segmented);
+            i32::from_le_bytes(read.expect("a mark").try_into().expect("four bytes"))
+        })
+    }
+
     /// The newest refusal.
     fn refused(&mut self) -> Option<u16> {
         let log = Object::new(0x5040, 3);
@@ -78,6 +108,57 @@ impl Joined {
             assert!(self.bench.ticks - begun < 5_000);
         }
     }
+}
+
+fn mark_of(axis: Axis) -> Object {
+    Object::new(0x5011, if axis == Axis::X { 8 } else { 9 })
+}
+
+fn not_referenced(axis: u8) -> Option<Alarm> {
+    Some(Alarm::of(Code::NotReferenced, &[Arg::Letter(axis)]))
+}
+
+#[test]
+fn a_mark_needs_the_reference_and_goes_with_it() {
+    let mut joined = Joined::new();
+    assert_eq!(joined.mark(Axis::X, 5), not_referenced(b'X'));
+    assert_eq!(joined.mark(Axis::Z, 5), not_referenced(b'Z'));
+    assert_eq!(joined.marks(), [UNMARKED; 2]);
+    joined.home();
+    joined.finish();
+    joined.order(Order::Mode(OperatingMode::Manual));
+    assert_eq!(joined.mark(Axis::X, 5), None);
+    assert_eq!(joined.mark(Axis::Z, 6), None);
+    assert_eq!(joined.marks(), [5, 6]);
+    // Homed anew, X alone counts from another point.
+    joined.order(Order::Mode(OperatingMode::Reference));
+    joined.order(Order::Home(AxisSet::from_bits(1).expect("X")));
+    assert_eq!(joined.state(), State::Homing);
+    joined.finish();
+    assert_eq!(joined.marks(), [UNMARKED, 6]);
+    // Its drive has been switched on anew.
+    joined.order(Order::Mode(OperatingMode::Manual));
+    assert_eq!(joined.mark(Axis::X, 7), None);
+    let boot_up = NmtState::BootUp.frame(NodeId::DRIVE_X);
+    joined.bench.sim.receive(&boot_up);
+    for _ in 0..4 {
+        joined.tick();
+    }
+    assert_eq!(joined.status().referenced, Axes::ALL.without(Axis::X));
+    assert_eq!(joined.marks(), [UNMARKED, 6]);
+}
+
+/// Z may be touched off without its reference, as it may be moved by a program. What it finds later is another point.
+#[test]
+fn a_mark_of_an_axis_that_no_program_waits_for() {
+    let mut params = params();
+    set(&mut params, "9060.Z", 0);
+    let mut joined = Joined::with(&params);
+    assert_eq!(joined.mark(Axis::X, 5), not_referenced(b'X'));
+    assert_eq!(joined.mark(Axis::Z, 6), None);
+    joined.home();
+    joined.finish();
+    assert_eq!(joined.marks(), [UNMARKED; 2]);
 }
 
 #[test]

@@ -353,6 +353,7 @@ impl Device {
     ) -> bool {
         // 64 bits of ticks do not overflow.
         self.values.tick = self.values.tick.wrapping_add(elapsed.get().into());
+        self.values.forget_marks(snapshot.referenced);
         self.values.snapshot = snapshot;
         self.values.elapse(elapsed, params);
         let (measured, late) = (self.values.measured.as_ref(), self.values.late);

@@ -22,6 +22,8 @@ pub enum Request {
     Resume,
     /// Change the mode.
     Change,
+    /// Write offsets and tools, or mark where an axis stands for a touch.
+    Offsets,
 }
 
 /// What the machine is doing, as far as a request has to know.
@@ -68,7 +70,7 @@ impl Doing {
 /// Lets a request in, or says why not.
 ///
 /// # Errors
-/// [`Code::WrongMode`], [`Code::ProgramUnderWay`], [`Code::AlarmStands`], [`Code::NotAtRest`].
+/// [`Code::WrongMode`], [`Code::ProgramUnderWay`], [`Code::OffsetsAtWork`], [`Code::AlarmStands`], [`Code::NotAtRest`].
 pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), Alarm> {
     use OperatingMode::{Automatic, Manual, Reference, Step};
     let needed = match request {
@@ -77,22 +79,24 @@ pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), 
         Request::Home => Reference,
         Request::Run if mode.runs() => mode,
         Request::Run => Automatic,
-        Request::Resume | Request::Change => mode,
+        // In every mode but one.
+        Request::Offsets if mode == Reference => Manual,
+        Request::Resume | Request::Change | Request::Offsets => mode,
     };
     let refusal = match (request, doing) {
         (Request::Resume, _) => return Ok(()),
         (Request::Change, Doing::Nothing | Doing::Starting | Doing::ByHand | Doing::Alarm) => {
             return Ok(());
         }
+        (Request::Offsets, Doing::Program | Doing::Held) => Code::OffsetsAtWork,
         (_, Doing::Program | Doing::Held) => Code::ProgramUnderWay,
+        (Request::Offsets, Doing::Failing) => Code::NotAtRest,
+        // A table moves nothing: neither an alarm nor drives that are off keep it from being written [D315].
+        (Request::Offsets, Doing::Starting | Doing::Alarm) if needed == mode => return Ok(()),
+        (Request::Offsets, Doing::Starting | Doing::Alarm) => return Err(wrong(needed, mode)),
         (_, Doing::Failing | Doing::Alarm) => Code::AlarmStands,
         (_, Doing::Starting | Doing::Stopping | Doing::Homing) => Code::NotAtRest,
-        (_, _) if needed != mode => {
-            return Err(Alarm::of(
-                Code::WrongMode,
-                &[Arg::Mode(needed), Arg::Mode(mode)],
-            ));
-        }
+        (_, _) if needed != mode => return Err(wrong(needed, mode)),
         // The next press, or the next step, may come while the last one comes to rest.
         (Request::Jog | Request::Step, Doing::ByHand) | (_, Doing::Nothing) => return Ok(()),
         (_, Doing::ByHand) => Code::NotAtRest,
@@ -100,34 +104,39 @@ pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), 
     Err(Alarm::of(refusal, &[]))
 }
 
+fn wrong(needed: OperatingMode, mode: OperatingMode) -> Alarm {
+    Alarm::of(Code::WrongMode, &[Arg::Mode(needed), Arg::Mode(mode)])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const REQUESTS: [Request; 6] = [
+    const REQUESTS: [Request; 7] = [
         Request::Jog,
         Request::Step,
         Request::Home,
         Request::Run,
         Request::Resume,
         Request::Change,
+        Request::Offsets,
     ];
 
     fn answer(mode: OperatingMode, request: Request, doing: Doing) -> u16 {
         admit(mode, request, doing).map_or_else(|alarm| alarm.number(), |()| 0)
     }
 
-    /// Columns: jog, step, home, run, resume, change.
+    /// Columns: jog, step, home, run, resume, change, offsets.
     #[test]
     fn the_table_at_rest() {
         use OperatingMode::{Automatic, Manual, Mdi, Reference, Step, Wheel};
         for (mode, wanted) in [
-            (Manual, [0, 4501, 4501, 4501, 0, 0]),
-            (Step, [4501, 0, 4501, 4501, 0, 0]),
-            (Wheel, [4501, 4501, 4501, 4501, 0, 0]),
-            (Reference, [4501, 4501, 0, 4501, 0, 0]),
-            (Mdi, [4501, 4501, 4501, 0, 0, 0]),
-            (Automatic, [4501, 4501, 4501, 0, 0, 0]),
+            (Manual, [0, 4501, 4501, 4501, 0, 0, 0]),
+            (Step, [4501, 0, 4501, 4501, 0, 0, 0]),
+            (Wheel, [4501, 4501, 4501, 4501, 0, 0, 0]),
+            (Reference, [4501, 4501, 0, 4501, 0, 0, 4501]),
+            (Mdi, [4501, 4501, 4501, 0, 0, 0, 0]),
+            (Automatic, [4501, 4501, 4501, 0, 0, 0, 0]),
         ] {
             let told = REQUESTS.map(|request| answer(mode, request, Doing::Nothing));
             assert_eq!(told, wanted, "{mode:?}");
@@ -140,48 +149,62 @@ mod tests {
         for (doing, by_hand, by_program) in [
             (
                 Doing::Program,
-                [4502, 4502, 4502, 4502, 0, 4502],
-                [4502, 4502, 4502, 4502, 0, 4502],
+                [4502, 4502, 4502, 4502, 0, 4502, 4580],
+                [4502, 4502, 4502, 4502, 0, 4502, 4580],
             ),
             (
                 Doing::Held,
-                [4502, 4502, 4502, 4502, 0, 4502],
-                [4502, 4502, 4502, 4502, 0, 4502],
+                [4502, 4502, 4502, 4502, 0, 4502, 4580],
+                [4502, 4502, 4502, 4502, 0, 4502, 4580],
             ),
             (
                 Doing::ByHand,
-                [0, 4501, 4501, 4501, 0, 0],
-                [4501, 4501, 4501, 4507, 0, 0],
+                [0, 4501, 4501, 4501, 0, 0, 4507],
+                [4501, 4501, 4501, 4507, 0, 0, 4507],
             ),
             (
                 Doing::Starting,
-                [4507, 4507, 4507, 4507, 0, 0],
-                [4507, 4507, 4507, 4507, 0, 0],
+                [4507, 4507, 4507, 4507, 0, 0, 0],
+                [4507, 4507, 4507, 4507, 0, 0, 0],
             ),
             (
                 Doing::Homing,
-                [4507, 4507, 4507, 4507, 0, 4507],
-                [4507, 4507, 4507, 4507, 0, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507, 4507],
             ),
             (
                 Doing::Stopping,
-                [4507, 4507, 4507, 4507, 0, 4507],
-                [4507, 4507, 4507, 4507, 0, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507, 4507],
             ),
             (
                 Doing::Failing,
-                [4504, 4504, 4504, 4504, 0, 4504],
-                [4504, 4504, 4504, 4504, 0, 4504],
+                [4504, 4504, 4504, 4504, 0, 4504, 4507],
+                [4504, 4504, 4504, 4504, 0, 4504, 4507],
             ),
             (
                 Doing::Alarm,
-                [4504, 4504, 4504, 4504, 0, 0],
-                [4504, 4504, 4504, 4504, 0, 0],
+                [4504, 4504, 4504, 4504, 0, 0, 0],
+                [4504, 4504, 4504, 4504, 0, 0, 0],
             ),
         ] {
             let told = |mode| REQUESTS.map(|request| answer(mode, request, doing));
             assert_eq!(told(Manual), by_hand, "{doing:?}");
             assert_eq!(told(Automatic), by_program, "{doing:?}");
+        }
+    }
+
+    #[test]
+    fn offsets_are_not_written_in_the_mode_that_finds_the_reference() {
+        for (doing, wanted) in [
+            (Doing::Nothing, 4501),
+            (Doing::Starting, 4501),
+            (Doing::Alarm, 4501),
+            (Doing::Homing, 4507),
+            (Doing::Program, 4580),
+        ] {
+            let told = answer(OperatingMode::Reference, Request::Offsets, doing);
+            assert_eq!(told, wanted, "{doing:?}");
         }
     }
 

@@ -23,6 +23,7 @@ use crate::bus::{
 use crate::link::{BATCH_BYTES, VERSION, identity};
 use crate::params::{Params, TABLE_KEY};
 use crate::signals::Signals;
+use crate::units::Axis;
 
 use Access::{Both, Const, Read, Write};
 use Kind::{Domain, I16, I32, U8, U16, U32, U64};
@@ -302,11 +303,11 @@ objects! {
     COMMIT_OFFSETS = item(0x5011, 7, "checksum: commit the staged image", U32, Write),
         set |values, value, _| values.commit_offsets(value);
     MARK_X = item(0x5011, 8, "marked position of X", I32, Both),
-        get |values, _| values.offset_store.marks[0],
-        set |values, value, _| values.mark_position(0, value);
+        get |values, _| values.offset_store.mark_x,
+        set |values, value, _| values.mark_position(Axis::X, value);
     MARK_Z = item(0x5011, 9, "marked position of Z", I32, Both),
-        get |values, _| values.offset_store.marks[1],
-        set |values, value, _| values.mark_position(1, value);
+        get |values, _| values.offset_store.mark_z,
+        set |values, value, _| values.mark_position(Axis::Z, value);
     BATCH = item(0x5020, 1, "batch of calls", Domain, Write);
     LINK_VERSION = with(item(0x5020, 2, "version of the link", U64, Const), Value::Link);
     PROGRAM = item(0x5020, 3, "program", U32, Read),

@@ -4,6 +4,8 @@
 //! A change is a whole image with the revision after the board's last one: whoever has not seen the last change makes none
 //! [D286]. It needs no write enable and no password, and it does not restart the application [D287].
 
+use super::mode::Request;
+use super::operating::not_referenced;
 use super::shelf::{Progress, Shelf, Write};
 use super::values::ObjectValues;
 use crate::alarm::{Alarm, Arg, Code};
@@ -14,9 +16,12 @@ use crate::board::store::{Region, StoreError, copy};
 use crate::bus::Abort;
 use crate::offsets::Revision;
 use crate::offsets::image::{self, BYTES, Image, ImageFault, check};
+use crate::units::{Axes, Axis};
 
 /// A position that nobody has marked.
 pub const UNMARKED: i32 = i32::MAX;
+/// The axes with a mark.
+const MARKED: [Axis; 2] = [Axis::X, Axis::Z];
 
 /// The table in force and the one that is staged.
 #[derive(Debug)]
@@ -24,8 +29,10 @@ pub struct OffsetStore {
     pub shelf: Shelf,
     pub in_force: Image,
     draft: Image,
-    /// 5011h:08 and :09: positions of X and Z that a touch begins with, in 0.1 µm, X in diameter.
-    pub marks: [i32; 2],
+    /// 5011h:08: position of X that a touch begins with, in 0.1 µm, a diameter.
+    pub mark_x: i32,
+    /// 5011h:09: that of Z.
+    pub mark_z: i32,
 }
 
 impl OffsetStore {
@@ -36,7 +43,8 @@ impl OffsetStore {
             shelf: Shelf::new(Kept::Offsets),
             in_force: [0; BYTES],
             draft: [0; BYTES],
-            marks: [UNMARKED; 2],
+            mark_x: UNMARKED,
+            mark_z: UNMARKED,
         }
     }
 
@@ -51,6 +59,13 @@ impl OffsetStore {
     pub fn revision(&self) -> Revision {
         let [_, _, _, _, a, b, c, d, ..] = self.in_force;
         Revision(u32::from_le_bytes([a, b, c, d]))
+    }
+
+    const fn mark(&mut self, axis: Axis) -> &mut i32 {
+        match axis {
+            Axis::X => &mut self.mark_x,
+            Axis::Z | Axis::C => &mut self.mark_z,
+        }
     }
 
     /// Takes a piece of an image.
@@ -105,12 +120,14 @@ impl OffsetStore {
 impl ObjectValues {
     /// Checks whether offsets may change now.
     pub(super) fn admit_offsets(&mut self) -> Result<(), Abort> {
-        let under_way = !self.snapshot.is_at_rest() || self.program_buffer.awaits_more();
-        if under_way || self.is_changing() || self.offset_store.shelf.is_busy() {
-            let reason = Alarm::of(Code::OffsetsAtWork, &[]);
-            return self.offset_store.refuse(&reason, Abort::State);
-        }
-        Ok(())
+        let busy = self.program_buffer.awaits_more()
+            || self.is_changing()
+            || self.offset_store.shelf.is_busy();
+        let admitted = match busy {
+            true => Err(Alarm::of(Code::OffsetsAtWork, &[])),
+            false => self.let_in(Request::Offsets),
+        };
+        admitted.or_else(|reason| self.offset_store.refuse(&reason, Abort::State))
     }
 
     /// An image of `length` bytes has come: it is checked and put aside.
@@ -165,12 +182,30 @@ impl ObjectValues {
         progress
     }
 
-    /// 5011h:08 and :09.
-    pub(super) fn mark_position(&mut self, place: usize, value: u32) -> Result<(), Abort> {
-        if let Some(mark) = self.offset_store.marks.get_mut(place) {
-            *mark = value as i32;
+    /// 5011h:08 and :09. A mark is where an axis stands now: it is let in as a change of the table is, for an axis whose
+    /// reference is known or not needed. To forget one is always possible.
+    pub(super) fn mark_position(&mut self, axis: Axis, value: u32) -> Result<(), Abort> {
+        let value = value as i32;
+        if value != UNMARKED {
+            self.admit_offsets()?;
+            let missing = self.snapshot.unreferenced;
+            if missing.contains(axis) {
+                let reason = not_referenced(Axes::NONE.with(axis));
+                return self.offset_store.refuse(&reason, Abort::State);
+            }
         }
+        *self.offset_store.mark(axis) = value;
         Ok(())
+    }
+
+    /// The axes whose reference has been lost or found: what was marked of them counts from another point.
+    pub(super) fn forget_marks(&mut self, now: Axes) {
+        let before = self.snapshot.referenced;
+        for axis in MARKED {
+            if before.contains(axis) != now.contains(axis) {
+                *self.offset_store.mark(axis) = UNMARKED;
+            }
+        }
     }
 }
 

@@ -20,7 +20,7 @@ use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest};
 use crate::link::Event;
 use crate::operating::{OperatingMode, PressState, Towards};
 use crate::params::Params;
-use crate::units::Length;
+use crate::units::{Axes, Length};
 
 /// A step of this length or less is made whole, though nobody renews it.
 const SHORT: Length = Length::from_nm(1_000_000);
@@ -173,11 +173,7 @@ impl ObjectValues {
         if missing.is_empty() || self.snapshot.tap.is_some_and(|tap| tap.in_hole) {
             return Ok(());
         }
-        let mut figures = [Arg::None; 3];
-        for (figure, axis) in figures.iter_mut().zip(missing.each()) {
-            *figure = Arg::Letter(axis.letter());
-        }
-        Err(Alarm::of(Code::NotReferenced, &figures))
+        Err(not_referenced(missing))
     }
 
     /// A request has been let in.
@@ -327,4 +323,13 @@ impl ObjectValues {
             Err(alarm) => self.deny(&alarm),
         }
     }
+}
+
+/// What is asked needs the reference of these axes.
+pub(super) fn not_referenced(missing: Axes) -> Alarm {
+    let mut figures = [Arg::None; 3];
+    for (figure, axis) in figures.iter_mut().zip(missing.each()) {
+        *figure = Arg::Letter(axis.letter());
+    }
+    Alarm::of(Code::NotReferenced, &figures)
 }

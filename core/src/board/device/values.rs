@@ -237,15 +237,12 @@ impl ObjectValues {
     fn carry_out(&mut self, order: Order) -> Result<(), Alarm> {
         let command = match order {
             Order::Run => {
-                self.let_in(Request::Run)?;
-                self.same_offsets()?;
-                self.let_in_referenced()?;
-                // A program is dropped together with the parameters for which it was sent.
-                if self.is_changing() || !self.program_buffer.run() {
-                    return Err(Alarm::of(Code::NothingToRun, &[]));
+                let begun = self.begin_program();
+                // Nobody is to begin it later, when what has refused it is forgotten [D316].
+                if begun.is_err() && self.program_buffer.is_loading() {
+                    self.program_buffer.close();
                 }
-                self.recorder.begin(self.program_buffer.program());
-                return Ok(());
+                return begun;
             }
             Order::Mode(mode) => return self.change_mode(mode),
             Order::Home(axes) => {
@@ -275,6 +272,19 @@ impl ObjectValues {
             }
         };
         self.command(command);
+        Ok(())
+    }
+
+    /// Begins the program whose calls wait.
+    fn begin_program(&mut self) -> Result<(), Alarm> {
+        self.let_in(Request::Run)?;
+        self.same_offsets()?;
+        self.let_in_referenced()?;
+        // A program is dropped together with the parameters for which it was sent.
+        if self.is_changing() || !self.program_buffer.run() {
+            return Err(Alarm::of(Code::NothingToRun, &[]));
+        }
+        self.recorder.begin(self.program_buffer.program());
         Ok(())
     }
 

@@ -5,9 +5,9 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use leadscrew_core::alarm::Lang;
+use leadscrew_core::alarm::{Alarm, Code, Lang};
 use leadscrew_core::bus::{AxisSet, BoardState, Order};
-use leadscrew_core::link::Status;
+use leadscrew_core::link::{Event, Status};
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::{Axes, Axis};
 
@@ -41,6 +41,7 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
         .fold(Axes::NONE, |all, axis| all.with(axis.axis()));
     interrupt::defer(UnderWay::Machine);
     link.set_mode(OperatingMode::Reference)?;
+    let last = link.newest_event()?;
     link.order(Order::Home(
         AxisSet::from_bits(wanted.bits()).unwrap_or_default(),
     ))?;
@@ -49,6 +50,11 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
         return Err(link.refused_by(reason).into());
     }
     let ended = wait(&mut link, global)?;
+    // What the tick refuses is in the event log alone.
+    let told = link.events_behind(last)?;
+    if let Some(reason) = told.iter().find_map(|entry| no_method(&entry.event)) {
+        return Err(link.refused_by(reason).into());
+    }
     let wanted = if wanted.is_empty() { Axes::ALL } else { wanted };
     let status = ended.status;
     let missing = wanted.minus(status.referenced);
@@ -70,6 +76,14 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
         )));
     }
     Ok(())
+}
+
+/// The refusal to home axes of which none has a way to.
+fn no_method(event: &Event) -> Option<Alarm> {
+    match event {
+        Event::Warning(alarm) if alarm.code == Code::HomeMethodNone => Some(*alarm),
+        _ => None,
+    }
 }
 
 /// The end of homing.

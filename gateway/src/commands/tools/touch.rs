@@ -7,7 +7,7 @@
 //! M is the commanded position, X in diameter: now, or where `--mark` was given. S is the shift of the table; that of G50
 //! ends with its program.
 
-use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::bus::BoardState;
 use leadscrew_core::link::Status;
 use leadscrew_core::offsets::Offsets;
@@ -32,6 +32,7 @@ pub fn touch(global: &Global, args: &Touch) -> Outcome {
     let link = &mut home.board()?.link;
     let status = link.status()?;
     stands(&status)?;
+    knows_where(&status, axis)?;
     let now = place(&status, axis);
     if args.mark {
         if !global.dry_run {
@@ -126,6 +127,15 @@ fn stands(status: &Status) -> Outcome {
         return Ok(());
     }
     let alarm = Alarm::of(Code::OffsetsAtWork, &[]);
+    Err(Failure::WrongBecause(alarm_words(&alarm)))
+}
+
+/// Refuses an axis without the reference that a program would need: what follows from its place would be wrong.
+fn knows_where(status: &Status, axis: Axis) -> Outcome {
+    if !status.unreferenced.contains(axis) {
+        return Ok(());
+    }
+    let alarm = Alarm::of(Code::NotReferenced, &[Arg::Letter(axis.letter())]);
     Err(Failure::WrongBecause(alarm_words(&alarm)))
 }
 

@@ -5,7 +5,6 @@
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use indicatif::ProgressBar;
-use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::call::Position;
@@ -253,7 +252,6 @@ impl Runner<'_> {
         if !*started && (!fed || feeder.is_over() && feed.is_empty()) {
             // In virtual time the board waits from here on before it overwrites a certificate.
             self.link.take_threads(self.ran.threads.whole())?;
-            self.same_offsets()?;
             self.link.order(Order::Run)?;
             *started = true;
         }
@@ -315,19 +313,6 @@ impl Runner<'_> {
         }
         (self.last_event, self.late) = (now.newest_event, now.late);
         Ok(())
-    }
-
-    /// Another client may have changed offsets or tools since this program was resolved. The board refuses it then; here
-    /// the reason is told.
-    fn same_offsets(&mut self) -> Outcome {
-        let (now, named) = (self.link.offsets_revision()?, self.setup.revision());
-        let in_hole = self.setup.tap.is_some_and(|record| record.in_hole);
-        if now == named || in_hole {
-            return Ok(());
-        }
-        let figures = [named, now].map(|revision| Arg::Int(revision.0.into()));
-        let alarm = Alarm::of(Code::OffsetsOtherRevision, &figures);
-        Err(Failure::MachineBecause(alarm_words(&alarm)))
     }
 
     /// Reports that this side has taken another node number.
