@@ -241,7 +241,10 @@ fn looked_in(alarm: &Alarm, program: &SourceFile, caller: &SourceFile, lang: Lan
 /// Replaces `{0}`…`{3}` and `{w}` in a template with the figures of an alarm.
 fn fill(template: &str, alarm: &Alarm, lang: Lang, inch: bool) -> String {
     let figures = |n| alarm.args.get(n).map(|arg| figure(*arg, lang, inch));
-    fill_with(template, alarm.word, figures)
+    let mut text = fill_with(template, alarm.word, figures);
+    // Figures at the end may be absent: an alarm names one axis, or three.
+    text.truncate(text.trim_end().len());
+    text
 }
 
 /// Replaces `{0}`… and `{w}` in a template.
@@ -370,6 +373,19 @@ mod tests {
             Arg::Rpm(Rpm::new(-300)),
             Arg::GCode(760),
         ])
+    }
+
+    #[test]
+    fn axes_that_are_not_named_leave_no_gap_behind() {
+        let mut figures = [Arg::Letter(b'X'), Arg::Letter(b'Z'), Arg::None];
+        let told = |figures: &[Arg]| alarm_words(&Alarm::of(Code::NotReferenced, figures)).en;
+        let behind = "; home first (`leadscrew home`)";
+        assert_eq!(told(&figures), format!("4503 not referenced: X Z{behind}"));
+        figures[2] = Arg::Letter(b'C');
+        assert_eq!(
+            told(&figures),
+            format!("4503 not referenced: X Z C{behind}")
+        );
     }
 
     #[test]

@@ -7,14 +7,14 @@
 use std::path::Path;
 use std::time::Duration;
 
-use leadscrew_board_sim::plant::{Flash, PlantOptions};
+use leadscrew_board_sim::plant::{Flash, HomingOptions, PlantOptions};
 use leadscrew_board_sim::{Sim, SimError};
 use leadscrew_common::diagnostics::alarm_words;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::state::{StateFile, stored_set};
 use leadscrew_common::words::{Both, both};
 use leadscrew_core::board::{Event, Inputs, KeptSet, Mark, Region};
-use leadscrew_core::bus::{NodeId, Scale};
+use leadscrew_core::bus::{Increments, NodeId, Scale};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
@@ -178,6 +178,7 @@ impl Machine {
         sim.join(self.node)
             .map_err(|alarm| not_started(&SimError::Board(alarm)))?;
         sim.set_pins(self.contacts.pins());
+        fit_switches(&mut sim, &params);
         self.made_with = params;
         self.power = Power::On(sim);
         self.keep()
@@ -277,17 +278,30 @@ impl Machine {
     }
 }
 
-/// Where the drives stand.
+/// Gives each axis that homes its reference switch, at the plus end, with its edge at the position of the mark [D310].
+fn fit_switches(sim: &mut Sim, params: &Params) {
+    for axis in Axis::ALL {
+        let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
+        let mark = scale.and_then(|scale| scale.increments(params.home_position(axis)));
+        if let Some(mark) = mark.filter(|_| params.home_method(axis) != 0) {
+            let drive = sim.plant().drive(axis);
+            drive.set_homing(HomingOptions::at_plus_end(mark.get().into()));
+            drive.set_homing_method(HomingOptions::OFF_THE_PLUS_END);
+        }
+    }
+}
+
+/// Where the axes stand, whatever their drives count.
 fn position(sim: &mut Sim, params: &Params) -> Option<Position> {
-    let [x, z, c] = sim.plant().truth().positions;
-    let at = |axis, increments| {
+    let mut at = |axis| {
         let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
-        Some(scale.position(increments))
+        let place = i32::try_from(sim.plant().drive(axis).place()).ok()?;
+        Some(scale.position(Increments::new(place)))
     };
     Some(Position {
-        x: Length::from_nm(at(Axis::X, x)?),
-        z: Length::from_nm(at(Axis::Z, z)?),
-        c: Angle::from_udeg(at(Axis::C, c)?),
+        x: Length::from_nm(at(Axis::X)?),
+        z: Length::from_nm(at(Axis::Z)?),
+        c: Angle::from_udeg(at(Axis::C)?),
     })
 }
 

@@ -277,6 +277,10 @@ impl Settings {
         self.method
     }
 
+    pub(super) const fn set_homing_method(&mut self, method: u8) {
+        self.method = method;
+    }
+
     /// 607Ch.
     pub(super) const fn home_offset(&self) -> i32 {
         self.home_offset

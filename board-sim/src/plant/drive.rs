@@ -196,6 +196,12 @@ impl Drive {
         self.homing.pass(self.place());
     }
 
+    /// Sets 6098h, as a drive is delivered for its machine.
+    pub const fn set_homing_method(&mut self, method: u8) {
+        self.settings.set_homing_method(method);
+        self.kept = self.settings;
+    }
+
     /// The place of the axis in increments, whatever the drive counts.
     #[must_use]
     pub const fn place(&self) -> i64 {

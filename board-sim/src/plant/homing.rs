@@ -55,6 +55,21 @@ impl Default for HomingOptions {
     }
 }
 
+impl HomingOptions {
+    /// The method of 6098h that goes with [`Self::at_plus_end`]: slowly off the home switch, whose edge is the mark.
+    pub const OFF_THE_PLUS_END: u8 = 19;
+
+    /// An axis with its reference at the plus end: the home switch is on from behind the mark to the end of the way.
+    #[must_use]
+    pub fn at_plus_end(mark: i64) -> Self {
+        let far = Self::default();
+        Self {
+            home: (mark.wrapping_add(far.hysteresis), far.positive),
+            ..far
+        }
+    }
+}
+
 /// What a way waits for: the edge of a switch, or the index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Until {

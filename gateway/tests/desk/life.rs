@@ -186,3 +186,29 @@ fn in_the_foreground_it_ends_with_an_interruption() {
     );
     assert!(!exists(&user.socket("desk.sock")));
 }
+
+#[test]
+fn an_axis_homes_onto_the_switch_at_its_mark_and_stays_there_without_power() {
+    let user = User::new();
+    let machine = "home_method.Z = 1\nhome_position.Z = \"5 mm\"\n";
+    let file = user.0.join("lathe.toml");
+    std::fs::write(&file, machine).unwrap();
+    let file = file.to_str().unwrap();
+    good(&user.does(&["up", "--machine", file, "--at", "Z=2"]));
+    // From both sides of the switch, and from where the power went.
+    for from in ["Z+", "Z-"] {
+        let told = good(&user.does(&["home"]));
+        assert!(told.contains("Z referenced at 5\n"), "{told}");
+        good(&user.does(&["jog", from, "--by", "1.5"]));
+        let stands = user.json(&["status"])["mz"].clone();
+        good(&user.does(&["sim", "power", "cycle"]));
+        let told = bad(&user.does(&["mdi", "G0 Z0"]), 1);
+        assert!(
+            told.contains("4503 not referenced: Z; home first"),
+            "{told}"
+        );
+        assert_eq!(user.json(&["status"])["mz"], stands);
+    }
+    let told = good(&user.does(&["home"]));
+    assert!(told.contains("Z referenced at 5\n"), "{told}");
+}

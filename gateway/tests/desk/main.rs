@@ -3,6 +3,7 @@
 mod clients;
 mod life;
 mod mdi;
+mod tutorial;
 mod typed;
 
 use std::io::Write as _;
@@ -44,9 +45,19 @@ impl User {
     }
 
     fn command(&self, args: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_leadscrew"));
+        let mut command = self.program_of(env!("CARGO_BIN_EXE_leadscrew"));
+        command.args(args);
         command
-            .args(args)
+    }
+
+    /// A shell that reads its commands from the input.
+    fn shell(&self) -> Command {
+        self.program_of("sh")
+    }
+
+    fn program_of(&self, name: &str) -> Command {
+        let mut command = Command::new(name);
+        command
             .current_dir(&self.0)
             .env("NO_COLOR", "1")
             .env("XDG_RUNTIME_DIR", self.0.join("run"))
