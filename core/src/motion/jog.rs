@@ -277,11 +277,10 @@ impl Jog {
         self.last = (press.number, PressState::Runs);
     }
 
-    /// A press that may not move the machine.
+    /// A press that may not move the machine. It ends the one before, as any new press does.
     pub const fn refuse(&mut self, number: u8) {
-        if self.press.is_none() {
-            self.last = (number, PressState::Refused);
-        }
+        self.press = None;
+        self.last = (number, PressState::Refused);
     }
 
     /// The press is over: the axes brake.

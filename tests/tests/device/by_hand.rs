@@ -4,7 +4,7 @@ use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Event;
-use leadscrew_core::bus::{BoardState, Frame, JogRequest, Order, StepRequest};
+use leadscrew_core::bus::{BoardState, Frame, JogRequest, Object, Order, SdoProtocol, StepRequest};
 use leadscrew_core::call::Position;
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_core::params::Params;
@@ -378,4 +378,32 @@ fn an_old_order_starts_nothing() {
     assert_eq!(hand.refused(), 0);
     assert_eq!(hand.gateway.status.count, 51);
     assert_eq!(hand.gateway.status.state, BoardState::Run);
+}
+
+/// A parameter in the moment in which a press is let in: one of the two is refused, and nothing begins anew while it moves.
+#[test]
+fn a_press_and_a_change_of_parameters_do_not_meet() {
+    for press_first in [true, false] {
+        let mut hand = Hand::new(OperatingMode::Manual);
+        hand.press = 1;
+        let write = |hand: &mut Hand| {
+            let bytes = 234_u16.to_le_bytes();
+            let ramp = Object::new(0x2000 + 9004, 0);
+            hand.gateway
+                .write(&mut hand.sim, ramp, &bytes, SdoProtocol::Short)
+        };
+        if press_first {
+            let press = hand.jog(None, Some(Towards::Minus));
+            hand.sim.receive(&press);
+            assert!(write(&mut hand).is_err());
+            hand.run(60);
+            assert!(hand.at().z < Length::ZERO);
+        } else {
+            let _ = write(&mut hand);
+            let press = hand.jog(None, Some(Towards::Minus));
+            hand.sim.receive(&press);
+            hand.stands(200);
+            assert_eq!(hand.gateway.beat.state, PressState::Refused);
+        }
+    }
 }

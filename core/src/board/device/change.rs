@@ -37,7 +37,8 @@ impl ObjectValues {
     pub(super) fn admit(&mut self, params: &Params, change: Change) -> Result<(), Abort> {
         // The last value cannot be repeated after another change.
         self.wrote = None;
-        let under_way = !self.snapshot.is_at_rest() || self.program_buffer.awaits_more();
+        let moves = !self.snapshot.is_at_rest() || self.is_about_to_move();
+        let under_way = moves || self.program_buffer.awaits_more();
         if under_way || self.is_changing() || self.offset_store.shelf.is_busy() {
             return self.refuse(Code::ParametersAtWork, Abort::State);
         }

@@ -369,7 +369,8 @@ impl Device {
         }
         // A set that is being stored comes into force while the machine stands.
         let worked = !self.is_changing() && self.values.program_buffer.hand_over(offer);
-        if self.restarts && snapshot.is_at_rest() && !self.is_changing() {
+        let stands = snapshot.is_at_rest() && !self.values.is_about_to_move();
+        if self.restarts && stands && !self.is_changing() {
             self.restart(params);
         }
         if !self.has_joined() {

@@ -298,9 +298,19 @@ impl ObjectValues {
         Some(true)
     }
 
-    /// What no mode lets in: a tap in its hole, a feed hold.
+    /// A press that was let in may not have reached the tick: the machine stands, and is about to move.
+    pub(super) fn is_about_to_move(&self) -> bool {
+        let operating = &self.operating;
+        let under_way = operating.number != self.snapshot.jog.0;
+        operating.asked.is_some() || under_way && !operating.denied
+    }
+
+    /// What no mode lets in: a set of parameters that comes into force, a tap in its hole, a feed hold.
     fn admit_by_hand(&self, request: Request) -> Result<(), Alarm> {
         self.let_in(request)?;
+        if self.is_changing() {
+            return Err(Alarm::of(Code::NotAtRest, &[]));
+        }
         if let Some(alarm) = Guard::of(self.snapshot.tap.as_ref()).refusal() {
             return Err(alarm);
         }
