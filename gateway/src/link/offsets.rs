@@ -98,6 +98,7 @@ impl Link {
             let figures = [Arg::Int(record.number().into())];
             self.no_offsets(Some(Alarm::of(Code::OffsetsOutOfRange, &figures)))
         })?;
+        self.leave_reference()?;
         let staged = self.write(STAGED_OFFSETS, &image);
         self.explained_offsets(staged)?;
         let committed = self.write(COMMIT_OFFSETS, &sum(&image).to_le_bytes());
@@ -135,6 +136,7 @@ impl Link {
     /// [`Trouble::Offsets`] where the board refuses it.
     pub fn set_mark(&mut self, axis: Axis, mark: Option<i32>) -> LinkResult {
         let raw = mark.unwrap_or(UNMARKED);
+        self.leave_reference()?;
         let marked = self.write(mark_of(axis), &raw.to_le_bytes());
         self.explained_offsets(marked)
     }

@@ -70,6 +70,17 @@ impl Link {
         self.order(Order::Mode(mode))
     }
 
+    /// Offsets are written in any mode but the one for the reference.
+    ///
+    /// # Errors
+    /// As [`set_mode`](Self::set_mode).
+    pub(super) fn leave_reference(&mut self) -> LinkResult {
+        if self.mode()? == OperatingMode::Reference {
+            self.set_mode(OperatingMode::Manual)?;
+        }
+        Ok(())
+    }
+
     /// A program needs the mode for programs, or the one for single lines.
     pub(super) fn ready_to_run(&mut self) -> LinkResult {
         if self.mode()?.runs() {

@@ -46,7 +46,10 @@ impl BackgroundSide<'_> {
             self.state.limits = Limits::from_params(&self.state.params);
             self.state.setup_waits = true;
         }
-        if self.state.setup_waits && !self.state.orders.begin_anew() && self.ends.has_room() {
+        // What was let in before the set, and has begun to move since, comes to its end first.
+        let stands = self.state.snapshot.is_at_rest();
+        let has_room = self.ends.has_room() && !self.state.orders.begin_anew();
+        if self.state.setup_waits && stands && has_room {
             self.state.setup_waits = false;
             self.begin_anew();
         }

@@ -138,7 +138,7 @@ impl Ticker {
         self.home.found = self.home.found.without(axis);
         if !self.drives.begin_homing(axis) {
             self.home.axis = None;
-            self.raise(&not_homed(HomeEnd::Abandoned, axis), ends);
+            self.fail_homing(HomeEnd::Abandoned, axis, ends);
         }
     }
 
@@ -160,9 +160,15 @@ impl Ticker {
             }
             Homing::UnderWay(None | Some(HomeEnd::Found)) | Homing::None => {}
             Homing::UnderWay(Some(end)) | Homing::Failed(end) => {
-                self.raise(&not_homed(end, axis), ends);
+                self.fail_homing(end, axis, ends);
             }
         }
+    }
+
+    /// What a drive has failed of is the cause; that its homing has ended is what follows from it.
+    fn fail_homing(&mut self, end: HomeEnd, axis: Axis, ends: &mut Ends<'_>) {
+        let failure = self.drives.failure();
+        self.raise(&failure.unwrap_or_else(|| not_homed(end, axis)), ends);
     }
 
     /// Ends homing for an alarm or a reset: the drive comes to rest.
