@@ -95,6 +95,31 @@ impl<F: NorFlash> Patient<F> {
         self.flash.erase(from, to)
     }
 
+    /// Closes a page in use that the map erases. The map does so in its own repair, in the middle of a write: it drops a
+    /// target and moves everything anew. An erase that is cut could leave such a page with its mark, and with torn words
+    /// where it looks free. Closed, it is seen for what it is: all pages are closed, and it has nothing but copies.
+    fn close(&mut self, from: u32, to: u32) -> Result<(), F::Error> {
+        let size = F::WRITE_SIZE as u32;
+        if to.saturating_sub(from) != F::ERASE_SIZE as u32 {
+            return Ok(());
+        }
+        let last = to.saturating_sub(size);
+        let mut words = [[0xFF; WORD]; 2];
+        for (word, address) in words.iter_mut().zip([from, last]) {
+            if let Some(word) = word.get_mut(..F::WRITE_SIZE) {
+                self.read_words(address, word)?;
+            }
+        }
+        let [begun, closed] = words.map(|word| word.iter().any(|byte| *byte != 0xFF));
+        if !begun || closed {
+            return Ok(());
+        }
+        match [0; WORD].get(..F::WRITE_SIZE) {
+            Some(mark) => self.flash.write(last, mark),
+            None => Ok(()),
+        }
+    }
+
     /// True where the first word of any page can be read: so it is words that are torn, and not the device that is gone.
     fn answers(&mut self) -> bool {
         let mut word = [0; WORD];
@@ -173,6 +198,7 @@ impl<F: NorFlash> waited::NorFlash for Patient<F> {
     fn erase(&mut self, from: u32, to: u32) -> impl Future<Output = Result<(), Self::Error>> {
         now(move || {
             self.changeable()?;
+            self.close(from, to).map_err(Error::Device)?;
             self.erase_pages(from, to).map_err(Error::Device)
         })
     }
