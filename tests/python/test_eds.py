@@ -20,7 +20,7 @@ class SheetTest(unittest.TestCase):
     def test_device(self):
         device = self.dictionary.device_information
         self.assertEqual(device.allowed_baudrates, {500_000, 1_000_000})
-        self.assertEqual((device.nr_of_RXPDO, device.nr_of_TXPDO), (1, 4))
+        self.assertEqual((device.nr_of_RXPDO, device.nr_of_TXPDO), (3, 5))
         self.assertEqual(device.product_number, 0x4C53_4357)
 
     def test_identifiers_follow_the_node(self):
@@ -30,7 +30,7 @@ class SheetTest(unittest.TestCase):
 
     def test_kinds_ranges_and_access(self):
         order = self.dictionary["Command"]["order"]
-        self.assertEqual((order.data_type, order.min, order.max), (datatypes.UNSIGNED8, 0, 5))
+        self.assertEqual((order.data_type, order.min, order.max), (datatypes.UNSIGNED8, 0, 39))
         error = self.dictionary["Status"]["synchronism error"]
         self.assertEqual(error.data_type, datatypes.INTEGER16)
         self.assertEqual(self.dictionary["Program"]["batch of calls"].access_type, "wo")
@@ -81,12 +81,13 @@ class SheetTest(unittest.TestCase):
             },
         )
         command = self.node.rpdo[1]
-        self.assertEqual((command.cob_id, len(command.data)), (0x205, 6))
+        self.assertEqual((command.cob_id, len(command.data)), (0x205, 8))
         command["Command.count"].raw = 7
         command["Command.order"].raw = 2
         for override in ("feed", "rapid", "spindle"):
             command[f"Command.{override} override"].raw = 255
-        self.assertEqual(bytes(command.data), bytes([7, 2, 0, 255, 255, 255]))
+        command["Command.echo"].raw = 0x0102
+        self.assertEqual(bytes(command.data), bytes([7, 2, 0, 255, 255, 255, 2, 1]))
 
 
 if __name__ == "__main__":
