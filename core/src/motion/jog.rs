@@ -208,18 +208,16 @@ impl JogAxis {
         }
     }
 
-    /// Another step in the same direction while this one is under way. False where there is none to go on from.
-    fn extend(&mut self, wanted: &AxisPress, more: Length, travel: &AxisTravel) -> bool {
+    /// Another step in the same direction while this one is under way.
+    fn extend(&mut self, wanted: &AxisPress, more: Length, travel: &AxisTravel) {
         if !self.moves || self.towards != wanted.towards {
-            return false;
+            return;
         }
         let free = travel.free(self.from, self.towards) - self.way;
         let more = more.min(free).max(Length::ZERO);
-        let extended = self.profile.extend(more);
-        if extended {
+        if self.profile.extend(more) {
             self.way += more;
         }
-        extended
     }
 }
 

@@ -92,6 +92,18 @@ impl Axes {
         Self(self.0 & !others.0)
     }
 
+    /// Those that are in both.
+    #[must_use]
+    pub const fn and(self, others: Self) -> Self {
+        Self(self.0 & others.0)
+    }
+
+    /// These, and `others`.
+    #[must_use]
+    pub const fn or(self, others: Self) -> Self {
+        Self(self.0 | others.0)
+    }
+
     /// These, in the order of [`Axis::ALL`].
     pub fn each(self) -> impl Iterator<Item = Axis> {
         Axis::ALL

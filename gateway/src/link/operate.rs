@@ -89,15 +89,15 @@ impl Link {
         self.order(Order::Mode(OperatingMode::Automatic))
     }
 
-    /// Whether the order that was just confirmed was carried out. What is no refusal by the mode is told by the event log
-    /// alone.
+    /// Whether the order that was just confirmed was carried out. That no program waited is told by the event log alone.
     ///
     /// # Errors
     /// [`Trouble::Refused`].
     pub(super) fn heed_refusal(&mut self) -> LinkResult {
         match self.refusal()? {
-            Some(reason) if BY_MODE.contains(&reason.number()) => Err(self.refused_by(reason)),
-            _ => Ok(()),
+            None => Ok(()),
+            Some(reason) if reason.code == Code::NothingToRun => Ok(()),
+            Some(reason) => Err(self.refused_by(reason)),
         }
     }
 

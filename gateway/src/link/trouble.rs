@@ -248,6 +248,19 @@ pub fn reason(error: SdoError) -> Both {
     }
 }
 
+/// Why a board has refused a change, if it says so.
+fn why(reason: Option<&Alarm>) -> Both {
+    reason.map_or_else(
+        || {
+            both!(
+                "it gives no reason; try again, and look at `leadscrew status`",
+                "它没有给出原因；请重试，并查看 `leadscrew status`"
+            )
+        },
+        alarm_words,
+    )
+}
+
 fn suspected(suspicion: Option<Suspicion>) -> Both {
     suspicion.map_or_else(Both::default, |suspicion| {
         both!(
@@ -408,15 +421,7 @@ impl Trouble {
                 schema = leadscrew_core::params::SCHEMA
             ),
             Self::Parameters { node, reason } => {
-                let why = reason.as_ref().map_or_else(
-                    || {
-                        both!(
-                            "it gives no reason; try again, and look at `leadscrew status`",
-                            "它没有给出原因；请重试，并查看 `leadscrew status`"
-                        )
-                    },
-                    alarm_words,
-                );
+                let why = why(reason.as_ref());
                 both!(
                     "node {node} has not taken the parameters, and its set has not been changed: {en}",
                     "节点 {node} 未接受参数，其参数集未作改动：{zh}",
@@ -425,15 +430,7 @@ impl Trouble {
                 )
             }
             Self::Offsets { node, reason } => {
-                let why = reason.as_ref().map_or_else(
-                    || {
-                        both!(
-                            "it gives no reason; try again, and look at `leadscrew status`",
-                            "它没有给出原因；请重试，并查看 `leadscrew status`"
-                        )
-                    },
-                    alarm_words,
-                );
+                let why = why(reason.as_ref());
                 both!(
                     "node {node} has not taken the offsets and tools, and nothing has been changed: {en}",
                     "节点 {node} 未接受偏置与刀具数据，未作任何改动：{zh}",

@@ -88,7 +88,7 @@ impl Ticker {
     #[must_use]
     pub const fn referenced(&self) -> Axes {
         let needless = Axes::ALL.minus(self.given.home.methods);
-        Axes::ALL.minus(Axes::ALL.minus(needless).minus(self.home.found))
+        needless.or(self.home.found)
     }
 
     /// The axes without a reference that a program needs.
@@ -105,7 +105,7 @@ impl Ticker {
     /// Begins to home these axes; those without a method stay as they are, unless there is no other. The machine stands and
     /// has no work.
     pub(super) fn home(&mut self, axes: Axes, ends: &mut Ends<'_>) {
-        let left = axes.minus(axes.minus(self.given.home.methods));
+        let left = axes.and(self.given.home.methods);
         let refusal = match axes.each().next() {
             _ if !matches!(self.state, State::Idle) || self.course.in_program() => {
                 Some(Alarm::of(Code::NotAtRest, &[]))
@@ -122,7 +122,7 @@ impl Ticker {
             return;
         }
         self.home.left = left;
-        self.state = State::Homing;
+        self.transition_to_homing();
         self.home_next(ends);
     }
 
@@ -131,8 +131,7 @@ impl Ticker {
         let next = self.given.home.first(self.home.left);
         self.home.axis = next;
         let Some(axis) = next else {
-            self.state = State::Idle;
-            return;
+            return self.transition_from_homing();
         };
         self.home.left = self.home.left.without(axis);
         self.home.found = self.home.found.without(axis);

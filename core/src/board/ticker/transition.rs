@@ -42,6 +42,16 @@ impl Ticker {
         emit(events, Event::Finished);
     }
 
+    /// Axes begin to find their reference.
+    pub(super) const fn transition_to_homing(&mut self) {
+        self.state = State::Homing;
+    }
+
+    /// The last axis has found its reference. What is planned from now on begins where that says the machine is.
+    pub(super) const fn transition_from_homing(&mut self) {
+        self.state = State::Idle;
+    }
+
     /// Axes begin to be moved by hand.
     pub(super) const fn transition_to_by_hand(&mut self) {
         self.state = State::ByHand;

@@ -195,9 +195,7 @@ impl Press {
         let begun = Instant::now();
         let mut released = false;
         loop {
-            if !released && self.is_wanted_no_more() {
-                released = true;
-            }
+            released |= self.is_wanted_no_more();
             self.send(link, released)?;
             link.idle(RENEWAL)?;
             match self.state(link) {
@@ -212,9 +210,6 @@ impl Press {
                 None => return Err(refusal(link)),
             }
             link.check_alive()?;
-            if released && begun.elapsed() > ANSWER && self.state(link).is_none() {
-                return Ok(End::Broken);
-            }
         }
     }
 

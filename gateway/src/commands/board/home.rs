@@ -45,10 +45,6 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
     link.order(Order::Home(
         AxisSet::from_bits(wanted.bits()).unwrap_or_default(),
     ))?;
-    // With a tap in its hole nothing homes, whatever the mode.
-    if let Some(reason) = link.refusal()? {
-        return Err(link.refused_by(reason).into());
-    }
     let ended = wait(&mut link, global)?;
     // What the tick refuses is in the event log alone.
     let told = link.events_behind(last)?;
