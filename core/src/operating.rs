@@ -5,6 +5,8 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use crate::units::Length;
+
 /// The mode in which the machine is operated. It says which requests the board lets in; a change moves nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 #[repr(u8)]
@@ -68,6 +70,18 @@ pub enum Towards {
     Plus,
     /// Smaller coordinates.
     Minus,
+}
+
+impl Towards {
+    /// The direction of a way with its sign; none is one towards plus.
+    #[must_use]
+    pub fn of(way: Length) -> Self {
+        if way < Length::ZERO {
+            Self::Minus
+        } else {
+            Self::Plus
+        }
+    }
 }
 
 /// What became of the last press or step.

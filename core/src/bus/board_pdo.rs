@@ -32,7 +32,7 @@ mod manual;
 mod order;
 
 pub use self::manual::{BoardBeat, JogRequest, StepRequest};
-pub use self::order::{AxisSet, Beat, Order, OrderGate};
+pub use self::order::{Beat, Order, OrderGate};
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};

@@ -36,8 +36,8 @@ mod spindle;
 mod sync;
 
 pub use board_pdo::{
-    AxisSet, Beat, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState,
-    BoardStatus, JogRequest, Order, OrderGate, StepRequest,
+    Beat, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
+    JogRequest, Order, OrderGate, StepRequest,
 };
 pub use cia402::{Controlword, HomingState, State, Statusword};
 pub use controller::{BusState, Controller, ErrorCounts};

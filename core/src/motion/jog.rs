@@ -18,6 +18,7 @@ use super::rate::{PathRate, Rate};
 use super::shape;
 use crate::call::Position;
 use crate::operating::{PressState, Towards};
+use crate::params::Params;
 use crate::units::{Axis, Length};
 
 /// The longest ramp of a motion by hand, in ticks.
@@ -39,13 +40,27 @@ impl AxisTravel {
         high: Length::from_nm(100_000_000_000),
     };
 
-    /// How far it is from `at` to the end in this direction; zero at it and beyond it.
-    fn free(&self, at: Length, towards: Towards) -> Length {
-        let way = match towards {
+    /// The travel of an axis: parameters 1320 and 1321.
+    #[must_use]
+    pub fn of(params: &Params, axis: Axis) -> Self {
+        Self {
+            low: Length::from_nm(params.soft_limit_minus(axis)),
+            high: Length::from_nm(params.soft_limit_plus(axis)),
+        }
+    }
+
+    /// How far it is from `at` to the end in this direction; below zero beyond it.
+    #[must_use]
+    pub fn left(&self, at: Length, towards: Towards) -> Length {
+        match towards {
             Towards::Plus => self.high - at,
             Towards::Minus => at - self.low,
-        };
-        way.max(Length::ZERO)
+        }
+    }
+
+    /// The same, and zero beyond the end.
+    fn free(&self, at: Length, towards: Towards) -> Length {
+        self.left(at, towards).max(Length::ZERO)
     }
 }
 

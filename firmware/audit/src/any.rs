@@ -8,7 +8,7 @@ use core::time::Duration;
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError, Victim};
 use leadscrew_core::bus::{
-    Abort, AxisSet, Beat, BlockSize, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle,
+    Abort, Beat, BlockSize, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle,
     BoardState, BoardStatus, BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig,
     DriveStatus, Emcy, ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, HomeLimits,
     Increments, JogRequest, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order, Periods,
@@ -31,7 +31,7 @@ use leadscrew_core::program::{Dialect, Options, Way};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
+    Angle, Axes, CentiRpm, Feed, FeedPerTurn, Lead, LeadChange, Length, Millis, Remainder, Rpm,
     StartAngle, TurnRate, TurnRatio, Turns,
 };
 
@@ -258,15 +258,15 @@ impl Any for TurnRatio {
     }
 }
 
-impl Any for Beat {
+impl Any for Axes {
     fn any() -> Self {
-        Self::new(any())
+        Self::from_bits(any()).unwrap_or_default()
     }
 }
 
-impl Any for AxisSet {
+impl Any for Beat {
     fn any() -> Self {
-        Self::from_bits(any()).unwrap_or_default()
+        Self::new(any())
     }
 }
 

@@ -3,7 +3,7 @@
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::device::UNMARKED;
 use leadscrew_core::board::{Event, State};
-use leadscrew_core::bus::{AxisSet, NmtState, NodeId, Object, Order, SdoProtocol};
+use leadscrew_core::bus::{NmtState, NodeId, Object, Order, SdoProtocol};
 use leadscrew_core::link::{EventReader, Status, decode_alarm};
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::params::Params;
@@ -97,7 +97,7 @@ impl Joined {
 
     fn home(&mut self) {
         self.order(Order::Mode(OperatingMode::Reference));
-        self.order(Order::Home(AxisSet::ALL));
+        self.order(Order::Home(Axes::NONE));
         assert_eq!(self.state(), State::Homing);
     }
 
@@ -132,7 +132,7 @@ fn a_mark_needs_the_reference_and_goes_with_it() {
     assert_eq!(joined.marks(), [5, 6]);
     // Homed anew, X alone counts from another point.
     joined.order(Order::Mode(OperatingMode::Reference));
-    joined.order(Order::Home(AxisSet::from_bits(1).expect("X")));
+    joined.order(Order::Home(Axes::NONE.with(Axis::X)));
     assert_eq!(joined.state(), State::Homing);
     joined.finish();
     assert_eq!(joined.marks(), [UNMARKED, 6]);
@@ -164,7 +164,7 @@ fn a_mark_of_an_axis_that_no_program_waits_for() {
 #[test]
 fn only_in_its_mode_and_a_program_waits_for_it() {
     let mut joined = Joined::new();
-    joined.order(Order::Home(AxisSet::ALL));
+    joined.order(Order::Home(Axes::NONE));
     assert_eq!(
         (joined.state(), joined.refused()),
         (State::Idle, Some(4501))

@@ -256,11 +256,7 @@ impl ObjectValues {
         if self.operating.denied {
             return;
         }
-        let towards = if way < Length::ZERO {
-            Towards::Minus
-        } else {
-            Towards::Plus
-        };
+        let towards = Towards::of(way);
         self.operating.asked = Some(Asked {
             number: self.operating.number,
             x: (!request.on_z).then_some(towards),
@@ -298,6 +294,12 @@ impl ObjectValues {
         Some(true)
     }
 
+    /// Nothing but the way out of its hole moves a tap.
+    pub(super) fn out_of_hole(&self) -> Result<(), Alarm> {
+        let refusal = Guard::of(self.snapshot.tap.as_ref()).refusal();
+        refusal.map_or(Ok(()), Err)
+    }
+
     /// A press that was let in may not have reached the tick: the machine stands, and is about to move.
     pub(super) fn is_about_to_move(&self) -> bool {
         let operating = &self.operating;
@@ -311,9 +313,7 @@ impl ObjectValues {
         if self.is_changing() {
             return Err(Alarm::of(Code::NotAtRest, &[]));
         }
-        if let Some(alarm) = Guard::of(self.snapshot.tap.as_ref()).refusal() {
-            return Err(alarm);
-        }
+        self.out_of_hole()?;
         if self.snapshot.operator.hold {
             return Err(Alarm::of(Code::HoldIsOn, &[]));
         }

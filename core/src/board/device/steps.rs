@@ -4,6 +4,8 @@
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::call::Position;
+use crate::motion::AxisTravel;
+use crate::operating::Towards;
 use crate::params::Params;
 use crate::units::{Axes, Axis, Diameter, Length};
 
@@ -17,7 +19,7 @@ pub struct Steps {
     on_z: bool,
     /// Where the last of them ends.
     end: Length,
-    /// The way of all of them, signed.
+    /// Its way, signed: all go the same way.
     way: Length,
 }
 
@@ -47,17 +49,11 @@ impl Steps {
         } else {
             (Axis::X, at.x)
         };
-        let (from, before) = match self.count {
-            0 => (stands, Length::ZERO),
-            _ => (self.end, self.way),
-        };
-        let free = if way < Length::ZERO {
-            from - Length::from_nm(params.soft_limit_minus(axis))
-        } else {
-            Length::from_nm(params.soft_limit_plus(axis)) - from
-        };
-        if way.abs() > free && referenced.contains(axis) {
-            let free = free.max(Length::ZERO);
+        let from = if self.count == 0 { stands } else { self.end };
+        let towards = Towards::of(way);
+        let left = AxisTravel::of(params, axis).left(from, towards);
+        if way.abs() > left && referenced.contains(axis) {
+            let free = left.max(Length::ZERO);
             let told = match axis {
                 Axis::X => Arg::Diameter(Diameter::of_radius(free)),
                 _ => Arg::Length(free),
@@ -69,7 +65,7 @@ impl Steps {
             count: self.count.saturating_add(1),
             on_z,
             end: from + way,
-            way: before + way,
+            way,
         };
         Ok(())
     }

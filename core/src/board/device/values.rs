@@ -15,7 +15,6 @@ use super::shelf::Shelf;
 use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Command;
-use crate::board::guard::Guard;
 use crate::board::kept::Kept;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
@@ -28,7 +27,7 @@ use crate::link::Event;
 use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
 use crate::params::Params;
 use crate::signals::Signals;
-use crate::units::{Length, TurnRate};
+use crate::units::{Axes, Length, TurnRate};
 
 /// Commands on their way to the tick.
 const COMMANDS: usize = 8;
@@ -247,10 +246,9 @@ impl ObjectValues {
             Order::Mode(mode) => return self.change_mode(mode),
             Order::Home(axes) => {
                 self.let_in(Request::Home)?;
-                if let Some(alarm) = Guard::of(self.snapshot.tap.as_ref()).refusal() {
-                    return Err(alarm);
-                }
-                Command::Home(axes.axes())
+                self.out_of_hole()?;
+                let all = axes.is_empty();
+                Command::Home(if all { Axes::ALL } else { axes })
             }
             Order::Cancel => {
                 self.end_press();

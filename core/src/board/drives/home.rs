@@ -53,21 +53,11 @@ pub(super) fn offset(params: &Params, axis: Axis, scale: &Scale) -> i32 {
 
 impl Drives {
     const fn axis(&self, axis: Axis) -> &DriveMaster {
-        let [x, z, c] = &self.axes;
-        match axis {
-            Axis::X => x,
-            Axis::Z => z,
-            Axis::C => c,
-        }
+        of(&self.axes, axis)
     }
 
     const fn axis_mut(&mut self, axis: Axis) -> &mut DriveMaster {
-        let [x, z, c] = &mut self.axes;
-        match axis {
-            Axis::X => x,
-            Axis::Z => z,
-            Axis::C => c,
-        }
+        of_mut(&mut self.axes, axis)
     }
 
     /// Begins to home an axis that stands. False where its drive cannot.
@@ -98,24 +88,14 @@ impl Drives {
 
     /// The count of an axis' drive says from now on where the axis is. Gives the machine's position with that.
     pub(in crate::board) fn refer(&mut self, axis: Axis, at: Position) -> Position {
-        let places = self.offsets.iter_mut().zip(self.homed).zip(Axis::ALL);
-        for ((offset, homed), own) in places {
-            if own == axis {
-                *offset = homed;
-            }
-        }
+        *of_mut(&mut self.offsets, axis) = *of(&self.homed, axis);
         self.read(axis, at)
     }
 
     /// The machine's position where the drive of this axis says where the axis is.
     pub(in crate::board) fn read(&self, axis: Axis, at: Position) -> Position {
         let drive = self.axis(axis);
-        let mut offset = 0;
-        for (own, of) in Axis::ALL.into_iter().zip(self.offsets) {
-            if own == axis {
-                offset = of;
-            }
-        }
+        let offset = *of(&self.offsets, axis);
         let own = drive.target().get().wrapping_sub(offset);
         super::with(
             axis,
@@ -136,6 +116,24 @@ impl Drives {
             }
         }
         lost
+    }
+}
+
+/// What belongs to an axis, of X, Z and C.
+const fn of<T>([x, z, c]: &[T; 3], axis: Axis) -> &T {
+    match axis {
+        Axis::X => x,
+        Axis::Z => z,
+        Axis::C => c,
+    }
+}
+
+/// As [`of`].
+const fn of_mut<T>([x, z, c]: &mut [T; 3], axis: Axis) -> &mut T {
+    match axis {
+        Axis::X => x,
+        Axis::Z => z,
+        Axis::C => c,
     }
 }
 

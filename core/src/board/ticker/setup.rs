@@ -7,7 +7,7 @@ use crate::board::kept::Found;
 use crate::motion::{Arrival, AxisTravel};
 use crate::params::Params;
 use crate::spindle::Observer;
-use crate::units::{Axis, Length, Ticks};
+use crate::units::{Axis, Ticks};
 
 /// All that a ticker needs of a parameter set, checked. The background makes it, because that takes longer than a tick may
 /// [D131].
@@ -76,10 +76,6 @@ impl Given {
             .saturating_add(1000)
             .saturating_mul(u64::from(ticks_per_minute / 60))
             / 1000;
-        let travel = |axis| AxisTravel {
-            low: Length::from_nm(params.soft_limit_minus(axis)),
-            high: Length::from_nm(params.soft_limit_plus(axis)),
-        };
         let ahead = |axis| Ticks::one_and(params.latency_us(axis), tick_us);
         Some(Self {
             ahead_x: ahead(Axis::X),
@@ -89,8 +85,8 @@ impl Given {
                 speed_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
                 ticks_per_minute,
             },
-            travel_x: travel(Axis::X),
-            travel_z: travel(Axis::Z),
+            travel_x: AxisTravel::of(params, Axis::X),
+            travel_z: AxisTravel::of(params, Axis::Z),
             second: ticks_per_minute / 60,
             waits_for_rgtap: params.tap_wait_rgtap(),
             edge_time: params.encoder_edge_time(),

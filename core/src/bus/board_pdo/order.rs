@@ -38,41 +38,6 @@ impl Beat {
     }
 }
 
-/// Axes by name, for an order that is for several.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct AxisSet(u8);
-
-impl AxisSet {
-    const MASK: u8 = 7;
-    /// No axis is named: the order is for all that it can be for.
-    pub const ALL: Self = Self(0);
-
-    /// Bit 0 X, bit 1 Z, bit 2 C; `None` for other bits.
-    #[must_use]
-    pub const fn from_bits(bits: u8) -> Option<Self> {
-        if bits & !Self::MASK == 0 {
-            Some(Self(bits))
-        } else {
-            None
-        }
-    }
-
-    /// The axes that are meant.
-    #[must_use]
-    pub const fn axes(self) -> Axes {
-        match Axes::from_bits(self.0) {
-            Some(axes) if !axes.is_empty() => axes,
-            _ => Axes::ALL,
-        }
-    }
-
-    /// Bit 0 X, bit 1 Z, bit 2 C.
-    #[must_use]
-    pub const fn bits(self) -> u8 {
-        self.0
-    }
-}
-
 /// An order of an operator; the board does it once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Order {
@@ -90,8 +55,8 @@ pub enum Order {
     Cancel,
     /// Change the mode.
     Mode(OperatingMode),
-    /// Find the reference of these axes.
-    Home(AxisSet),
+    /// Find the reference of these axes; where none is named, of all that can find one.
+    Home(Axes),
 }
 
 impl Order {
@@ -100,7 +65,7 @@ impl Order {
     /// Number of a reference for all axes.
     const HOME: u8 = 32;
     /// The highest number of an order.
-    pub const LAST: u8 = Self::HOME | AxisSet::MASK;
+    pub const LAST: u8 = Self::HOME | Axes::ALL.bits();
 
     /// The number of the order in 5000h:02.
     #[must_use]
@@ -130,7 +95,7 @@ impl Order {
             Self::MODES..Self::HOME => {
                 Self::Mode(OperatingMode::from_raw(raw.wrapping_sub(Self::MODES))?)
             }
-            Self::HOME.. => Self::Home(AxisSet::from_bits(raw.wrapping_sub(Self::HOME))?),
+            Self::HOME.. => Self::Home(Axes::from_bits(raw.wrapping_sub(Self::HOME))?),
             _ => return None,
         })
     }
@@ -204,7 +169,7 @@ mod tests {
             Order::from_raw(21),
             Some(Order::Mode(OperatingMode::Automatic))
         );
-        assert_eq!(Order::from_raw(32), Some(Order::Home(AxisSet::ALL)));
+        assert_eq!(Order::from_raw(32), Some(Order::Home(Axes::NONE)));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code, Lang};
-use leadscrew_core::bus::{AxisSet, BoardState, Order};
+use leadscrew_core::bus::{BoardState, Order};
 use leadscrew_core::link::{Event, Status};
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::{Axes, Axis};
@@ -42,9 +42,7 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
     interrupt::defer(UnderWay::Machine);
     link.set_mode(OperatingMode::Reference)?;
     let last = link.newest_event()?;
-    link.order(Order::Home(
-        AxisSet::from_bits(wanted.bits()).unwrap_or_default(),
-    ))?;
+    link.order(Order::Home(wanted))?;
     let ended = wait(&mut link, global)?;
     // What the tick refuses is in the event log alone.
     let told = link.events_behind(last)?;
