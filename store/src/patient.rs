@@ -8,6 +8,9 @@ use embedded_storage_async::nor_flash as waited;
 
 use super::WORD;
 
+/// Bits of a word that are zero where it marks its page.
+const MARK_BITS: u32 = 4;
+
 /// A flash that reads a word as zeros where the device below reports an error of its own. Wrong addresses stay errors,
 /// and so does a device that answers nothing at all: what it holds must not be taken for damage and repaired.
 ///
@@ -95,23 +98,33 @@ impl<F: NorFlash> Patient<F> {
         self.flash.erase(from, to)
     }
 
+    /// True where a word is a mark of its page. As the map judges it: a bit or two that have changed by themselves do not
+    /// make one.
+    ///
+    /// # Errors
+    /// As [`read_words`](Self::read_words).
+    pub fn is_marked(&mut self, address: u32) -> Result<bool, F::Error> {
+        Ok(self.zeros(address)? >= MARK_BITS)
+    }
+
+    /// Bits of a word that are zero.
+    fn zeros(&mut self, address: u32) -> Result<u32, F::Error> {
+        let mut word = [0xFF; WORD];
+        if let Some(word) = word.get_mut(..F::WRITE_SIZE) {
+            self.read_words(address, word)?;
+        }
+        Ok(word.iter().map(|byte| byte.count_zeros()).sum())
+    }
+
     /// Closes a page in use that the map erases. The map does so in its own repair, in the middle of a write: it drops a
     /// target and moves everything anew. An erase that is cut could leave such a page with its mark, and with torn words
     /// where it looks free. Closed, it is seen for what it is: all pages are closed, and it has nothing but copies.
     fn close(&mut self, from: u32, to: u32) -> Result<(), F::Error> {
-        let size = F::WRITE_SIZE as u32;
-        if to.saturating_sub(from) != F::ERASE_SIZE as u32 {
+        if to.saturating_sub(from) != F::ERASE_SIZE as u32 || !self.is_marked(from)? {
             return Ok(());
         }
-        let last = to.saturating_sub(size);
-        let mut words = [[0xFF; WORD]; 2];
-        for (word, address) in words.iter_mut().zip([from, last]) {
-            if let Some(word) = word.get_mut(..F::WRITE_SIZE) {
-                self.read_words(address, word)?;
-            }
-        }
-        let [begun, closed] = words.map(|word| word.iter().any(|byte| *byte != 0xFF));
-        if !begun || closed {
+        let last = to.saturating_sub(F::WRITE_SIZE as u32);
+        if self.zeros(last)? > 0 {
             return Ok(());
         }
         match [0; WORD].get(..F::WRITE_SIZE) {

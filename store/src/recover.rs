@@ -19,9 +19,6 @@ use super::patient::View;
 use super::wait::block_on;
 use super::{BUFFER, Store, StoreError, WORD, reason};
 
-/// Bits of a word that are zero where it marks its page.
-const MARK_BITS: u32 = 4;
-
 /// What a page looks like.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Page {
@@ -196,15 +193,10 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    /// True where a word is a mark of its page. As the map judges it: a bit or two that have changed by themselves do not
-    /// make one.
+    /// True where a word is a mark of its page.
     fn is_marked(&mut self, address: u32) -> Result<bool, StoreError> {
-        let mut word = [0xFF; WORD];
-        let read = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
-        let read = self.map.flash().read_words(address, read);
-        read.map_err(|_| StoreError::Device)?;
-        let zeros = word.iter().map(|byte| byte.count_zeros()).sum::<u32>();
-        Ok(zeros >= MARK_BITS)
+        let marked = self.map.flash().is_marked(address);
+        marked.map_err(|_| StoreError::Device)
     }
 
     /// True where so many bytes from an address on are erased.

@@ -101,10 +101,24 @@ fn after_cut(flash: &mut Flash, number: u32, entries: core::ops::RangeInclusive<
 }
 
 /// What a change begins with, and the bytes it writes and erases.
-struct Step {
-    before: Flash,
-    sequence: u32,
-    bytes: u32,
+pub struct Step {
+    pub before: Flash,
+    pub sequence: u32,
+    pub bytes: u32,
+}
+
+impl Step {
+    /// The flash after the change that `ask` asks for, with the power gone behind so many bytes; and the newest entry of
+    /// the journal that may be there.
+    pub fn cut(&self, at: u32, ask: impl Fn(&mut Bench)) -> (Flash, u32) {
+        let mut flash = self.before.clone();
+        let mut bench = Bench::new(&mut flash);
+        ask(&mut bench);
+        flash.cut_after(at);
+        let (whole, newest) = bench.store(&mut flash, self.sequence);
+        assert!(!whole, "cut at {at}");
+        (flash, newest)
+    }
 }
 
 fn history(tear: usize) -> Vec<Step> {
@@ -135,12 +149,7 @@ fn a_cut_at_every_byte_leaves_the_old_set_or_the_new_one() {
         for (step, number) in history(tear).iter().zip(1..) {
             erases += u32::from(step.bytes > Flash::PAGE as u32);
             for cut in (tear as u32..step.bytes).step_by(stride) {
-                let mut flash = step.before.clone();
-                let mut bench = Bench::new(&mut flash);
-                bench.ask(number);
-                flash.cut_after(cut);
-                let (whole, newest) = bench.store(&mut flash, step.sequence);
-                assert!(!whole, "cut at {cut}");
+                let (mut flash, newest) = step.cut(cut, |bench| bench.ask(number));
                 let newest = after_cut(&mut flash, number, step.sequence..=newest);
                 new += u32::from(in_force(&mut flash) == Some(number));
                 cuts += 1;

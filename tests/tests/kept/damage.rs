@@ -6,7 +6,7 @@ use leadscrew_core::board::{Found, KeptError, KeptSet, Region};
 use leadscrew_core::params::Params;
 use leadscrew_store::Store;
 
-use super::flash::{number, power_up, set};
+use super::flash::{number, power_up, set, with_bit_changed};
 
 fn stored(sets: u32) -> Flash {
     let mut flash = Flash::erased();
@@ -58,19 +58,13 @@ fn a_change_of_any_bit_of_an_image_is_noticed() {
 /// Every bit of the whole flash, also of what the store itself has written.
 #[test]
 fn a_change_of_any_bit_of_the_flash_is_no_other_set() {
-    const HEAD: usize = 8;
     let stride = leadscrew_seed::amount(7, 1);
     let mut alarms = 0;
     for sets in [1, 5] {
         let flash = stored(sets);
         let image = flash.image();
         for bit in (0..Flash::SIZE * 8).step_by(stride) {
-            let mut changed = image.to_vec();
-            let end = changed.len() - 4;
-            changed[HEAD + bit / 8] ^= 1 << (bit % 8);
-            let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&changed[..end]);
-            changed[end..].copy_from_slice(&sum.to_le_bytes());
-            let mut flash = Flash::from_image(&changed).expect("an image");
+            let mut flash = with_bit_changed(&image, bit);
             let up = power_up(&mut flash);
             match up.found {
                 Found::Newest => assert_eq!(number(&up.params), Some(sets), "bit {bit}"),

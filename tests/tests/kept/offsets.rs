@@ -5,22 +5,14 @@ use leadscrew_board_sim::plant::{Flash, Tear};
 use leadscrew_core::board::Found;
 use leadscrew_core::offsets::Offsets;
 
-use super::cuts::Bench;
-use super::flash::{in_force, noted, offsets_in_force, power_up, table};
+use super::cuts::{Bench, Step};
+use super::flash::{in_force, noted, offsets_in_force, power_up, table, with_bit_changed};
 
 /// Changes until every page has been erased.
 const CHANGES: u32 = 24;
 
-/// What a change begins with, and the bytes it writes and erases.
-struct Step {
-    before: Flash,
-    set: u32,
-    sequence: u32,
-    bytes: u32,
-}
-
-/// Each step is a change of the offsets; now and then one of the parameters comes before it.
-fn history(tear: usize) -> Vec<Step> {
+/// Each step is a change of the offsets; now and then one of the parameters comes before it. With the number of the set.
+fn history(tear: usize) -> Vec<(Step, u32)> {
     let mut flash = Flash::erased();
     flash.set_tear(Tear::ALL[tear]);
     let mut sequence = 0;
@@ -41,12 +33,12 @@ fn history(tear: usize) -> Vec<Step> {
         let (whole, after) = bench.store(&mut flash, newest);
         assert!(whole, "table {number}");
         assert_eq!(after, newest + 2, "behind the table and behind its mark");
-        steps.push(Step {
+        let step = Step {
             bytes: flash.written() - before.written(),
             before,
-            set,
             sequence: newest,
-        });
+        };
+        steps.push((step, set));
         sequence = after;
     }
     steps
@@ -57,15 +49,10 @@ fn a_cut_at_every_byte_leaves_the_old_table_or_the_new_one() {
     let stride = leadscrew_seed::amount(29, 5);
     let (mut cuts, mut erases, mut new) = (0, 0, 0);
     for tear in 0..Tear::ALL.len() {
-        for (step, number) in history(tear).iter().zip(1..) {
+        for ((step, set), number) in history(tear).iter().zip(1..) {
             erases += u32::from(step.bytes > Flash::PAGE as u32);
             for cut in (tear as u32..step.bytes).step_by(stride) {
-                let mut flash = step.before.clone();
-                let mut bench = Bench::new(&mut flash);
-                bench.ask_offsets(number);
-                flash.cut_after(cut);
-                let (whole, newest) = bench.store(&mut flash, step.sequence);
-                assert!(!whole, "cut at {cut}");
+                let (mut flash, newest) = step.cut(cut, |bench| bench.ask_offsets(number));
                 let found = offsets_in_force(&mut flash);
                 assert!(
                     found == number || found + 1 == number,
@@ -73,7 +60,7 @@ fn a_cut_at_every_byte_leaves_the_old_table_or_the_new_one() {
                 );
                 new += u32::from(found == number);
                 // Everything else is as it was.
-                assert_eq!(in_force(&mut flash), Some(step.set));
+                assert_eq!(in_force(&mut flash), Some(*set));
                 let entry = noted(&mut flash).unwrap_or(0);
                 assert!((step.sequence..=newest).contains(&entry), "{entry}");
                 cuts += 1;
@@ -95,7 +82,6 @@ fn a_cut_at_every_byte_leaves_the_old_table_or_the_new_one() {
 /// Every bit of the whole flash, also of what the store itself has written.
 #[test]
 fn a_change_of_any_bit_of_the_flash_is_no_other_table() {
-    const HEAD: usize = 8;
     let stride = leadscrew_seed::amount(7, 3);
     let mut flash = Flash::erased();
     for number in 1..=3 {
@@ -106,12 +92,7 @@ fn a_change_of_any_bit_of_the_flash_is_no_other_table() {
     let image = flash.image();
     let mut faults = 0;
     for bit in (0..Flash::SIZE * 8).step_by(stride) {
-        let mut changed = image.to_vec();
-        let end = changed.len() - 4;
-        changed[HEAD + bit / 8] ^= 1 << (bit % 8);
-        let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&changed[..end]);
-        changed[end..].copy_from_slice(&sum.to_le_bytes());
-        let mut flash = Flash::from_image(&changed).expect("an image");
+        let mut flash = with_bit_changed(&image, bit);
         let up = power_up(&mut flash).offsets;
         let found = Offsets::decode(&up.table).expect("a whole table");
         match up.found {
