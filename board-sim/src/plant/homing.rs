@@ -38,21 +38,26 @@ pub struct HomingOptions {
 impl Default for HomingOptions {
     /// Switches far away, an index every 50 000 increments.
     fn default() -> Self {
-        Self {
-            negative: -2_000_000_000,
-            positive: 2_000_000_000,
-            home: (1_000_000_000, 1_000_200_000),
-            hysteresis: 200,
-            turn: 50_000,
-            index: 12_500,
-            ends_past: false,
-            adds_offset: false,
-            stale: 0,
-            never: false,
-            slow: 0,
-            forgets: false,
-        }
+        Self::FAR
     }
+}
+
+impl HomingOptions {
+    /// Switches that no axis reaches, and a drive that homes as its sheet says.
+    pub const FAR: Self = Self {
+        negative: -2_000_000_000,
+        positive: 2_000_000_000,
+        home: (1_000_000_000, 1_000_200_000),
+        hysteresis: 200,
+        turn: 50_000,
+        index: 12_500,
+        ends_past: false,
+        adds_offset: false,
+        stale: 0,
+        never: false,
+        slow: 0,
+        forgets: false,
+    };
 }
 
 impl HomingOptions {

@@ -11,6 +11,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::Length;
 use leadscrew_tests::gateway::{Gateway, NODE, Upload};
 use leadscrew_tests::machine::{calls, machine};
+use leadscrew_tests::random::Random;
 
 /// A frame of a press comes so often, in ticks.
 const RENEWAL: u64 = 20;
@@ -170,28 +171,22 @@ fn without_frames_the_axis_rests_in_time_at_every_tick_of_a_press() {
 #[test]
 fn what_was_in_a_queue_moves_nothing() {
     leadscrew_seed::volume(31, |seed| {
-        let mut state = seed | 1;
-        let mut random = |below: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as usize % below
-        };
+        let mut random = Random(seed);
         for _ in 0..leadscrew_seed::amount(2, 12) {
             let mut hand = Hand::new(OperatingMode::Manual);
-            let mut sent = hand.hold(Towards::Minus, 50 + random(300) as u64);
-            sent.extend(hand.hold(Towards::Plus, 50 + random(300) as u64));
-            if random(2) == 0 {
+            let mut sent = hand.hold(Towards::Minus, random.within(50, 349) as u64);
+            sent.extend(hand.hold(Towards::Plus, random.within(50, 349) as u64));
+            if random.chance(50) {
                 let release = hand.jog(None, None);
                 hand.sim.receive(&release);
             }
             hand.run(WINDOW + BRAKING);
-            hand.run(random(4_000) as u64);
+            hand.run(random.within(0, 3_999) as u64);
             let at = hand.at();
             for _ in 0..100 {
-                let frame = sent[random(sent.len())];
+                let frame = random.of(&sent);
                 hand.sim.receive(&frame);
-                hand.run(random(30) as u64);
+                hand.run(random.within(0, 29) as u64);
                 assert_eq!(hand.at(), at, "seed {seed}");
             }
         }

@@ -15,15 +15,7 @@ pub const SWITCHES: HomingOptions = HomingOptions {
     negative: -1_000_000,
     positive: 1_000_000,
     home: (300_000, 400_000),
-    hysteresis: 200,
-    turn: 50_000,
-    index: 12_500,
-    ends_past: false,
-    adds_offset: false,
-    stale: 0,
-    never: false,
-    slow: 0,
-    forgets: false,
+    ..HomingOptions::FAR
 };
 
 /// Position of the mark of X in machine coordinates, in nanometres.
