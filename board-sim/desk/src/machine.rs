@@ -340,7 +340,9 @@ fn delivered(flash: Flash, params: &Params) -> Outcome<Flash> {
     Ok(store.into_flash())
 }
 
-fn not_started(error: &SimError) -> Failure {
+/// Why a simulated board does not start.
+#[must_use]
+pub fn not_started(error: &SimError) -> Failure {
     let reason = match error {
         SimError::Board(alarm) => alarm_words(alarm),
         SimError::Plant(error) => Both::same(format!("{error:?}")),

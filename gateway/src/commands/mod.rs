@@ -18,10 +18,11 @@ mod unavailable;
 use leadscrew_can::Address;
 use leadscrew_core::bus::Order;
 
-use crate::cli::{Cli, Command, Format};
+use crate::cli::{Cli, Command, Format, Global};
 use crate::failure::Outcome;
 use crate::setup::{Answer, Setup};
 use crate::source::SourceFile;
+use crate::words::{Both, both};
 
 /// Does what was typed.
 pub fn dispatch(cli: &Cli) -> Outcome {
@@ -93,4 +94,20 @@ pub fn dispatch(cli: &Cli) -> Outcome {
 /// A board on a real bus is meant.
 fn is_real(cli: &Cli) -> bool {
     cli.global.bus != Address::Sim
+}
+
+/// How a change has ended. `what` identifies what is in force.
+fn ending(global: &Global, what: &Both) -> Both {
+    if global.dry_run {
+        return both!(
+            "nothing has been changed (`--dry-run`)\n",
+            "未作任何更改（`--dry-run`）\n"
+        );
+    }
+    both!(
+        "stored and in force, {en}\n",
+        "已保存并生效，{zh}\n",
+        en = what.en,
+        zh = what.zh
+    )
 }

@@ -13,7 +13,6 @@ use leadscrew_core::board::device::objects::{
     OFFSETS_STATE, STAGED_OFFSETS,
 };
 use leadscrew_core::bus::Object;
-use leadscrew_core::link::decode_alarm;
 use leadscrew_core::offsets::image::sum;
 use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::units::Axis;
@@ -157,9 +156,8 @@ impl Link {
     }
 
     fn refused_offsets(&mut self) -> Trouble {
-        let read = self.read(OFFSETS_REFUSAL);
-        let alarm = read.ok().and_then(|bytes| decode_alarm(&bytes).ok());
-        self.no_offsets(alarm.flatten())
+        let reason = self.reason_in(OFFSETS_REFUSAL);
+        self.no_offsets(reason)
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::device::objects::{BEAT, MODE, REFUSED};
-use leadscrew_core::bus::{Beat, BoardCommand, BoardState, Order};
+use leadscrew_core::bus::{Beat, BoardCommand, Order};
 use leadscrew_core::link::Event;
 use leadscrew_core::operating::OperatingMode;
 
@@ -12,8 +12,6 @@ use super::{Link, LinkResult, Trouble};
 
 /// Refusals of what an operator asks, by their numbers.
 pub const BY_MODE: std::ops::Range<u16> = 4500..4600;
-/// The longest time for an axis to brake.
-const RESTS: Duration = Duration::from_secs(5);
 /// By default a beat comes every 10 ms. Boards above node 31 send none, and are asked.
 const BEAT_COMES: Duration = Duration::from_millis(100);
 
@@ -106,22 +104,6 @@ impl Link {
         Trouble::Refused {
             node: self.node().get(),
             reason,
-        }
-    }
-
-    /// Waits until nothing moves, or some seconds.
-    ///
-    /// # Errors
-    /// The bus is closed.
-    pub fn await_rest(&mut self) -> LinkResult {
-        let until = Instant::now() + RESTS;
-        let moves = |state| matches!(state, BoardState::Run | BoardState::Stopping);
-        loop {
-            self.idle(BEAT_COMES / 5)?;
-            let status = self.seen.status.unwrap_or_default();
-            if !moves(status.state) || Instant::now() >= until {
-                return Ok(());
-            }
         }
     }
 

@@ -12,7 +12,7 @@ use leadscrew_core::board::device::objects::{
     STAGED_CHANGES, STAGED_IMAGE, STORED_SET, TABLE_CHECKSUM,
 };
 use leadscrew_core::bus::{Abort, BoardState, Object};
-use leadscrew_core::link::{ImageWriter, decode_changes, identity};
+use leadscrew_core::link::{ImageWriter, decode_alarm, decode_changes, identity};
 use leadscrew_core::params::{Entry, Params, TABLE_KEY};
 
 use super::{Link, LinkResult, Trouble};
@@ -219,13 +219,15 @@ impl Link {
     }
 
     fn refused(&mut self) -> Trouble {
-        let read = self.read(REFUSAL);
-        let alarm = read
-            .ok()
-            .and_then(|bytes| leadscrew_core::link::decode_alarm(&bytes).ok());
         Trouble::Parameters {
             node: self.node().get(),
-            reason: alarm.flatten(),
+            reason: self.reason_in(REFUSAL),
         }
+    }
+
+    /// The reason that the board gives in this object for its last refusal of a change; `None` where it gives none.
+    pub(super) fn reason_in(&mut self, object: Object) -> Option<Alarm> {
+        let bytes = self.read(object).ok()?;
+        decode_alarm(&bytes).ok().flatten()
     }
 }

@@ -256,7 +256,7 @@ fn await_enter(global: &Global) {
 /// Where the machine has come to.
 fn tell(global: &Global, link: &mut Link, end: End) -> Outcome {
     // The answer comes before the axis stands.
-    link.await_rest()?;
+    link.wait_at_rest()?;
     let status = link.status()?;
     let (x, z) = (
         status.position.x.nm().saturating_mul(2),

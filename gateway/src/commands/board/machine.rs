@@ -5,6 +5,7 @@ use leadscrew_board_sim::{Sim, SimError};
 use leadscrew_can::Address;
 use leadscrew_core::offsets::Offsets;
 use leadscrew_core::params::Params;
+use leadscrew_desk::machine::not_started;
 
 use super::open;
 use crate::cli::Global;
@@ -13,7 +14,7 @@ use crate::failure::{Failure, Outcome};
 use crate::link::{Inside, Link};
 use crate::setup::{self, Answer, Setup, alone_in};
 use crate::state::{StateFile, stored_set};
-use crate::words::{Both, both};
+use crate::words::both;
 
 /// What files and options are laid over.
 #[derive(Clone, Debug)]
@@ -156,27 +157,15 @@ fn keep(inside: Option<&(Inside, StateFile, Flash)>) -> Outcome {
 
 /// A simulated board with this flash, on a bus of its own.
 fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
-    let told = |error: SimError| {
-        let reason = match error {
-            SimError::Board(alarm) => alarm_words(&alarm),
-            SimError::Plant(error) => Both::same(format!("{error:?}")),
-        };
-        Failure::WrongBecause(both!(
-            "the simulated board does not start: {en}",
-            "模拟控制板无法启动：{zh}",
-            en = reason.en,
-            zh = reason.zh
-        ))
-    };
     let options = PlantOptions {
         at: setup::power_up(global),
         ..PlantOptions::default()
     };
     let mut sim = Sim::power_up(&Params::slant_bed(), &options, flash)
         .map(Box::new)
-        .map_err(told)?;
+        .map_err(|error| not_started(&error))?;
     sim.join(global.board()?)
-        .map_err(|alarm| told(SimError::Board(alarm)))?;
+        .map_err(|alarm| not_started(&SimError::Board(alarm)))?;
     let tick_us = sim.tick_us();
     Ok(Inside::new(sim, tick_us))
 }

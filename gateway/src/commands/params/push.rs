@@ -24,6 +24,7 @@ use leadscrew_core::params::{Entry, PASSWORD, PASSWORD_KEPT, Params};
 use super::drive;
 use crate::cli::{Global, Push};
 use crate::commands::board::{Greeted, Machine};
+use crate::commands::ending;
 use crate::diagnostics::say;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
@@ -279,17 +280,10 @@ pub fn tell(global: &Global, done: &Done) -> Outcome {
     }
     let mut text = difference::text(&done.changes, &done.drives, lang);
     let identity = done.identity;
-    let end = if global.dry_run {
-        both!(
-            "nothing has been changed (`--dry-run`)\n",
-            "未作任何更改（`--dry-run`）\n"
-        )
-    } else {
-        both!(
-            "stored and in force, identity {identity:08x}\n",
-            "已保存并生效，标识 {identity:08x}\n"
-        )
-    };
+    let end = ending(
+        global,
+        &both!("identity {identity:08x}", "标识 {identity:08x}"),
+    );
     text.push_str(end.get(lang));
     output::write(text.as_bytes())
 }

@@ -6,6 +6,7 @@ use leadscrew_core::offsets::Offsets;
 
 use super::home::Home;
 use crate::cli::{Assign, Global, PushTools};
+use crate::commands::ending;
 use crate::diagnostics::say;
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -99,16 +100,6 @@ fn tell(global: &Global, home: &Home, changes: &[Change]) -> Outcome {
     if changes.is_empty() {
         return output::write(pick(lang, "nothing to change\n", "无需更改\n").as_bytes());
     }
-    let end = if global.dry_run {
-        both!(
-            "nothing has been changed (`--dry-run`)\n",
-            "未作任何更改（`--dry-run`）\n"
-        )
-    } else {
-        both!(
-            "stored and in force, revision {revision}\n",
-            "已保存并生效，修订号 {revision}\n"
-        )
-    };
+    let end = ending(global, &both!("revision {revision}", "修订号 {revision}"));
     output::write((tools::text(changes) + end.get(lang)).as_bytes())
 }

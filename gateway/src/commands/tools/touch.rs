@@ -15,6 +15,7 @@ use leadscrew_core::units::Axis;
 
 use super::home::Home;
 use crate::cli::{AxisName, Global, SystemName, Touch};
+use crate::commands::ending;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -197,17 +198,7 @@ fn tell(
         "{name} = {new}: {letter} {value} of the work is at {machine} of the machine\n",
         "{name} = {new}：工件 {letter} {value} 位于机床坐标 {machine}\n"
     );
-    let end = if global.dry_run {
-        both!(
-            "nothing has been changed (`--dry-run`)\n",
-            "未作任何更改（`--dry-run`）\n"
-        )
-    } else {
-        both!(
-            "stored and in force, revision {revision}\n",
-            "已保存并生效，修订号 {revision}\n"
-        )
-    };
+    let end = ending(global, &both!("revision {revision}", "修订号 {revision}"));
     let lang = global.lang();
     let text = [head.get(lang), &tools::text(changes), end.get(lang)].concat();
     output::write(text.as_bytes())
