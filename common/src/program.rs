@@ -6,6 +6,7 @@ use std::io;
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::call::Position;
+use leadscrew_core::offsets::Offsets;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Carried, Event, Options};
 use leadscrew_language::dialect::Control;
@@ -239,6 +240,11 @@ impl<'p> Program<'p> {
     /// The variables that outlive the program, as its last block has left them.
     pub const fn kept(&self) -> &Kept {
         self.reader.variables().kept()
+    }
+
+    /// The table of offsets and tools that the program has written to; `None` where it has not.
+    pub fn written_offsets(&self) -> Option<&Offsets> {
+        self.reader.interpreter().written_offsets()
     }
 
     /// How many lines were carried out, the line of the last event included: a line that is carried out again counts again.

@@ -83,6 +83,11 @@ impl<'a> Execution<'a> {
         }
     }
 
+    /// True where the program has written offsets, which this machine does not keep.
+    pub fn forgets_offsets(&self) -> bool {
+        self.ended.writes_offsets
+    }
+
     /// True where the user has ended the run.
     pub fn is_interrupted(&self) -> bool {
         self.ended.interrupted

@@ -2,6 +2,7 @@
 
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::offsets::Offsets;
 use leadscrew_core::program::{Carried, Event};
 use leadscrew_language::variables::Kept;
 
@@ -74,6 +75,12 @@ impl<'a> Feeder<'a> {
     #[must_use]
     pub const fn variables(&self) -> &Kept {
         self.program.kept()
+    }
+
+    /// The table that the program has written to by G10, as its last block has left it; `None` where it has not.
+    #[must_use]
+    pub fn written_offsets(&self) -> Option<&Offsets> {
+        self.program.written_offsets()
     }
 
     /// What the text leaves in force for the next one; `None` behind M02 or M30, which end it all.

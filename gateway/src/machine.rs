@@ -34,6 +34,8 @@ pub struct Ended {
     pub threads: Threads,
     /// The variables that the program has left, or its last pass that came to its end.
     pub variables: Option<Kept>,
+    /// The program has written offsets and come to its end.
+    pub writes_offsets: bool,
 }
 
 /// Watches a run.
@@ -183,6 +185,7 @@ fn carry_out(
             // Mistakes that the text has after all end it, too.
             if ended.alarms.is_empty() {
                 ended.variables = Some(feeder.variables().clone());
+                ended.writes_offsets = feeder.written_offsets().is_some();
             }
             if !feeder.next_pass() {
                 break;

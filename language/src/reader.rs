@@ -50,6 +50,8 @@ struct Core<'p> {
     stock: Option<Stock>,
     /// T of the latest block that has one.
     tool: Option<u16>,
+    /// How often offsets had been written when the nose was read.
+    writes: u32,
     /// What the first lines of the contour cycles have said.
     first: FirstLines,
     /// The contour that is being read. For all cycles but G70 the interpreter is then a copy, whose moves are collected;
@@ -86,6 +88,7 @@ impl<'p, S: Source> Reader<'p, S> {
                 control,
                 stock: rules.stock,
                 tool: None,
+                writes: 0,
                 first: FirstLines::new(control),
                 contour: None,
                 drill: None,
@@ -196,6 +199,23 @@ impl Core<'_> {
         self.path.tool(number, self.interpreter.offsets());
     }
 
+    /// After G10: the nose is that of the table as it is now. A contour is read before it is cut, several times, and writes
+    /// nothing.
+    fn follow_offsets(&mut self) -> Result<(), Alarm> {
+        let (writes, span) = self.interpreter.offsets_writes();
+        if writes == self.writes {
+            return Ok(());
+        }
+        if matches!(self.contour, Some((_, Some(_)))) {
+            return Err(Alarm::new(Code::ContourWord, span).word(b'G'));
+        }
+        self.writes = writes;
+        if let Some(number) = self.tool {
+            self.path.tool(number, self.interpreter.offsets());
+        }
+        Ok(())
+    }
+
     /// Decimals to which a value of this letter's word is rounded, in inches or millimetres.
     fn decimals(&self, letter: u8, inch: bool) -> u8 {
         let angle = 3 + u8::from(self.params.increment_is_c());
@@ -233,12 +253,15 @@ impl Core<'_> {
             words.iter().any(is)
         };
         let dwell = has(4);
+        let offsets = has(10);
         let enhanced = has(78);
         let inch = has(20) || (self.interpreter.is_inch() && !has(21));
         words.iter().filter_map(move |word| {
             let (decimals, step) = match word.letter {
                 // Milliseconds, and seconds.
                 b'P' if dwell => (0, 0),
+                // Numbers of offsets and of a tip.
+                b'P' | b'Q' if offsets => (0, 0),
                 b'X' | b'U' if dwell => (3, 3),
                 // Lengths, whatever P and Q of the other cycles are.
                 b'P' | b'Q' if enhanced => (self.decimals(b'X', inch), self.increment(b'X', inch)),
@@ -295,8 +318,10 @@ impl Acting<'_, '_> {
             result.and_then(|moved| acted.map(|()| moved))
         };
         self.core.contour = contour;
+        let moved = result?;
+        self.core.follow_offsets()?;
         Ok(Done {
-            moved: result?,
+            moved,
             ended: self.core.interpreter.is_ended(),
         })
     }

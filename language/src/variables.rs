@@ -64,7 +64,7 @@ fn place(number: i64, first: i64, count: usize) -> Option<usize> {
 }
 
 /// What came of writing a system variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Written {
     /// It has the value.
     Done,
@@ -72,6 +72,8 @@ pub enum Written {
     ReadOnly,
     /// There is no such variable here.
     Unknown,
+    /// It cannot have this value; the alarm has no place yet.
+    Refused(Alarm),
 }
 
 /// The variables of the machine: from `#1000` on, but `#3000` and `#3006`, which are statements.
@@ -164,6 +166,7 @@ impl<S: System> Scope<'_, S> {
             Written::Done => Ok(()),
             Written::ReadOnly => Err(blame(Code::VariableReadOnly, number, span)),
             Written::Unknown => Err(blame(Code::VariableNumber, number, span)),
+            Written::Refused(alarm) => Err(Alarm { span, ..alarm }),
         }
     }
 }

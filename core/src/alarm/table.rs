@@ -475,6 +475,10 @@ codes! {
     /// The highest speed in a subprogram's file with another dialect; {0} its code.
     SpeedLimitElsewhere = 4087, "{0} S in a file of another dialect: under G97 it limits the speed on FANUC and Haas, and not on GSK", "set the highest speed in the program that was started, before the call, or write this file in the dialect of that program",
         "其他方言的文件中有 {0} S：在 G97 下，FANUC 和 Haas 受其限制，GSK 不受限制", "请在主程序调用之前设定最高转速，或用主程序的方言编写此文件";
+    /// P and L of G10 name nothing that a table has.
+    DataPlace = 4088, "G10 does not say which offset it writes",
+        "write P0 (shift of all work offsets), P1 to P32 (wear) or P10001 to P10032 (geometry); with L2 P0 to P6 (shift, G54 to G59); with L10, L11, L12 (geometry, wear, radius) P1 to P32",
+        "G10 未指明写入哪个偏置", "请写 P0（工件零点平移）、P1 至 P32（磨损）或 P10001 至 P10032（几何）；L2 时 P0 至 P6（平移、G54 至 G59）；L10、L11、L12（几何、磨损、半径）时 P1 至 P32";
 
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 

@@ -39,26 +39,44 @@ impl Source<'_> {
     #[must_use]
     pub fn zero(&self, system: u8) -> [Length; 2] {
         let [x, z] = self.work(system);
-        let [more_x, more_z] = self
-            .table
-            .map(|table| table.shift)
-            .unwrap_or_default()
-            .slide();
+        let [more_x, more_z] = self.shift();
         [x + more_x, z + more_z]
+    }
+
+    /// The shift of all systems.
+    #[must_use]
+    pub fn shift(&self) -> [Length; 2] {
+        self.table
+            .map_or([Length::ZERO; 2], |table| table.shift.slide())
     }
 
     /// Geometry and wear of an offset number; nothing for 0.
     #[must_use]
     pub fn tool(&self, number: u8) -> [Length; 2] {
+        let ([x, z], [worn_x, worn_z]) = (self.geometry(number), self.wear(number));
+        [x + worn_x, z + worn_z]
+    }
+
+    /// Geometry of an offset number; nothing for 0.
+    #[must_use]
+    pub fn geometry(&self, number: u8) -> [Length; 2] {
         match self.table {
-            Some(table) => {
-                let tool = table.tool(number).copied().unwrap_or_default();
-                let ([x, z], [worn_x, worn_z]) = (tool.geometry.slide(), tool.wear.slide());
-                [x + worn_x, z + worn_z]
-            }
+            Some(table) => table
+                .tool(number)
+                .copied()
+                .unwrap_or_default()
+                .geometry
+                .slide(),
             None if number == 0 => [Length::ZERO; 2],
             None => self.params.tool_offset(number),
         }
+    }
+
+    /// Wear of an offset number; nothing for 0, and without a table.
+    #[must_use]
+    pub fn wear(&self, number: u8) -> [Length; 2] {
+        let tool = self.table.and_then(|table| table.tool(number).copied());
+        tool.unwrap_or_default().wear.slide()
     }
 
     /// The nose of an offset number; none for 0.

@@ -7,7 +7,7 @@ use super::state::State;
 use crate::alarm::{Alarm, Code, Span};
 use crate::call::{Call, CallKind, Position, ThreadCycle};
 use crate::cycle::rigid_code;
-use crate::offsets::Source;
+use crate::offsets::{Offsets, Source};
 use crate::params::Params;
 use crate::text::{
     Block, Comment, Cursor, Dialect, Ended, Event, Known, MGroup, Options, Plan, m_code,
@@ -49,6 +49,20 @@ impl<'p> Interpreter<'p> {
     #[must_use]
     pub const fn offsets(&self) -> Source<'_> {
         self.state.modal.offsets()
+    }
+
+    /// The table that the program has written to by G10; `None` where it has not.
+    #[must_use]
+    pub fn written_offsets(&self) -> Option<&Offsets> {
+        let table = self.state.modal.options.offsets.as_ref();
+        table.filter(|_| self.state.offsets_written.0 > 0)
+    }
+
+    /// How often the program has written offsets, and where it did so last: whoever keeps what it has read of them reads
+    /// again when this changes.
+    #[must_use]
+    pub const fn offsets_writes(&self) -> (u32, Span) {
+        self.state.offsets_written
     }
 
     /// Puts in force what the text before has left, and makes no call of it. This is for the start, before the first line.

@@ -9,6 +9,7 @@
 
 mod arc;
 mod carried;
+mod data;
 mod in_force;
 mod interpreter;
 mod motion;

@@ -3,7 +3,7 @@
 //! Power-on: G00 G18 G21 G40 G54 G64 G80 G97 G98, no feed, spindle standing, no shift, no tool offset. G17–G19 matter to
 //! arcs alone; G40 and G80 are accepted and change nothing, since nothing they would end exists.
 
-use crate::alarm::{Alarm, Arg, Code};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{SurfaceSpeed, TapAxis};
 use crate::cycle::{
     GrooveWords, Stroked, TapPart, Tapping, ThreadWords, Turning, TurningWords, TwoBlock,
@@ -76,6 +76,8 @@ pub(super) struct State<'p> {
     pub(super) program: Option<u32>,
     /// N of the latest block that has one.
     pub(super) sequence: Option<u32>,
+    /// How often the program has written offsets, and where it did so last.
+    pub(super) offsets_written: (u32, Span),
     /// M02 or M30 was read.
     pub(super) ended: bool,
     /// A block was read.
@@ -99,6 +101,7 @@ impl<'p> State<'p> {
             exact_stop: false,
             program: None,
             sequence: None,
+            offsets_written: (0, Span::default()),
             ended: false,
             started: false,
         }
@@ -366,6 +369,7 @@ impl<'p> State<'p> {
         }
         match code {
             4 => self.dwell(block, word, motion_word, plan),
+            10 => self.write_offsets(block, word),
             50 => {
                 if sets_limit {
                     self.limit_speed(block, plan)?;

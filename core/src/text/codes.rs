@@ -5,7 +5,7 @@
 pub(crate) enum Group {
     /// G00 G01 G02 G03 G32 G34 G90 G92 G94: how axis words move.
     Motion,
-    /// G04 G28 G30 G50 G53 G74 G75 G76 G78: for their own block only.
+    /// G04 G10 G28 G30 G50 G53 G74 G75 G76 G78: for their own block only.
     OneShot,
     /// G17 G18 G19.
     Plane,
@@ -80,7 +80,7 @@ pub(crate) enum Known<T> {
 pub(crate) const fn g_code(code: i64) -> Known<Group> {
     Known::Yes(match code {
         0..=3 | 32 | 34 | 90 | 92 | 94 => Group::Motion,
-        4 | 28 | 30 | 50 | 53 | 74..=76 | 78 => Group::OneShot,
+        4 | 10 | 28 | 30 | 50 | 53 | 74..=76 | 78 => Group::OneShot,
         17..=19 => Group::Plane,
         20 | 21 => Group::Unit,
         40 => Group::Compensation,

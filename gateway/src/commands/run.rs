@@ -117,6 +117,13 @@ pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
             text.push_str(&file);
             text.push('\n');
         }
+        if execution.forgets_offsets() {
+            let told = both!(
+                "note: the offsets that the program has written (G10) are forgotten: only a board keeps a table (`leadscrew up`)\n",
+                "注意：程序写入的偏置（G10）不会保存：只有控制板才保存刀具表（`leadscrew up`）\n"
+            );
+            text.push_str(told.get(setup.lang));
+        }
         text.push_str(&execution.threads());
         output::write(text.as_bytes())?;
     }

@@ -155,3 +155,34 @@ fn at_a_prompt_the_arrow_brings_the_line_before() {
     assert_eq!(mdi.wait().unwrap().code(), Some(0));
     assert_eq!(user.json(&["status"])["mx"], 2);
 }
+
+/// G10 in a program and in a line: the board keeps what the program has written when it has ended, and nothing of one that
+/// has not.
+#[test]
+fn offsets_that_a_program_writes_are_kept_when_it_has_ended() {
+    let user = User::with_machine();
+    let value = |key: &str| user.json(&["offsets", "get", key])["values"][0]["value"].clone();
+    good(&user.does(&["offsets", "set", "G54.Z=-10"]));
+    let kept = user.program("G10 L2 P2 X4 Z-20\nG10 P0 Z1\nG55 G0 X0 Z0\nM30\n");
+    let done = user.json(&["run", &kept]);
+    assert_eq!(done["offsets_revision"], 2);
+    let status = user.json(&["status"]);
+    assert_eq!((&status["mx"], &status["mz"]), (&4.into(), &(-19).into()));
+    assert_eq!(
+        [value("G55.X"), value("G55.Z")],
+        [Value::from(4), Value::from(-20)]
+    );
+    assert_eq!(
+        [value("shift.Z"), value("G54.Z")],
+        [Value::from(1), Value::from(-10)]
+    );
+    let (_, after) = typed(&user, "G10 L2 P2 W0.5");
+    assert_eq!(value("G55.Z"), Value::from(-19.5));
+    // The coordinates of the next line are those of the new table.
+    assert_eq!((&after["x"], &after["z"]), (&4.into(), &(-10).into()));
+    let broken = user.program("G10 L2 P3 X7\nG0 X1\nG77\nM30\n");
+    bad(&user.does(&["run", &broken]), 1);
+    assert_eq!(value("G56.X"), Value::from(0));
+    let plain = user.program("G0 X0 Z-19\nM30\n");
+    assert_eq!(user.json(&["run", &plain])["offsets_revision"], Value::Null);
+}

@@ -2,6 +2,7 @@
 
 use super::*;
 use leadscrew_core::call::Position;
+use leadscrew_core::offsets::Offsets;
 use leadscrew_core::program::Events;
 use leadscrew_core::units::{Angle, Length};
 
@@ -192,7 +193,7 @@ fn macros_can_ask_where_the_program_stands() {
             "{text}"
         );
     }
-    for text in ["#1=#3001", "#1=#2001", "#1=#5223", "#3003=1"] {
+    for text in ["#1=#3001", "#1=#2033", "#1=#5223", "#3003=1"] {
         assert_eq!(
             read(text).1.map(|alarm| alarm.number()),
             Some(115),
@@ -335,5 +336,81 @@ fn a_cycle_without_its_contour_is_refused() {
     assert_eq!(
         refused("G98 F100\nG0 X40 Z2\nG71 P1 Q2\nN1 G1 Z-5\nN2 X30\n"),
         Some(65)
+    );
+}
+
+/// The radius of X, Z of the first rapid, in 0.1 µm, and the table that a program leaves.
+fn ends(text: &str) -> (Vec<(i64, i64)>, Option<Offsets>) {
+    let params = Params::sheets();
+    let (kept, rules) = (Kept::default(), Rules::default());
+    let mut reader = Reader::new(text.as_bytes(), &params, Options::default(), kept, rules);
+    let mut ends = Vec::new();
+    while !reader.is_over() {
+        reader
+            .step(&mut |event| {
+                if let Event::Call(call) = event
+                    && let CallKind::Rapid(to) = call.kind
+                {
+                    ends.push((to.x.nm() / 100, to.z.nm() / 100));
+                }
+            })
+            .unwrap_or_else(|trouble| panic!("{trouble:?} in {text}"));
+    }
+    (ends, reader.interpreter().written_offsets().copied())
+}
+
+#[test]
+fn variables_of_the_table_are_read_and_written_as_by_g10() {
+    for (by_variables, by_g10) in [
+        ("#2003=.1\n#2103=-.2", "G10 P3 X.1 Z-.2"),
+        (
+            "#2703=-50\n#2803=7.5\n#2903=.4\n#2303=3",
+            "G10 P10003 X-50 Z7.5 R.4 Q3",
+        ),
+        ("#5201=1\n#5202=2", "G10 P0 X1 Z2"),
+        ("#5221=1\n#5322=2", "G10 L2 P1 X1\nG10 L2 P6 Z2"),
+        ("G20\n#2003=.1", "G20\nG10 P3 X.1"),
+        ("#1=3\n#[2000+#1]=#[2000+#1]+.05", "G10 P3 U.05"),
+        ("#2=10003\nG10 P#2 R[.2+.2] Q[1+2]", "G10 P10003 R.4 Q3"),
+    ] {
+        let ((_, ours), (_, theirs)) = (ends(by_variables), ends(by_g10));
+        assert_eq!(ours, theirs, "{by_variables}");
+        assert!(ours.is_some());
+    }
+    let text = "G10 P10003 X4 Z5 R.4 Q3\nG10 P3 X.5\nG10 P0 Z1\nG10 L2 P2 X6\n\
+        G0 X#2703 Z#2803\nX#2903 Z#2303\nX#2003 Z#5202\nX#5241 Z#2203";
+    let expected = [(2, 5), (0, 3), (0, 1), (3, 0)];
+    let shift = 10_000;
+    let (found, _) = ends(text);
+    let found: Vec<_> = found
+        .iter()
+        .map(|(x, z)| (x / 10_000, (z - shift) / 10_000))
+        .collect();
+    assert_eq!(found, expected);
+    let number = |text| read(text).1.map(|alarm| (alarm.number(), alarm.span.line));
+    assert_eq!(number("\n#2003=1000"), Some((4582, 2)));
+    assert_eq!(number("#2203=1"), Some((116, 1)));
+    assert_eq!(number("#2033=1"), Some((115, 1)));
+}
+
+#[test]
+fn the_nose_is_that_of_the_table_after_g10() {
+    let path = "G98 G42 G1 X20 Z0 F100\nZ-20\nX30\nG40 G0 X40 Z5\nM30";
+    let written = format!("G0 X40 Z5 T0101\nG10 P10001 R.8 Q3\n{path}");
+    let known = format!("G10 P10001 R.8 Q3\nG0 X40 Z5 T0101\n{path}");
+    let other = format!("G10 P10001 R.4 Q3\nG0 X40 Z5 T0101\n{path}");
+    let (written, known) = (kinds(&written), kinds(&known));
+    assert_eq!(written, known);
+    assert_ne!(written, kinds(&other));
+}
+
+#[test]
+fn a_contour_writes_no_offsets() {
+    let text =
+        "G0 X40 Z5\nG71 U2 R1\nG71 P1 Q3 U1 W.1 F100\nN1 G0 X20\nN2 G10 P0 X1\nN3 G1 Z-20\nM30";
+    let alarm = read(text).1.unwrap();
+    assert_eq!(
+        (alarm.number(), alarm.span.line),
+        (Code::ContourWord.number(), 5)
     );
 }

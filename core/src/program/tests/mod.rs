@@ -8,6 +8,7 @@ extern crate std;
 mod alarms;
 mod calls;
 mod cycles;
+mod data;
 mod forms;
 mod in_phase;
 mod ordinary_taps;

@@ -123,7 +123,7 @@ pub fn perform<'a>(
     interrupt::defer(UnderWay::Machine);
     let (_, threads) = link.certificates()?;
     let bar = tell::bar(report.moves, global.json, setup.lang);
-    let (ran, outcome) = work::carry_out(&setup, source, &mut link, status, &threads, bar);
+    let (mut ran, outcome) = work::carry_out(&setup, source, &mut link, status, &threads, bar);
     for diagnostic in ran.alarms.iter().chain(&ran.warnings) {
         diagnostics::print(diagnostic, setup.colour);
     }
@@ -133,6 +133,10 @@ pub fn perform<'a>(
     }
     if let Some(values) = &ran.variables {
         setup.variables.save(values, setup.lang)?;
+    }
+    if let Some(table) = &ran.offsets {
+        let last = link.offsets_revision()?;
+        ran.revision = Some(link.commit_offsets(table, last)?);
     }
     let verdict = tell::verdict(&ran, args.tolerance);
     Ok(Done {

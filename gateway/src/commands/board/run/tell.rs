@@ -7,6 +7,7 @@ use std::io::IsTerminal as _;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_can::Address;
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::offsets::Revision;
 
 use super::work::Ran;
 use crate::checking::{Report, plural};
@@ -101,6 +102,13 @@ pub fn summary(
     );
     output::write(text.get(setup.lang).as_bytes())?;
     output::write(ran.threads.text(setup.lang).as_bytes())?;
+    if let Some(Revision(revision)) = ran.revision {
+        let told = both!(
+            "offsets and tools: written by the program, revision {revision}\n",
+            "偏置与刀具：已由程序写入，修订号 {revision}\n"
+        );
+        output::write(told.get(setup.lang).as_bytes())?;
+    }
     if let Some(line) = origin.line() {
         output::write(line.get(setup.lang).as_bytes())?;
     }
@@ -153,6 +161,9 @@ impl Figures {
         self.errors.field("measured_error_um", json);
         json.integer("late", i64::from(ran.late));
         ran.threads.fields(json);
+        if let Some(Revision(revision)) = ran.revision {
+            json.integer("offsets_revision", revision.into());
+        }
     }
 }
 

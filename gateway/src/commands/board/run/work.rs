@@ -9,6 +9,7 @@ use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
+use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::program::Carried;
 
 use super::super::state_words;
@@ -62,6 +63,10 @@ pub struct Ran {
     pub carried: Option<Carried>,
     /// The variables that the program has left, or its last pass that came to its end.
     pub variables: Option<Kept>,
+    /// The table of offsets and tools, where the program has written to it by G10 and came to its end.
+    pub offsets: Option<Offsets>,
+    /// The revision under which the board keeps that table.
+    pub revision: Option<Revision>,
 }
 
 /// Runs a program on a board that was checked for it with this `status`. Returns the result also where the board was lost.
@@ -283,6 +288,7 @@ impl Runner<'_> {
         if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
             if self.ran.finished && !self.ran.reset && self.ran.alarms.is_empty() {
                 self.ran.variables = Some(feeder.variables().clone());
+                self.ran.offsets = feeder.written_offsets().copied();
                 self.ran.carried = feeder.carried();
                 self.ran.program = feed.program();
                 if feeder.next_pass() {
