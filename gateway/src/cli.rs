@@ -53,7 +53,10 @@ impl Cli {
     pub fn settle(&mut self) -> Outcome {
         let without = matches!(
             self.command,
-            Command::Simulate(_) | Command::Plot(_) | Command::Completions { .. }
+            Command::Simulate(_)
+                | Command::Plot(_)
+                | Command::Explain(_)
+                | Command::Completions { .. }
         );
         let global = &mut self.global;
         if let Some(bus) = &global.typed_bus {
@@ -427,6 +430,9 @@ pub enum Command {
     /// Capture the bus into a file, until Ctrl-C
     #[command(after_help = examples::RECORD)]
     Record(Record),
+    /// Say what an alarm or a warning means, what to do, and which program raises it
+    #[command(after_help = examples::EXPLAIN)]
+    Explain(Explain),
     /// Print a completion script for a shell
     #[command(after_help = examples::COMPLETIONS)]
     Completions {
@@ -434,6 +440,17 @@ pub enum Command {
         #[arg(value_enum)]
         shell: clap_complete::Shell,
     },
+}
+
+/// `explain`.
+#[derive(Args, Debug)]
+pub struct Explain {
+    /// The numbers; without any, a list of all
+    #[arg(value_name = "NUMBER")]
+    pub numbers: Vec<u16>,
+    /// All of them as Markdown, a page of the manual
+    #[arg(long, conflicts_with = "numbers")]
+    pub docs: bool,
 }
 
 /// `check`.

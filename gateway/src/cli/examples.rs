@@ -37,6 +37,12 @@ Examples:
   leadscrew retract --speed 200 --state board.flash
   leadscrew retract --discard --state board.flash   the tap was taken out by hand";
 
+pub(super) const EXPLAIN: &str = "\
+Examples:
+  leadscrew explain 4036
+  leadscrew explain                                one line for each number
+  leadscrew explain --docs > alarms.md";
+
 pub(super) const CHECK: &str = "\
 Examples:
   leadscrew check part.nc

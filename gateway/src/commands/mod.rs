@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod desk;
 mod expand;
+mod explain;
 mod params;
 mod plot;
 mod record;
@@ -29,6 +30,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
     unavailable::refuse(cli)?;
     match &cli.command {
         Command::Completions { shell } => completions::print(*shell),
+        Command::Explain(args) => explain::run(&cli.global, args),
         Command::Params { command } => params::run(&cli.global, command),
         Command::Tools { command } => tools::tools(&cli.global, command),
         Command::Offsets { command } => tools::offsets(&cli.global, command),

@@ -58,6 +58,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Simulate(_) => "simulate",
         Command::Plot(_) => "plot",
         Command::Run(_) => "run",
+        Command::Explain(_) => "explain",
         Command::Params { .. } => "params",
         Command::Tools { .. } => "tools",
         Command::Offsets { .. } => "offsets",

@@ -106,6 +106,7 @@ mod check;
 mod corners;
 mod dialects;
 mod expand;
+mod explain;
 mod interrupt;
 mod json;
 mod kept;
