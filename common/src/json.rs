@@ -92,6 +92,18 @@ impl Json {
         self.out.extend_from_slice(digits.to_string().as_bytes());
     }
 
+    /// A text as an element.
+    pub fn text_item(&mut self, value: &str) {
+        self.separate();
+        string(&mut self.out, value);
+    }
+
+    /// A number as an element: digits that are a JSON number already.
+    pub fn item(&mut self, digits: &str) {
+        self.separate();
+        self.out.extend_from_slice(digits.as_bytes());
+    }
+
     /// `"key": null`.
     pub fn null(&mut self, key: &str) {
         self.key(key);

@@ -520,8 +520,10 @@ pub struct Plot {
     /// Program
     #[arg(value_name = "PROG")]
     pub program: PathBuf,
-    /// Where the picture goes; the ending chooses the format (`svg`; `png` and `html` are not available yet)
-    #[arg(short, long, value_name = "FILE.svg")]
+    /// Where the picture goes; the ending chooses the format (`png` is not available yet)
+    ///
+    /// `.html` is one file that a browser opens without a network: it zooms, tells the line under the pointer, and plays.
+    #[arg(short, long, value_name = "FILE.{svg,html}")]
     pub output: PathBuf,
     /// The tool path alone, near the part: nothing is run, so there is nothing over time
     #[arg(long, conflicts_with_all = ["spindle_ripple", "tick_us"])]

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use leadscrew_core::call::Position;
 use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_language::whose::Whose;
 
 use crate::length::sweep;
 use crate::plot::{Kind, Stroke};
@@ -54,19 +55,38 @@ impl Drawing {
         if self.strokes.len() == MOST {
             self.left_out += 1;
         } else {
-            self.strokes.push(Stroke { kind, points });
+            let line = match Whose::line(step.span.line) {
+                Whose::Program => step.span.line,
+                Whose::Subprogram(_) => 0,
+            };
+            self.strokes.push(Stroke { kind, line, points });
         }
     }
 
-    /// The strokes in work coordinates, and the number of strokes that did not fit.
-    pub fn finish(self) -> (Vec<Stroke>, u64) {
+    /// The strokes in work coordinates.
+    pub fn finish(self) -> Drawn {
         let (z, x) = self.origin;
         let mut strokes = self.strokes;
         for point in strokes.iter_mut().flat_map(|stroke| &mut stroke.points) {
             *point = (point.0 - z, point.1 - x);
         }
-        (strokes, self.left_out)
+        Drawn {
+            strokes,
+            origin: self.origin,
+            left_out: self.left_out,
+        }
     }
+}
+
+/// The picture of a path.
+#[derive(Debug)]
+pub struct Drawn {
+    /// The strokes in work coordinates.
+    pub strokes: Vec<Stroke>,
+    /// The work zero in millimetres of the machine: Z, radius.
+    pub origin: (f64, f64),
+    /// The number of strokes that did not fit.
+    pub left_out: u64,
 }
 
 fn mm(nm: i64) -> f64 {

@@ -23,6 +23,7 @@ pub mod link;
 pub mod machine;
 pub mod movelist;
 pub mod origin;
+pub mod page;
 pub mod plausible;
 pub mod plot;
 pub mod recording;

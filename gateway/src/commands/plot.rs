@@ -8,14 +8,15 @@ use leadscrew_core::program::Event;
 use crate::checking;
 use crate::cli::Plot;
 use crate::diagnostics;
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Drawn};
 use crate::execution::{self, Execution};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
 use crate::machine::Observer;
 use crate::number;
 use crate::output;
-use crate::plot::{Envelope, Picture, Sample, Stroke, View};
+use crate::page::{Page, Way};
+use crate::plot::{Envelope, Picture, Sample, View};
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
@@ -30,12 +31,13 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
         return without_time(setup, &source, args);
     }
     let mut execution = Execution::prepare(setup, &source)?;
-    let path = path(setup, &source)?;
-    let tick_us = setup.params.tick_us();
+    let drawn = drawn(setup, &source)?;
+    let tick_us = f64::from(setup.params.tick_us());
     let mut watcher = Watcher {
-        tick_us: f64::from(tick_us),
+        tick_us,
         summary: Summary::new(&setup.params),
-        series: Envelope::new(f64::from(tick_us) / 1e6),
+        series: Envelope::new(tick_us / 1e6),
+        way: Way::new(tick_us / 1e6),
         spindle: None,
     };
     execution.run(&args.drive, &mut watcher)?;
@@ -45,11 +47,12 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
             title: title(&args.program),
             subtitle: summary.line(setup.lang),
             lang: setup.lang,
-            path,
+            path: drawn.strokes,
             view: View::Whole,
             series: Some(watcher.series),
         };
-        write(setup, args, &picture)?;
+        let way = watcher.way.at(drawn.origin);
+        write(setup, &source, args, &picture, Some(way))?;
     }
     execution.conclude(&summary, None)
 }
@@ -70,11 +73,11 @@ fn without_time(setup: &Setup, source: &SourceFile, args: &Plot) -> Outcome {
             title: title(&args.program),
             subtitle: line.get(setup.lang).to_owned(),
             lang: setup.lang,
-            path: path(setup, source)?,
+            path: drawn(setup, source)?.strokes,
             view: View::Part,
             series: None,
         };
-        write(setup, args, &picture)?;
+        write(setup, source, args, &picture, None)?;
     }
     if setup.global.json {
         output::json(|json| {
@@ -88,8 +91,27 @@ fn without_time(setup: &Setup, source: &SourceFile, args: &Plot) -> Outcome {
 }
 
 /// Writes a picture and says so.
-fn write(setup: &Setup, args: &Plot, picture: &Picture) -> Outcome {
-    std::fs::write(&args.output, picture.svg())
+fn write(
+    setup: &Setup,
+    source: &SourceFile,
+    args: &Plot,
+    picture: &Picture,
+    way: Option<Way>,
+) -> Outcome {
+    let document = match format(&args.output)? {
+        Format::Svg => picture.svg(),
+        Format::Html => Page {
+            title: &picture.title,
+            subtitle: &picture.subtitle,
+            lang: picture.lang,
+            path: &picture.path,
+            program: listing(source),
+            way,
+            over_time: picture.over_time(),
+        }
+        .html(),
+    };
+    std::fs::write(&args.output, document)
         .map_err(|error| Failure::file(Doing::Write, args.output.display(), &error))?;
     if !setup.global.json {
         let (output, line) = (words::path(&args.output), &picture.subtitle);
@@ -99,25 +121,42 @@ fn write(setup: &Setup, args: &Plot, picture: &Picture) -> Outcome {
     Ok(())
 }
 
-/// Refuses formats by name, before anything is computed.
-pub fn format(output: &Path) -> Outcome {
+/// What a picture is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    Svg,
+    Html,
+}
+
+/// The format that the ending of the file chooses. One that there is none of is refused by name, before anything is
+/// computed.
+pub fn format(output: &Path) -> Outcome<Format> {
     let ending = output
         .extension()
         .and_then(|e| e.to_str())
         .unwrap_or_default();
     match ending.to_ascii_lowercase().as_str() {
-        "svg" => Ok(()),
-        known @ ("png" | "html") => Err(Failure::Usage(both!(
-            "pictures as `{known}` are not available yet; write `-o {svg}`",
-            "尚不能输出 `{known}` 图片；请写 `-o {svg}`",
+        "svg" => Ok(Format::Svg),
+        "html" => Ok(Format::Html),
+        "png" => Err(Failure::Usage(both!(
+            "pictures as `png` are not available yet; write `-o {svg}`",
+            "尚不能输出 `png` 图片；请写 `-o {svg}`",
             svg = words::path(&output.with_extension("svg"))
         ))),
         _ => Err(Failure::Usage(both!(
-            "`{output}`: the ending of the file chooses the format, and `.svg` is the one there is",
-            "`{output}`：文件的扩展名决定格式，目前只有 `.svg`",
+            "`{output}`: the ending of the file chooses the format, `.svg` or `.html`",
+            "`{output}`：文件的扩展名决定格式：`.svg` 或 `.html`",
             output = words::path(output)
         ))),
     }
+}
+
+/// The lines of the program beside its path, as many as a page can carry.
+fn listing(source: &SourceFile) -> Vec<String> {
+    const MOST: u32 = 5_000;
+    let lines = (1..=MOST).map_while(|number| source.line(number));
+    let text = |line: Vec<u8>| String::from_utf8_lossy(&line).trim_end().to_owned();
+    lines.map(text).collect()
 }
 
 fn title(program: &Path) -> String {
@@ -127,7 +166,7 @@ fn title(program: &Path) -> String {
 }
 
 /// The tool path of a program that has been checked.
-fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
+fn drawn(setup: &Setup, source: &SourceFile) -> Outcome<Drawn> {
     let options = setup.options();
     let unreadable = |error| Failure::file(Doing::Read, source.name(), &error);
     let mut program = Program::open(source, &setup.params, setup.begin()).map_err(unreadable)?;
@@ -149,16 +188,16 @@ fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
             at = step.to;
         }
     }
-    let (strokes, left_out) = drawing.finish();
-    if left_out > 0 {
+    let drawn = drawing.finish();
+    if drawn.left_out > 0 {
+        let (left_out, shown) = (drawn.left_out, drawn.strokes.len());
         let told = both!(
             "the picture shows the first {shown} moves; {left_out} more did not fit\n",
-            "图中只画了前 {shown} 段移动，还有 {left_out} 段画不下\n",
-            shown = strokes.len()
+            "图中只画了前 {shown} 段移动，还有 {left_out} 段画不下\n"
         );
         diagnostics::say(told.get(setup.lang));
     }
-    Ok(strokes)
+    Ok(drawn)
 }
 
 /// Collects the time series.
@@ -166,6 +205,7 @@ struct Watcher {
     tick_us: f64,
     summary: Summary,
     series: Envelope,
+    way: Way,
     /// The spindle in the picture and its angle in the tick before.
     spindle: Option<(u8, i64)>,
 }
@@ -180,6 +220,7 @@ impl Observer for Watcher {
         };
         // Nanometres a tick to millimetres a minute, millionths of a turn a tick to turns a minute.
         let minute = 60e6 / self.tick_us;
+        self.way.push(point.line, point.x_nm, point.z_nm);
         self.series.push(&Sample {
             x: x as f64 * minute / 1e6,
             z: z as f64 * minute / 1e6,

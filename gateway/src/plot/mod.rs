@@ -41,32 +41,44 @@ pub struct Picture {
 impl Picture {
     /// The SVG document.
     pub fn svg(&self) -> String {
-        let mut document = Document::new();
-        let mut top = TITLE;
         let mut body = Group::new();
-        top = path::draw(&mut body, top, &self.path, self.view, self.lang);
+        let mut top = path::draw(&mut body, TITLE, &self.path, self.view, self.lang);
         if let Some(series) = &self.series {
             top = time::draw(&mut body, top + 34.0, series, self.lang) + 18.0;
         }
-        let height = top + 36.0;
-
-        document.assign("viewBox", (0, 0, WIDTH, height));
-        document.assign("width", WIDTH);
-        document.assign("height", height);
-        document.assign("role", "img");
-        document.append(Style::new(include_str!("style.css")));
-        document.append(
-            Rectangle::new()
-                .set("class", "paper")
-                .set("width", WIDTH)
-                .set("height", height)
-                .set("rx", 8),
-        );
-        document.append(text(MARGIN, 36.0, "title", &self.title));
-        document.append(text(MARGIN, 60.0, "subtitle", &self.subtitle));
-        document.append(body);
-        format!("{document}\n")
+        let title = text(MARGIN, 36.0, "title", &self.title);
+        let subtitle = text(MARGIN, 60.0, "subtitle", &self.subtitle);
+        document(&[title, subtitle], body, top + 36.0)
     }
+
+    /// What the machine did over time, alone, as SVG.
+    pub fn over_time(&self) -> Option<String> {
+        let mut body = Group::new();
+        let series = self.series.as_ref()?;
+        let bottom = time::draw(&mut body, 34.0, series, self.lang);
+        Some(document(&[], body, bottom + 36.0))
+    }
+}
+
+/// A document of this height, in pixels.
+fn document(head: &[Text], body: Group, height: f64) -> String {
+    let paper = Rectangle::new()
+        .set("class", "paper")
+        .set("width", WIDTH)
+        .set("height", height)
+        .set("rx", 8);
+    let mut document = Document::new()
+        .set("viewBox", (0, 0, WIDTH, height))
+        .set("width", WIDTH)
+        .set("height", height)
+        .set("role", "img")
+        .add(Style::new(include_str!("style.css")))
+        .add(paper);
+    for text in head {
+        document.append(text.clone());
+    }
+    document.append(body);
+    format!("{document}\n")
 }
 
 /// A text of a class; its anchor is the class's.
@@ -154,6 +166,7 @@ mod tests {
     fn a_picture_of_the_part_leaves_out_the_way_to_the_tool_change() {
         let stroke = |kind, points: &[(f64, f64)]| Stroke {
             kind,
+            line: 1,
             points: points.to_vec(),
         };
         let path = vec![

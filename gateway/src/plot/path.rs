@@ -26,7 +26,8 @@ pub enum Kind {
 }
 
 impl Kind {
-    fn class(self) -> &'static str {
+    /// Its name in styles.
+    pub fn class(self) -> &'static str {
         match self {
             Self::Rapid => "rapid",
             Self::Feed => "feed",
@@ -41,6 +42,8 @@ impl Kind {
 pub struct Stroke {
     /// What it is.
     pub kind: Kind,
+    /// The line of the program's own file; 0 for a line of another file.
+    pub line: u32,
     /// At least two points.
     pub points: Vec<(f64, f64)>,
 }

@@ -443,6 +443,51 @@ fn pictures_show_every_kind_of_move() {
     assert!(svg.len() < 200_000, "{}", svg.len());
 }
 
+/// The page has the strokes of the picture, the program, and the way of the tool, each line in its place.
+#[test]
+fn a_page_has_path_program_and_way() {
+    let folder = Folder::new("page");
+    let file = folder.file("shaft.html");
+    for (args, runs) in [(&["--lang", "en"][..], true), (&["--path"], false)] {
+        let program = "examples/shaft.nc";
+        let output = leadscrew(&[&["plot", program, "-o", &file], args].concat());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let page = std::fs::read_to_string(&file).unwrap();
+        let (_, data) = page.split_once("id=\"data\">").unwrap();
+        let (data, _) = data.split_once("</script>").unwrap();
+        let data: Value = serde_json::from_str(data).unwrap();
+        let text = std::fs::read_to_string(root().join(program)).unwrap();
+        let lines: Vec<_> = text.lines().map(str::trim_end).collect();
+        assert_eq!(data["program"], serde_json::json!(lines));
+        let strokes = data["strokes"].as_array().unwrap();
+        let moves = leadscrew(&["expand", program, "--format", "jsonl"]);
+        let moves: Vec<Value> = stdout(&moves)
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .filter(|step: &Value| {
+                ["rapid", "feed", "arc", "thread", "tap"].contains(&step["kind"].as_str().unwrap())
+            })
+            .collect();
+        assert_eq!(strokes.len(), moves.len());
+        for (stroke, step) in strokes.iter().zip(&moves) {
+            assert_eq!(stroke["l"], step["line"]);
+            let points = stroke["p"].as_array().unwrap();
+            let [.., z, x] = &points[..] else { panic!() };
+            let [x, z, to_x, to_z] = [x, z, &step["x"], &step["z"]].map(|v| v.as_f64().unwrap());
+            assert!(
+                (2.0 * x - to_x).abs() < 2e-4 && (z - to_z).abs() < 1e-4,
+                "{step}"
+            );
+        }
+        assert_eq!(data["run"].is_object(), runs);
+        assert_eq!(page.contains("<figure>"), runs);
+        if runs {
+            let way = ["l", "x", "z"].map(|key| data["run"][key].as_array().unwrap().len());
+            assert!(way[0] > 1_000 && way == [way[0]; 3], "{way:?}");
+        }
+    }
+}
+
 #[test]
 fn a_picture_of_the_path_alone_runs_nothing_and_shows_the_part() {
     let folder = Folder::new("path");
