@@ -166,6 +166,7 @@ impl SegmentIn<'_> {
 
 impl SegmentOut<'_> {
     /// The oldest segment, with its plan.
+    #[inline]
     #[must_use]
     pub fn peek(&self) -> Option<Task<'_>> {
         let segment = self.segments.peek()?;

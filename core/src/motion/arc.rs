@@ -211,6 +211,7 @@ impl Arc {
 }
 
 /// `radius` (2⁻²⁰ nm) times `factor` (2⁻⁶²), rounded to the nearest nm.
+#[inline]
 const fn component(radius: u64, factor: i64) -> i64 {
     let size = (mul_high(radius, factor.unsigned_abs()).wrapping_add(1 << 17) >> 18) as i64;
     if factor < 0 {

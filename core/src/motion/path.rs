@@ -83,6 +83,7 @@ impl Path {
 
     /// The position at `travel`. It is exactly the start at zero and exactly the end from the length on; between them
     /// it is rounded to the nearest nanometre (µ°).
+    #[inline]
     #[must_use]
     pub fn at(&self, travel: Travel) -> Position {
         match self {

@@ -317,6 +317,7 @@ impl<const N: usize> Profile<N> {
     }
 
     /// Takes an input into the means; `older` is what leaves them.
+    #[inline]
     fn advance(&mut self, input: u32, older: i64) -> Travel {
         // |A| ≤ n2·cap < 2⁴³ and 0 ≤ V ≤ n1·n2·cap < 2⁵².
         self.accel = self

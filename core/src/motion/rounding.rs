@@ -44,6 +44,7 @@ impl Mean {
     }
 
     /// `sum` over the square of the ticks, to the nearest.
+    #[inline]
     const fn of(self, sum: i64) -> i64 {
         let half = (self.area.get() / 2) as u64;
         let (quotient, _) = self.area.divide(sum.unsigned_abs().wrapping_add(half));

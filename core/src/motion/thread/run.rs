@@ -312,6 +312,7 @@ impl ThreadRun {
 
     /// Delays a stop that may begin at `from` until it meets no corner of the short axis and ends before the end plane.
     /// `None` if the pass should rather end as planned.
+    #[inline]
     fn stop_from(&self, plan: &ThreadPlan, from: Fine) -> Option<Fine> {
         if self.out.is_some() {
             return None;
