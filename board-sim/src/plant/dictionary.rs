@@ -6,6 +6,7 @@
 //! (1010h:01h) keeps it beyond that.
 
 use super::homing::{Homing, Speeds};
+use super::servo::Following;
 use leadscrew_core::bus::{
     Abort, AxisMode, AxisReport, CobId, DriveCommand, DriveStatus, Frame, Mapped, NodeId, Object,
     Objects, Service, Setpoints, SpindleCommand,
@@ -56,6 +57,8 @@ pub(super) struct Settings {
     homing_acceleration: u32,
     /// 607Ch.
     home_offset: i32,
+    /// 6065h and 6066h.
+    following: Following,
 }
 
 /// The reaction of a drive with torque to NMT stop, by CiA 402.
@@ -248,6 +251,10 @@ impl Settings {
             homing_speed: [200_000, 20_000],
             homing_acceleration: 2_000_000,
             home_offset: 0,
+            following: Following {
+                window: Following::OFF,
+                timeout_ms: 0,
+            },
         }
     }
 
@@ -284,6 +291,16 @@ impl Settings {
     /// 607Ch.
     pub(super) const fn home_offset(&self) -> i32 {
         self.home_offset
+    }
+
+    /// 6065h and 6066h.
+    pub(super) const fn following(&self) -> Following {
+        self.following
+    }
+
+    pub(super) const fn with_following(mut self, following: Following) -> Self {
+        self.following = following;
+        self
     }
 
     /// 6099h and 609Ah, and the period for which 60C2h stands.
@@ -399,6 +416,8 @@ pub(super) struct Now {
     /// 60FDh.
     pub(super) inputs: u32,
     pub(super) actual: i32,
+    /// 60F4h; a drive that is ideal has none, and does not supervise it.
+    pub(super) following_error: Option<i32>,
     pub(super) target: i32,
 }
 
@@ -443,6 +462,11 @@ impl Dictionary<'_> {
             (0x6041, 0) => Ok((2, u32::from(now.status))),
             (0x6060 | 0x6061, 0) => Ok((1, u32::from(now.mode))),
             (0x6064, 0) => Ok((4, now.actual as u32)),
+            (0x6065, 0) if now.following_error.is_some() => Ok((4, settings.following.window)),
+            (0x6066, 0) if now.following_error.is_some() => {
+                Ok((2, u32::from(settings.following.timeout_ms)))
+            }
+            (0x60F4, 0) if let Some(error) = now.following_error => Ok((4, error as u32)),
             (0x607A, 0) => Ok((4, now.target as u32)),
             (0x607C, 0) if !now.spindle => Ok((4, settings.home_offset as u32)),
             (0x6098, 0) if !now.spindle => Ok((1, u32::from(settings.method))),
@@ -461,6 +485,9 @@ impl Dictionary<'_> {
                 | 0x6064 | 0x607A | 0x607F | 0x6083 | 0x60C2,
                 _,
             ) => Err(Abort::NoSubIndex),
+            (0x6065 | 0x6066 | 0x60F4, _) if now.following_error.is_some() => {
+                Err(Abort::NoSubIndex)
+            }
             (0x607C | 0x6098 | 0x6099 | 0x609A | 0x60FD, _) if !now.spindle => {
                 Err(Abort::NoSubIndex)
             }
@@ -504,6 +531,8 @@ impl Dictionary<'_> {
             (0x6099, 2) => settings.homing_speed[1] = within(value, 1, 10_000_000)?,
             (0x609A, 0) => settings.homing_acceleration = within(value, 1, 1_000_000_000)?,
             (0x607C, 0) => settings.home_offset = value as i32,
+            (0x6065, 0) => settings.following.window = value,
+            (0x6066, 0) => settings.following.timeout_ms = value as u16,
             (0x607F, 0) => settings.velocity = within(value, 1, 100_000_000)?,
             (0x6083, 0) => settings.acceleration = within(value, 1, 1_000_000_000)?,
             (0x60C2, 1) => settings.period.0 = within(value, 1, 255)? as u8,

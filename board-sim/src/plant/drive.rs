@@ -8,11 +8,13 @@ use super::dictionary::{Commanded, Dictionary, Now, Settings, StopOption, TooSho
 use super::follower::Follower;
 use super::homing::{Homing, HomingOptions};
 use super::power::Power;
+use super::servo::{Following, Servo};
 use leadscrew_core::bus::{
     AxisReport, BlockSize, CobId, DriveCommand, DriveStatus, Emcy, FdFrame, Frame, Increments,
     MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, SdoServer, Setpoints, SpindleCommand,
     Statusword,
 };
+use leadscrew_core::units::Length;
 
 /// SYNC periods for which a client of the drive's SDO server may be silent.
 const PATIENCE: Periods = Periods::new(1000);
@@ -82,6 +84,12 @@ pub struct Drive {
     spindle: SpindleCommand,
     next_spindle: SpindleCommand,
     follower: Follower,
+    /// An axis that is no ideal one: it moves instead of the follower.
+    servo: Option<Servo>,
+    /// A command has come since the last SYNC.
+    fresh: bool,
+    /// The drive fails by itself, with this emergency.
+    failed: Option<u16>,
     /// The spindle turns: its drive cannot change the mode.
     turning: bool,
     /// The drive's count, less the place of the axis.
@@ -137,6 +145,9 @@ impl Drive {
             spindle: standing,
             next_spindle: standing,
             follower,
+            servo: None,
+            fresh: false,
+            failed: None,
             turning: false,
             shift: 0,
             wanted: Mode::Position as u8,
@@ -182,6 +193,15 @@ impl Drive {
         self
     }
 
+    /// The drive moves as this one does, and supervises its following error like this.
+    #[must_use]
+    pub(super) const fn with_servo(mut self, servo: Servo, following: Following) -> Self {
+        self.servo = Some(servo);
+        self.settings = self.settings.with_following(following);
+        self.kept = self.settings;
+        self
+    }
+
     /// The drive of an axis that is at this place, whatever the drive counts.
     #[must_use]
     pub(super) fn at(mut self, place: Increments) -> Self {
@@ -204,18 +224,37 @@ impl Drive {
 
     /// The place of the axis in increments, whatever the drive counts.
     #[must_use]
-    pub const fn place(&self) -> i64 {
+    pub fn place(&self) -> i64 {
         self.count().wrapping_sub(self.shift)
     }
 
-    const fn count(&self) -> i64 {
-        self.follower.actual().get() as i64
+    fn count(&self) -> i64 {
+        i64::from(self.actual().get())
+    }
+
+    /// Where the tool is, in nanometres of the axis. An ideal drive does not tell it.
+    #[must_use]
+    pub fn load(&self) -> Option<Length> {
+        let servo = self.servo.as_ref()?;
+        let fine = servo.load().wrapping_sub(servo.places(self.shift));
+        Some(Length::from_nm(fine.wrapping_add(1 << 15) >> 16))
     }
 
     /// The drive counts otherwise from now on, while its axis stays where it is.
     pub fn count_from(&mut self, count: i64) {
         self.shift = self.shift.wrapping_add(count.wrapping_sub(self.count()));
         self.follower.stand_at(count);
+        if let Some(servo) = &mut self.servo {
+            servo.count_from(count);
+        }
+    }
+
+    /// Stops at once and forgets all targets that wait.
+    fn stop(&mut self) {
+        self.follower.stop();
+        if let Some(servo) = &mut self.servo {
+            servo.stop();
+        }
     }
 
     /// The drive of a spindle: it also takes mode and speed.
@@ -239,8 +278,11 @@ impl Drive {
 
     /// The actual position.
     #[must_use]
-    pub const fn actual(&self) -> Increments {
-        self.follower.actual()
+    pub fn actual(&self) -> Increments {
+        match &self.servo {
+            Some(servo) => servo.actual(),
+            None => self.follower.actual(),
+        }
     }
 
     /// The speed at which the drive turns a spindle.
@@ -278,7 +320,7 @@ impl Drive {
 
     /// Switches the drive off and on: it restarts at its position.
     pub fn restart(&mut self) {
-        self.follower.stop();
+        self.stop();
         self.homing.restart();
         if self.homing.options.forgets {
             self.count_from(0);
@@ -288,6 +330,7 @@ impl Drive {
             homing: self.homing,
             of_spindle: self.of_spindle,
             trouble: self.trouble,
+            servo: self.servo,
             settings: self.kept,
             kept: self.kept,
             ..Self::new(self.node, self.options, self.follower)
@@ -336,6 +379,7 @@ impl Drive {
             }
             Some(Ok(Commanded { own, more })) => {
                 self.command = Setpoints::command(&own, 0);
+                self.fresh = true;
                 self.too_short = false;
                 if more && self.options.tells_longer {
                     self.tells_length = Some(PDO_TOO_LONG);
@@ -387,7 +431,11 @@ impl Drive {
                 self.mode
             },
             inputs: self.homing.inputs(),
-            actual: self.follower.actual().get(),
+            actual: self.actual().get(),
+            following_error: self
+                .servo
+                .as_ref()
+                .map(|servo| servo.following_error().get()),
             target: self.command.map_or(0, |command| command.target.get()),
         };
         Dictionary {
@@ -426,7 +474,19 @@ impl Drive {
         self.next_spindle = self.spindle;
         if self.power == Power::Enabled {
             self.power = power;
-            self.follower.stop();
+            self.stop();
+        }
+    }
+
+    /// Lets the time up to a SYNC pass. Only a drive that is not ideal needs it: the ideal one moves at SYNC.
+    pub fn elapse(&mut self) {
+        let following = self.settings.following();
+        let torque = self.power == Power::Enabled && self.trouble != Trouble::Stuck;
+        if let Some(servo) = &mut self.servo
+            && torque
+            && self.mode != Mode::Homing as u8
+        {
+            self.failed = servo.period(following);
         }
     }
 
@@ -489,7 +549,12 @@ impl Drive {
     }
 
     fn suffer(&mut self, send: &mut impl FnMut(Frame)) {
-        match (self.trouble, self.power) {
+        let by_itself = self.failed.take().filter(|_| self.power == Power::Enabled);
+        let trouble = match (self.trouble, by_itself) {
+            (Trouble::None | Trouble::Silent, Some(code)) => Trouble::Fault(code),
+            (trouble, _) => trouble,
+        };
+        match (trouble, self.power) {
             (Trouble::Fault(_), Power::Fault) => {}
             (Trouble::Fault(_), Power::Reacting) => self.power = Power::Fault,
             (Trouble::Fault(code), _) => {
@@ -534,9 +599,14 @@ impl Drive {
             } else {
                 offset.wrapping_neg()
             };
-            self.shift = at_mark.wrapping_sub(mark);
+            let shift = at_mark.wrapping_sub(mark);
+            self.count_from(self.place().wrapping_add(shift));
         }
-        self.follower.stand_at(place.wrapping_add(self.shift));
+        let count = place.wrapping_add(self.shift);
+        self.follower.stand_at(count);
+        if let Some(servo) = &mut self.servo {
+            servo.stand_at(count);
+        }
     }
 
     /// The mode that has been ordered comes into force.
@@ -561,10 +631,14 @@ impl Drive {
     }
 
     fn follow(&mut self, target: Option<Increments>) {
+        let fresh = core::mem::take(&mut self.fresh);
         match (self.power, target) {
-            _ if self.trouble == Trouble::Stuck => self.follower.stop(),
-            (Power::Enabled, Some(target)) => self.follower.follow(target),
-            _ => self.follower.stop(),
+            _ if self.trouble == Trouble::Stuck => self.stop(),
+            (Power::Enabled, Some(target)) => match &mut self.servo {
+                Some(servo) => self.failed = servo.latch(target, fresh),
+                None => self.follower.follow(target),
+            },
+            _ => self.stop(),
         }
     }
 
@@ -602,7 +676,7 @@ impl Drive {
         send(
             DriveStatus {
                 status: Statusword::from_raw(self.statusword()),
-                actual: measured.unwrap_or(self.follower.actual()),
+                actual: measured.unwrap_or(self.actual()),
             }
             .frame(self.node),
         );

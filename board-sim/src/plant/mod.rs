@@ -32,6 +32,7 @@ mod flash;
 mod follower;
 mod homing;
 mod power;
+mod servo;
 mod sine;
 mod spindle;
 mod tapper;
@@ -44,6 +45,7 @@ pub use flash::{Flash, FlashError, ImageError, Order, Tear};
 pub use follower::Follower;
 pub use homing::HomingOptions;
 pub use power::Power;
+pub use servo::{Following, Interpolation, Late, Servo, ServoOptions};
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};
 pub use tapper::Tapper;
 
@@ -54,7 +56,7 @@ use leadscrew_core::bus::{
 use leadscrew_core::call::{Position, TapSpindle};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
-use leadscrew_core::units::{Axis, Turns};
+use leadscrew_core::units::{Axis, Length, Turns};
 
 /// The start and the behaviour of the plant, in addition to the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,6 +71,8 @@ pub struct PlantOptions {
     pub ripple: Option<Ripple>,
     /// The options of all drives.
     pub drives: DriveOptions,
+    /// The drives of X and Z as they are; `None` for ideal ones, which are where they are told.
+    pub servos: [Option<ServoOptions>; 2],
     /// Axes whose drives are elsewhere on the bus, in the order of [`Axis::ALL`]: this plant does not answer for them.
     pub away: [bool; 3],
     /// The board's node number, where it is not [`NodeId::BOARD`].
@@ -84,6 +88,8 @@ pub enum PlantError {
     Position(Axis),
     /// The latency of an axis is more than 126 ticks, or the tick is 0.
     Latency(Axis),
+    /// A figure of an axis' drive is out of its range.
+    Servo(Axis),
     /// The encoder has no counts.
     Encoder,
     /// The spindle's ramp is 0 or slower than a minute per 1000 rpm.
@@ -99,6 +105,9 @@ pub struct Truth {
     pub speed: MilliRpm,
     /// The positions of the drives, in the order of [`Axis::ALL`].
     pub positions: [Increments; 3],
+    /// Where the tool is on X and Z at the time of the last SYNC, as their drives have moved it; `None` where a drive is
+    /// an ideal one.
+    pub loads: [Option<Length>; 2],
     /// Angles of spindles 2 to 4.
     pub tappers: [FineTurns; 3],
 }
@@ -189,6 +198,11 @@ impl Plant {
         }
         for tapper in self.tappers.iter_mut().take(self.present) {
             tapper.advance();
+        }
+        if self.started {
+            for drive in self.axes_here() {
+                drive.elapse();
+            }
         }
         self.started = true;
         self.encoder.sample()
@@ -312,6 +326,7 @@ impl Plant {
             angle: self.spindle.angle(),
             speed: self.spindle.speed(),
             positions: [self.x.actual(), self.z.actual(), self.c.actual()],
+            loads: [self.x.load(), self.z.load()],
             tappers: self.tappers.map(|tapper| tapper.angle()),
         }
     }
@@ -392,6 +407,16 @@ pub fn axis_drive(
     let place = axis as u8;
     let drive = Drive::new(node, staggered(options, place), follower).at(place_of);
     let drive = set_up(drive, params, options, usize::from(place));
+    let drive = match options.servos.get(usize::from(place)).copied().flatten() {
+        None => drive,
+        Some(servo) => {
+            let ratio = (params.drive_numerator(axis), params.drive_denominator(axis));
+            let servo = Servo::new(&servo, ratio, params.tick_us(), at)
+                .zip(servo.following(ratio))
+                .ok_or(PlantError::Servo(axis))?;
+            drive.with_servo(servo.0, servo.1)
+        }
+    };
     Ok(match params.home_method(axis) {
         0 => drive,
         _ => drive.with_reference(),

@@ -1,4 +1,4 @@
 mod dictionary;
-mod drives;
+pub(super) mod drives;
 mod spindle;
 mod stand_ins;

@@ -287,10 +287,14 @@ fn the_same_frames_give_the_same_bits() {
 }
 
 /// SplitMix64.
-struct Random(u64);
+pub(in crate::plant) struct Random(u64);
 
 impl Random {
-    fn below(&mut self, n: u64) -> u64 {
+    pub(in crate::plant) const fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub(in crate::plant) fn below(&mut self, n: u64) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -305,7 +309,7 @@ fn whatever_happens_no_axis_jumps() {
         // Drives that fail, restart, go silent and come back at random; an operator who enables, disables and resets at
         // random. An axis moves only by its demands, at most 500 increments a tick, and never because of a start-up.
         const STEP: i32 = 500;
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let (mut enabled_again, mut failures, mut moved) = (0, 0, 0u64);
         for round in 0..60u16 {
             let mut bench = Bench::new(&PlantOptions {
