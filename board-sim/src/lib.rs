@@ -10,5 +10,5 @@ pub mod plant;
 mod sim;
 mod storage;
 
-pub use sim::{Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};
+pub use sim::{CutPoint, Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};
 pub use storage::{keep, stored_params, stored_tap};

@@ -9,7 +9,7 @@ mod judge;
 mod network;
 mod row;
 
-pub use row::{Doing, Row, SpindleAngle, TapPoint};
+pub use row::{CutPoint, Doing, Row, SpindleAngle, TapPoint};
 
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
@@ -23,7 +23,7 @@ use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Rpm, Turns};
 
-use self::judge::{Delay, LATENCY_TICKS, Law, Pending, TRUTHS};
+use self::judge::{Delay, Instant, LATENCY_TICKS, Law, Pending, TRUTHS};
 use crate::line::{Line, Way};
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
 use crate::storage::{keep, stored_params, stored_tap};
@@ -78,8 +78,8 @@ pub struct Sim {
     /// The number of turns by which the board's count is above the truth: an application that begins anew counts
     /// whole turns from zero.
     ahead: Turns,
-    /// The spindles' angles at the last SYNCs, oldest first, as many as the rows need.
-    truths: Deque<[FineTurns; 4], TRUTHS>,
+    /// The truth at the last SYNCs, oldest first, as many as the rows need.
+    truths: Deque<Instant, TRUTHS>,
     /// The flash. It keeps its content over a loss of power; after a cut it is off.
     flash: Flash,
     /// Answers of the drives to other nodes on the bus.
@@ -211,7 +211,10 @@ impl Sim {
         // There is room now.
         let truth = self.plant.truth();
         let [second, third, fourth] = truth.tappers;
-        let _ = self.truths.push_back([truth.angle, second, third, fourth]);
+        let _ = self.truths.push_back(Instant {
+            angles: [truth.angle, second, third, fourth],
+            loads: truth.loads,
+        });
     }
 
     /// Passes the board's frames to the drives, and collects their answers.
@@ -389,6 +392,8 @@ impl Sim {
             doing,
             error: None,
             tap: None,
+            actual: None,
+            cut: None,
         };
         row.set_angle(self.board.ticker().tap_spindle(), setpoint.spindle);
         self.ticks = self.ticks.wrapping_add(1);

@@ -486,7 +486,7 @@ impl Drive {
             && torque
             && self.mode != Mode::Homing as u8
         {
-            self.failed = servo.period(following);
+            self.failed = self.failed.or(servo.period(following));
         }
     }
 

@@ -1,4 +1,5 @@
 mod dictionary;
 pub(super) mod drives;
+mod servos;
 mod spindle;
 mod stand_ins;

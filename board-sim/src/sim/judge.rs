@@ -5,9 +5,9 @@
 use leadscrew_core::call::{TapAxis, TapSpindle};
 use leadscrew_core::motion::{Helix, TapLine};
 use leadscrew_core::params::Params;
-use leadscrew_core::units::{Axis, Turns};
+use leadscrew_core::units::{Axis, Length, Turns};
 
-use super::{Row, Sim, TapPoint};
+use super::{CutPoint, Row, Sim, TapPoint};
 use crate::plant::FineTurns;
 
 /// The longest latency of a drive that a row can wait for, in ticks.
@@ -15,6 +15,31 @@ pub(super) const LATENCY_TICKS: usize = 128 + 64;
 
 /// The number of kept truths: one for every SYNC that a row waits for, and one before an instant between two SYNCs.
 pub(super) const TRUTHS: usize = LATENCY_TICKS + 2;
+
+/// The truth at an instant: the angles of the spindles, and where the tools are on X and Z that have no ideal drives.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Instant {
+    pub(super) angles: [FineTurns; 4],
+    pub(super) loads: [Option<Length>; 2],
+}
+
+impl Instant {
+    /// The truth at `part` of `whole` between this and the next instant.
+    fn towards(self, next: Self, part: u32, whole: u32) -> Self {
+        let mut between = next;
+        for (angle, before) in between.angles.iter_mut().zip(self.angles) {
+            *angle = before.towards(*angle, part, whole);
+        }
+        for (load, before) in between.loads.iter_mut().zip(self.loads) {
+            *load = load.zip(before).map(|(load, before)| {
+                let way = (load - before).nm().saturating_mul(i64::from(part));
+                let way = way.checked_div(i64::from(whole)).unwrap_or(0);
+                before + Length::from_nm(way)
+            });
+        }
+        between
+    }
+}
 
 #[derive(Clone, Copy)]
 pub(super) struct Pending {
@@ -35,6 +60,23 @@ pub(super) enum Law {
     Tap(TapLine, TapSpindle),
     /// The line of an ordinary tap. Its setpoint is meant for the angle of 5275 cycles later.
     Float(TapLine),
+}
+
+impl CutPoint {
+    /// What a tool at `actual` cuts at this angle.
+    fn of(law: &Law, actual: [Length; 2], angle: Turns) -> Option<Self> {
+        let Law::Thread(helix, true) = law else {
+            return None;
+        };
+        let [x, z] = actual;
+        let at = if helix.long_x() { x } else { z };
+        let exact = helix.at(angle);
+        Some(Self {
+            angle,
+            error: at - exact,
+            lead: helix.at(angle + Turns::ONE) - exact,
+        })
+    }
 }
 
 impl Law {
@@ -123,8 +165,16 @@ impl Sim {
         let [x, z] = self.delays;
         // Where an axis follows the spindle, the instant of this axis counts.
         let delay = if law.on_x() { x } else { z };
-        let [first, second, third, fourth] = self.truth(delay);
+        let Instant { angles, loads } = self.truth(delay);
+        let [first, second, third, fourth] = angles;
         row.spindle = first;
+        if let [x, z] = loads
+            && (x.is_some() || z.is_some())
+        {
+            let actual = [x.unwrap_or(row.position.x), z.unwrap_or(row.position.z)];
+            row.actual = Some(actual);
+            row.cut = CutPoint::of(&law, actual, first.turns() + ahead);
+        }
         for (tapper, truth) in row.tappers.iter_mut().zip([second, third, fourth]) {
             tapper.truth = truth;
         }
@@ -152,7 +202,7 @@ impl Sim {
                     ..delay
                 };
                 let point = {
-                    let angle = self.truth(meant)[0].turns() + ahead;
+                    let angle = self.truth(meant).angles[0].turns() + ahead;
                     TapPoint::new(&line, row.position, angle)
                 };
                 row.tap = Some(point);
@@ -162,19 +212,17 @@ impl Sim {
         Some(row)
     }
 
-    /// The true angles at the instant when the oldest row took effect, on an axis with this delay.
-    fn truth(&self, delay: Delay) -> [FineTurns; 4] {
+    /// The truth at the instant when the oldest row took effect, on an axis with this delay.
+    fn truth(&self, delay: Delay) -> Instant {
         // The index counts back from the newest truth.
         let ago = self.wait().saturating_sub(delay.wait());
         let at = |ago| self.truths.iter().rev().nth(ago).copied();
-        let mut angles = at(ago).unwrap_or_default();
-        if delay.rest_us != 0 {
-            let earlier = at(ago.saturating_add(1)).unwrap_or_default();
-            for (later, earlier) in angles.iter_mut().zip(earlier) {
-                *later = earlier.towards(*later, delay.rest_us, self.tick_us);
-            }
+        let now = at(ago).unwrap_or_default();
+        if delay.rest_us == 0 {
+            return now;
         }
-        angles
+        let earlier: Instant = at(ago.saturating_add(1)).unwrap_or_default();
+        earlier.towards(now, delay.rest_us, self.tick_us)
     }
 
     /// Completes the rows that still wait for their truth: time goes on while the machine stands. Call this when the
@@ -195,7 +243,7 @@ impl Sim {
     /// The true angle of spindle 1 at the last SYNC.
     #[must_use]
     pub fn spindle_angle(&self) -> Turns {
-        let [first, ..] = self.truths.back().copied().unwrap_or_default();
-        first.turns()
+        let newest = self.truths.back().copied().unwrap_or_default();
+        newest.angles[0].turns()
     }
 }

@@ -67,6 +67,11 @@ pub struct Row {
     pub error: Option<Length>,
     /// The state of a tap, while axis and spindle follow its master.
     pub tap: Option<TapPoint>,
+    /// Where the tool truly is on X and Z at the instant of the true angle; `None` where both drives are ideal ones. An
+    /// ideal drive beside another is at its setpoint.
+    pub actual: Option<[Length; 2]>,
+    /// What the tool cuts, where `actual` and `error` are known in a thread.
+    pub cut: Option<CutPoint>,
 }
 
 impl Row {
@@ -112,6 +117,17 @@ pub struct SpindleAngle {
     pub truth: FineTurns,
     /// The commanded angle, while the spindle is in position mode.
     pub set: Option<Turns>,
+}
+
+/// A thread at an instant, as it is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CutPoint {
+    /// The true angle, in the turns that the board counts.
+    pub angle: Turns,
+    /// The tool on the long axis minus the helix at this angle.
+    pub error: Length,
+    /// The way of the helix in the turn from here.
+    pub lead: Length,
 }
 
 /// A tap at an instant.
