@@ -15,6 +15,7 @@ pub mod number;
 pub mod output;
 pub mod params;
 pub mod place;
+pub mod profiles;
 pub mod program;
 pub mod replace;
 pub mod source;

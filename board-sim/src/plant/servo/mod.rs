@@ -211,10 +211,15 @@ impl Servo {
         Increments::new(self.constants.scale.nearest(seen) as i32)
     }
 
-    /// 60F4h: the interpolated target less the position.
+    /// 60F4h: the interpolated target less the position; in some drives the newest target less the position.
     #[must_use]
     pub fn following_error(&self) -> Increments {
-        let error = self.wanted.saturating_sub(self.z);
+        let wanted = if self.constants.undelayed {
+            self.path.newest()
+        } else {
+            self.wanted
+        };
+        let error = wanted.saturating_sub(self.z);
         let count = self.constants.scale.nearest(error);
         Increments::new(count.clamp(i32::MIN.into(), i32::MAX.into()) as i32)
     }

@@ -69,6 +69,8 @@ pub struct ServoOptions {
     pub count: Length,
     /// Supervision of the following error: 6065h as a length, `None` for none, and 6066h in milliseconds.
     pub following: Option<(Length, u16)>,
+    /// 60F4h and its supervision take the newest target, which still waits in the buffer.
+    pub undelayed: bool,
     /// Targets that have not come; `None`: the last one stays.
     pub late: Option<Late>,
 }
@@ -120,6 +122,7 @@ pub(super) struct Constants {
     pub(super) viscous: i64,
     /// In 2⁻¹⁶ nanometres.
     pub(super) half_play: i64,
+    pub(super) undelayed: bool,
     pub(super) late: Option<Late>,
 }
 
@@ -205,6 +208,7 @@ impl Constants {
             half_play: (0..1_000_000_000)
                 .contains(&play)
                 .then_some(play.wrapping_shl(15))?,
+            undelayed: options.undelayed,
             late: options.late,
         })
     }

@@ -49,6 +49,11 @@ impl Path {
         self.targets.get(slot).copied().unwrap_or(0)
     }
 
+    /// The target that was latched last.
+    pub(super) fn newest(&self) -> i64 {
+        self.before(0)
+    }
+
     /// The place after `part` of the steps of this period, and the speed there in 2⁻³² nanometres a step.
     pub(super) fn at(&self, part: i64) -> (i64, i128) {
         match self.interpolation {

@@ -33,6 +33,7 @@ fn plain(kv: u32, ff_percent: u16, buffer: u8) -> ServoOptions {
         play: Length::ZERO,
         count: Length::ZERO,
         following: None,
+        undelayed: false,
         late: None,
     }
 }
@@ -418,6 +419,7 @@ fn nothing_overflows_whatever_comes() {
                 play: Length::from_nm(draw(100_000) as i64),
                 count: Length::from_nm(draw(5_000) as i64),
                 following: None,
+                undelayed: false,
                 late: None,
             };
             let increments = (1 + draw(1000) as u32, 1 + draw(1_000_000) as u32);

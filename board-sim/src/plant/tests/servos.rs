@@ -32,6 +32,7 @@ fn options() -> ServoOptions {
         play: Length::ZERO,
         count: Length::ZERO,
         following: None,
+        undelayed: false,
         late: None,
     }
 }
@@ -225,6 +226,21 @@ fn quirk_ipos_buffer() {
     assert_eq!(first_motion(0), 2);
     assert_eq!(first_motion(9), 11);
     assert_eq!(first_motion(10), 12);
+}
+
+#[test]
+fn quirk_undelayed_following_error() {
+    let behind = |undelayed| {
+        let mut bench = Bench::new(ServoOptions {
+            buffer: 5,
+            undelayed,
+            ..options()
+        });
+        (1..=1000).for_each(|k| bench.go(k * 300));
+        bench.read(0x60F4).unwrap()
+    };
+    // Five targets in the buffer, and the one that was just latched.
+    assert_eq!(behind(true), behind(false) + 6 * 300);
 }
 
 #[test]
