@@ -1,9 +1,10 @@
 //! What the programs of the host share: the command line `leadscrew` and the simulator `board-sim`.
 //!
 //! Words for people in both languages ([`words`]), for alarms ([`diagnostics`]) and for what goes wrong ([`failure`],
-//! [`mistyped`]); machine files and `--set` ([`params`]); values of the command line ([`values`]); program files as streams
-//! of events ([`source`], [`program`]) and their lines ([`place`]); the flash of a simulated board ([`state`]); standard
-//! output ([`output`], [`json`]); SIGINT and SIGTERM ([`interrupt`]). Knows no command, and nothing of a board on a bus.
+//! [`mistyped`]); machine files and `--set` ([`params`]); profiles of drives ([`profiles`]); values of the command line
+//! ([`values`]); program files as streams of events ([`source`], [`program`]) and their lines ([`place`]); the flash of a
+//! simulated board ([`state`]); standard output ([`output`], [`json`]); SIGINT and SIGTERM ([`interrupt`]). Knows no
+//! command, and nothing of a board on a bus.
 
 pub mod diagnostics;
 pub mod failure;

@@ -20,6 +20,7 @@ use leadscrew_language::dialect::Control;
 pub use by_hand::{AxisWay, Jog, ModeName, StepLength};
 
 use crate::failure::{Failure, Outcome};
+use crate::profiles::Choice;
 use crate::values::{At, Factor, Mistake, Percent, Ripple, SetSignal, Tolerance, mistake};
 use crate::words::both;
 
@@ -56,6 +57,7 @@ impl Cli {
             Command::Simulate(_)
                 | Command::Plot(_)
                 | Command::Explain(_)
+                | Command::Drives { .. }
                 | Command::Completions { .. }
         );
         let global = &mut self.global;
@@ -315,6 +317,13 @@ pub enum Command {
         #[command(subcommand)]
         command: ToolsCommand,
     },
+    /// Profiles of drives: what is known of them, and from where
+    #[command(after_help = examples::DRIVES)]
+    Drives {
+        /// What to print
+        #[command(subcommand)]
+        command: DrivesCommand,
+    },
     /// The work offsets G54 to G59 and their shift, in the same table
     #[command(after_help = examples::OFFSETS)]
     Offsets {
@@ -486,6 +495,15 @@ pub enum Format {
     Csv,
 }
 
+/// The drives of the simulated axes.
+#[derive(Args, Debug, Default)]
+pub struct Drives {
+    /// Drive of X and Z, or of one axis, by its profile (`leadscrew drives list`): `kv30`, `Z=technosoft-ipos`, `X=my.toml`
+    /// (repeatable) [default: ideal]
+    #[arg(long, value_name = "[AXIS=]NAME")]
+    pub drive: Vec<Choice>,
+}
+
 /// What drives the virtual machine.
 #[derive(Args, Debug, Default)]
 pub struct Drive {
@@ -506,6 +524,9 @@ pub struct Simulate {
     /// Where the setpoints go, one row a tick
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
+    /// The drives.
+    #[command(flatten)]
+    pub drives: Drives,
     /// The plant.
     #[command(flatten)]
     pub drive: Drive,
@@ -559,6 +580,9 @@ pub struct Run {
     /// Write the bus traffic as a candump log
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// The drives.
+    #[command(flatten)]
+    pub drives: Drives,
     /// The plant.
     #[command(flatten)]
     pub drive: Drive,
@@ -582,12 +606,30 @@ pub struct Up {
     /// Machine time against real time, 0.01 to 5
     #[arg(long, value_name = "K")]
     pub speed: Option<Factor>,
+    /// The drives.
+    #[command(flatten)]
+    pub drives: Drives,
     /// Stay in this terminal, with the log, until Ctrl-C or `leadscrew down`
     #[arg(long)]
     pub foreground: bool,
     /// This process was started by `up` itself: it leaves the terminal's session.
     #[arg(long, hide = true, requires = "foreground")]
     pub detached: bool,
+}
+
+/// `drives`.
+#[derive(Debug, Subcommand)]
+pub enum DrivesCommand {
+    /// All built-in profiles, a line each
+    #[command(after_help = examples::DRIVES_LIST)]
+    List,
+    /// A profile: every fact with its source
+    #[command(after_help = examples::DRIVES_SHOW)]
+    Show {
+        /// Its name, or a file that ends with `.toml`
+        #[arg(value_name = "NAME")]
+        name: String,
+    },
 }
 
 /// `sim`.

@@ -1,6 +1,7 @@
 //! The common part of `simulate`, `plot` and `run`: check the whole program, run it on the machine, judge it, report the
 //! result.
 
+use leadscrew_board_sim::plant::ServoOptions;
 use leadscrew_core::link::identity;
 
 use crate::checking::{self, Detail, Report};
@@ -56,9 +57,14 @@ impl<'a> Execution<'a> {
         Err(Failure::Wrong)
     }
 
-    /// Runs the program and reports the machine's warnings and alarms.
-    pub fn run(&mut self, drive: &Drive, observer: &mut dyn Observer) -> Outcome {
-        self.ended = machine::run(self.setup, drive, self.source, observer)?;
+    /// Runs the program, with these drives of X and Z, and reports the machine's warnings and alarms.
+    pub fn run(
+        &mut self,
+        drive: &Drive,
+        servos: [Option<ServoOptions>; 2],
+        observer: &mut dyn Observer,
+    ) -> Outcome {
+        self.ended = machine::run(self.setup, drive, servos, self.source, observer)?;
         let known = |warning: &Diagnostic| {
             self.report
                 .warnings

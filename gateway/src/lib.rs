@@ -37,6 +37,6 @@ pub mod variables;
 
 // Named once for the whole crate: `crate::words` here is `leadscrew_common::words`.
 use leadscrew_common::{
-    diagnostics, failure, interrupt, json, number, output, params, place, program, replace, source,
-    state, tools, values, words,
+    diagnostics, failure, interrupt, json, number, output, params, place, profiles, program,
+    replace, source, state, tools, values, words,
 };

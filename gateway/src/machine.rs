@@ -1,11 +1,11 @@
 //! Runs a program on the machine in this process: the simulated board, drives and spindle, in virtual time.
 
-use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
+use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple, ServoOptions};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::call::Call;
-use leadscrew_core::units::Turns;
+use leadscrew_core::units::{Length, Turns};
 use leadscrew_language::variables::Kept;
 
 use crate::cli::Drive;
@@ -16,7 +16,7 @@ use crate::interrupt::{self, UnderWay};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::threads::Threads;
-use crate::trace::{Setpoint, SpindlePoint, TapPlace};
+use crate::trace::{Cut, Setpoint, SpindlePoint, TapPlace};
 use crate::words::{Both, both};
 
 /// The end of a run.
@@ -55,7 +55,7 @@ pub trait Observer {
 }
 
 /// A machine at power-up.
-fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
+fn power_up(setup: &Setup, drive: &Drive, servos: [Option<ServoOptions>; 2]) -> Outcome<Box<Sim>> {
     let ripple = match drive.spindle_ripple {
         None => None,
         Some(ripple) => Some(
@@ -70,6 +70,7 @@ fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
     let options = PlantOptions {
         at: setup.power_up(),
         ripple,
+        servos,
         ..PlantOptions::default()
     };
     let sim = match &setup.kept {
@@ -104,14 +105,15 @@ fn no_machine(setup: &Setup, error: SimError) -> Failure {
     Failure::WrongBecause(reason)
 }
 
-/// Runs a program from its first to its last call.
+/// Runs a program from its first to its last call, with these drives of X and Z.
 pub fn run(
     setup: &Setup,
     drive: &Drive,
+    servos: [Option<ServoOptions>; 2],
     source: &SourceFile,
     observer: &mut dyn Observer,
 ) -> Outcome<Ended> {
-    let mut sim = power_up(setup, drive)?;
+    let mut sim = power_up(setup, drive, servos)?;
     interrupt::defer(UnderWay::Computed);
     let ended = carry_out(&mut sim, setup, source, observer);
     // In any case, what is stored stays stored.
@@ -256,6 +258,12 @@ fn setpoint(row: &Row) -> Setpoint {
             depth_nm: tap.depth.nm(),
             turned_urev: micro_turns(tap.turned),
             skew_nm: tap.skew.nm(),
+        }),
+        actual_nm: row.actual.map(|actual| actual.map(Length::nm)),
+        cut: row.cut.map(|cut| Cut {
+            angle_raw: cut.angle.raw(),
+            error_nm: cut.error.nm(),
+            lead_nm: cut.lead.nm(),
         }),
     }
 }

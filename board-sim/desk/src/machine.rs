@@ -11,6 +11,7 @@ use leadscrew_board_sim::plant::{Flash, HomingOptions, PlantOptions};
 use leadscrew_board_sim::{Sim, SimError};
 use leadscrew_common::diagnostics::alarm_words;
 use leadscrew_common::failure::{Failure, Outcome};
+use leadscrew_common::profiles::Chosen;
 use leadscrew_common::state::{StateFile, stored_set};
 use leadscrew_common::words::{Both, both};
 use leadscrew_core::board::{Event, Inputs, KeptSet, Mark, Region};
@@ -60,6 +61,8 @@ pub struct Recipe<'a> {
     pub node: NodeId,
     /// Where the axes stand.
     pub at: Position,
+    /// The drives of X and Z.
+    pub drives: Chosen,
 }
 
 /// With power, or without.
@@ -73,6 +76,7 @@ pub struct Machine {
     state: StateFile,
     node: NodeId,
     at: Position,
+    drives: Chosen,
     contacts: Contacts,
     power: Power,
     /// What the flash had seen when it was saved last.
@@ -103,6 +107,7 @@ impl Machine {
             state,
             node: recipe.node,
             at: recipe.at,
+            drives: recipe.drives.clone(),
             contacts: Contacts::default(),
             written: flash.written(),
             power: Power::Off(Box::new(flash)),
@@ -170,6 +175,7 @@ impl Machine {
         let params = stored_set(flash).unwrap_or_else(Params::slant_bed);
         let options = PlantOptions {
             at: self.at,
+            servos: self.drives.servos(params.tick_us())?,
             board: Some(self.node),
             ..PlantOptions::default()
         };

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
-use leadscrew_board_sim::plant::{self, DriveOptions, PlantOptions};
+use leadscrew_board_sim::plant::{self, DriveOptions, PlantOptions, ServoOptions};
 use leadscrew_can::Address;
 use leadscrew_common::diagnostics;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::params;
+use leadscrew_common::profiles::{Choice, Chosen};
 use leadscrew_common::values::{At, Ripple, SetSignal};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
@@ -86,6 +87,10 @@ pub struct Common {
     /// Drives tell emergency 8220h of every frame with their setpoint that is longer than what they map
     #[arg(long)]
     pub tells_longer: bool,
+    /// Drive of X and Z, or of one axis, by its profile (`leadscrew drives list`): `kv30`, `Z=technosoft-ipos`, `X=my.toml`
+    /// (repeatable) [default: ideal]
+    #[arg(long, value_name = "[AXIS=]NAME")]
+    pub drive: Vec<Choice>,
 }
 
 /// A board.
@@ -242,6 +247,11 @@ impl Common {
         }
     }
 
+    /// The drives of X and Z on a machine with these parameters.
+    pub fn servos(&self, params: &Params) -> Outcome<[Option<ServoOptions>; 2]> {
+        Chosen::of(&self.drive, Lang::En)?.servos(params.tick_us())
+    }
+
     /// The options of the plant, without the spindle.
     pub fn plant(&self) -> PlantOptions {
         let at = self.at.unwrap_or_default();
@@ -314,6 +324,19 @@ mod tests {
         assert_eq!("elsewhere".parse(), Ok(Here([false; 3])));
         assert_eq!("x,C".parse(), Ok(Here([true, false, true])));
         assert!("Y".parse::<Here>().is_err());
+    }
+
+    #[test]
+    fn drives_have_profiles() {
+        let servos = |more: &[&str]| {
+            let typed = [&["board-sim", "--bus", "vcan0"], more].concat();
+            let common = Cli::try_parse_from(typed).unwrap().board.common;
+            common.servos(&Params::slant_bed())
+        };
+        let kv = |more: &[&str]| servos(more).unwrap().map(|one| one.map(|one| one.kv_milli));
+        assert_eq!(kv(&[]), [None, None]);
+        assert_eq!(kv(&["--drive", "Z=kv100"]), [None, Some(100_000)]);
+        assert!(servos(&["--drive", "kv31"]).is_err());
     }
 
     #[test]

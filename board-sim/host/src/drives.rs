@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use leadscrew_board_sim::plant::{Drive, PlantError, Tapper, axis_drive, tapper};
+use leadscrew_board_sim::plant::{
+    Drive, PlantError, PlantOptions, ServoOptions, Tapper, axis_drive, tapper,
+};
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::interrupt;
 use leadscrew_common::words::Both;
@@ -34,7 +36,10 @@ impl One {
 
     fn sync(&mut self, send: impl FnMut(Frame)) {
         match self {
-            Self::Axis(drive) => drive.sync(None, send),
+            Self::Axis(drive) => {
+                drive.elapse();
+                drive.sync(None, send);
+            }
             Self::Spindle(spindle) => {
                 spindle.advance();
                 spindle.sync(send);
@@ -44,9 +49,16 @@ impl One {
 }
 
 /// The drives that the command line asks for.
-fn wanted(args: &Drives, params: &Params) -> Result<Vec<One>, PlantError> {
+fn wanted(
+    args: &Drives,
+    params: &Params,
+    servos: [Option<ServoOptions>; 2],
+) -> Result<Vec<One>, PlantError> {
     let Here(here) = args.axes;
-    let plant = args.plant();
+    let plant = PlantOptions {
+        servos,
+        ..args.plant()
+    };
     let axes = Axis::ALL.into_iter().zip(here).filter(|(_, here)| *here);
     let mut all: Vec<One> = axes
         .map(|(axis, _)| axis_drive(params, &plant, axis).map(|drive| One::Axis(Box::new(drive))))
@@ -63,7 +75,8 @@ fn wanted(args: &Drives, params: &Params) -> Result<Vec<One>, PlantError> {
 /// Runs until the user ends it.
 pub fn run(args: &Drives) -> Outcome {
     let params = args.common.load()?;
-    let mut drives = wanted(args, &params).map_err(|error| {
+    let servos = args.common.servos(&params)?;
+    let mut drives = wanted(args, &params, servos).map_err(|error| {
         let reason = format!("the parameters make no drive: {error:?}");
         Failure::WrongBecause(Both::same(reason))
     })?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use leadscrew_board_sim::line::{Line, Span, Way};
-use leadscrew_board_sim::plant::{Flash, Plant};
+use leadscrew_board_sim::plant::{Flash, Plant, PlantOptions};
 use leadscrew_board_sim::{keep, stored_params, stored_tap};
 use leadscrew_common::diagnostics::Diagnostic;
 use leadscrew_common::failure::{Failure, Outcome};
@@ -109,6 +109,10 @@ impl Machine {
             flash.cut_after(torn.bytes);
         }
         let params = &up.params;
+        let options = PlantOptions {
+            servos: args.common.servos(params)?,
+            ..options
+        };
         let plant = Plant::new(params, &options).map_err(|error| {
             unusable(format!(
                 "the parameters make no simulated machine: {error:?}"

@@ -61,7 +61,23 @@ Examples:
   leadscrew simulate part.nc                                    only the summary
   leadscrew simulate part.nc -o setpoints.csv
   leadscrew simulate part.nc --spindle-ripple 10@5 --tolerance 1.3
+  leadscrew simulate part.nc --drive X=technosoft-ipos --drive Z=kv30
   leadscrew simulate part.nc --at X=100,Z=50 --json";
+
+pub(super) const DRIVES: &str = "\
+Examples:
+  leadscrew drives list
+  leadscrew drives show technosoft-ipos
+  leadscrew simulate part.nc --drive technosoft-ipos    what such a drive cuts";
+
+pub(super) const DRIVES_LIST: &str = "\
+Example:
+  leadscrew drives list --json";
+
+pub(super) const DRIVES_SHOW: &str = "\
+Examples:
+  leadscrew drives show kollmorgen-akd
+  leadscrew drives show my-drive.toml    a profile of your own";
 
 pub(super) const PLOT: &str = "\
 Examples:

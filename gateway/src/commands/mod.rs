@@ -4,6 +4,7 @@ pub mod board;
 mod check;
 mod completions;
 mod desk;
+mod drives;
 mod expand;
 mod explain;
 mod params;
@@ -33,6 +34,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Explain(args) => explain::run(&cli.global, args),
         Command::Params { command } => params::run(&cli.global, command),
         Command::Tools { command } => tools::tools(&cli.global, command),
+        Command::Drives { command } => drives::run(&cli.global, command),
         Command::Offsets { command } => tools::offsets(&cli.global, command),
         Command::Touch(args) => tools::touch(&cli.global, args),
         Command::Check(args) => check::run(&cli.global, args),

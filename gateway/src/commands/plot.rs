@@ -40,7 +40,7 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
         way: Way::new(tick_us / 1e6),
         spindle: None,
     };
-    execution.run(&args.drive, &mut watcher)?;
+    execution.run(&args.drive, [None; 2], &mut watcher)?;
     let summary = watcher.summary;
     if !execution.is_interrupted() {
         let picture = Picture {

@@ -18,6 +18,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::machine::Observer;
 use crate::output;
 use crate::place::SourceLine;
+use crate::profiles::Chosen;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
@@ -53,6 +54,8 @@ pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     if let Some(path) = record {
         source.protect(path)?;
     }
+    let chosen = Chosen::of(&args.drives.drive, setup.lang)?;
+    let servos = chosen.servos(setup.params.tick_us())?;
     let mut execution = Execution::prepare(setup, source)?;
     let tick_us = setup.params.tick_us();
     let log = match record {
@@ -66,12 +69,12 @@ pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let mut watcher = Watcher {
         tick_us,
         lang: setup.lang,
-        summary: Summary::new(&setup.params),
+        summary: Summary::new(&setup.params).with_drives(chosen.words()),
         log,
         unwritten: None,
         bar: bar(execution.report.moves, setup.global.json, setup.lang),
     };
-    let ran = execution.run(drive, &mut watcher);
+    let ran = execution.run(drive, servos, &mut watcher);
     watcher.bar.finish_and_clear();
     ran?;
     if let (Some(log), Some(path)) = (watcher.log, record) {
@@ -103,6 +106,9 @@ pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
             text.push_str(pick(setup.lang, "taps ", "攻丝 "));
             text.push_str(taps.get(setup.lang));
             text.push('\n');
+        }
+        if let Some(cuts) = summary.cuts(setup.lang) {
+            text.push_str(&cuts);
         }
         text.push_str(pick(setup.lang, "setpoints ", "设定值校验 "));
         text.push_str(&summary.hash());

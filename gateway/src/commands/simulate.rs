@@ -8,9 +8,10 @@ use crate::diagnostics;
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::machine::Observer;
+use crate::profiles::Chosen;
 use crate::setup::Setup;
 use crate::source::SourceFile;
-use crate::trace::{Csv, Setpoint, Summary};
+use crate::trace::{Columns, Csv, Setpoint, Summary};
 use crate::words::both;
 
 /// Simulates a program.
@@ -19,6 +20,8 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
     if let Some(path) = &args.output {
         source.protect(path)?;
     }
+    let chosen = Chosen::of(&args.drives.drive, setup.lang)?;
+    let servos = chosen.servos(setup.params.tick_us())?;
     let mut execution = Execution::prepare(setup, &source)?;
     let tick_us = setup.params.tick_us();
     let cannot = |error: io::Error| match &args.output {
@@ -29,16 +32,19 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
         Some(path) => Some(Csv::new(
             File::create(path).map_err(cannot)?,
             tick_us,
-            execution.report.tappers,
+            Columns {
+                tappers: execution.report.tappers,
+                actual: !chosen.is_ideal(),
+            },
         )),
         None => None,
     };
     let mut recorder = Recorder {
-        summary: Summary::new(&setup.params),
+        summary: Summary::new(&setup.params).with_drives(chosen.words()),
         csv,
         cannot: &cannot,
     };
-    execution.run(&args.drive, &mut recorder)?;
+    execution.run(&args.drive, servos, &mut recorder)?;
     let Recorder { summary, csv, .. } = recorder;
     if let Some(csv) = csv {
         csv.finish().map_err(cannot)?;

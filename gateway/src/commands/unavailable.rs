@@ -61,6 +61,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Explain(_) => "explain",
         Command::Params { .. } => "params",
         Command::Tools { .. } => "tools",
+        Command::Drives { .. } => "drives",
         Command::Offsets { .. } => "offsets",
         Command::Touch(_) => "touch",
         Command::Status => "status",

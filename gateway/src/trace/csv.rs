@@ -9,8 +9,10 @@ use crate::place::SourceLine;
 /// The contract's header, up to the further spindles and from there on.
 const HEADER: (&[u8], &[u8]) = (
     b"tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev",
-    b",line,move,state,locked\n",
+    b",line,move,state,locked",
 );
+/// What drives that are not ideal add at the end.
+const ACTUAL: &[u8] = b",x_actual_nm,z_actual_nm";
 /// What each of the spindles 2 to 4 adds to it.
 const TAPPERS: [&[u8]; 3] = [
     b",s2_urev,s2_set_urev",
@@ -20,32 +22,44 @@ const TAPPERS: [&[u8]; 3] = [
 /// Bytes collected before they are written.
 const CHUNK: usize = 1 << 16;
 
+/// Columns that not every run has.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Columns {
+    /// Which of the spindles 2 to 4.
+    pub tappers: [bool; 3],
+    /// Where the tool truly is at the instant of `s1_urev`, where a drive is not ideal.
+    pub actual: bool,
+}
+
 /// A CSV file being written.
 #[derive(Debug)]
 pub struct Csv<W: Write> {
     to: W,
     buffer: Vec<u8>,
     tick_us: u64,
-    tappers: [bool; 3],
+    columns: Columns,
 }
 
 impl<W: Write> Csv<W> {
-    /// Starts with the header. `tick_us`: microseconds from row to row; `tappers`: which of the spindles 2 to 4 have
-    /// columns.
-    pub fn new(to: W, tick_us: u32, tappers: [bool; 3]) -> Self {
+    /// Starts with the header. `tick_us`: microseconds from row to row.
+    pub fn new(to: W, tick_us: u32, columns: Columns) -> Self {
         let mut buffer = Vec::with_capacity(CHUNK + 256);
         buffer.extend_from_slice(HEADER.0);
-        for (columns, used) in TAPPERS.into_iter().zip(tappers) {
+        for (tapper, used) in TAPPERS.into_iter().zip(columns.tappers) {
             if used {
-                buffer.extend_from_slice(columns);
+                buffer.extend_from_slice(tapper);
             }
         }
         buffer.extend_from_slice(HEADER.1);
+        if columns.actual {
+            buffer.extend_from_slice(ACTUAL);
+        }
+        buffer.push(b'\n');
         Self {
             to,
             buffer,
             tick_us: u64::from(tick_us),
-            tappers,
+            columns,
         }
     }
 
@@ -63,7 +77,7 @@ impl<W: Write> Csv<W> {
         if let Some(angle) = point.s1_set_urev {
             signed(out, angle);
         }
-        for (spindle, used) in point.tappers.iter().zip(self.tappers) {
+        for (spindle, used) in point.tappers.iter().zip(self.columns.tappers) {
             if !used {
                 continue;
             }
@@ -86,10 +100,17 @@ impl<W: Write> Csv<W> {
         out.push(b',');
         out.extend_from_slice(point.state.name().as_bytes());
         out.extend_from_slice(if point.error_nm.is_some() {
-            b",1\n"
+            b",1"
         } else {
-            b",0\n"
+            b",0"
         });
+        if self.columns.actual {
+            for value in point.actual_nm.unwrap_or([point.x_nm, point.z_nm]) {
+                out.push(b',');
+                signed(out, value);
+            }
+        }
+        out.push(b'\n');
         if out.len() >= CHUNK {
             self.to.write_all(out)?;
             out.clear();
@@ -113,7 +134,7 @@ mod tests {
 
     #[test]
     fn rows_are_as_the_contract_says() {
-        let mut csv = Csv::new(Vec::new(), 1000, [false; 3]);
+        let mut csv = Csv::new(Vec::new(), 1000, Columns::default());
         csv.push(&Setpoint::default()).unwrap();
         csv.push(&Setpoint {
             tick: 7,
@@ -127,7 +148,7 @@ mod tests {
             step: 9,
             state: Doing::Run,
             error_nm: Some(-250),
-            tap: None,
+            ..Setpoint::default()
         })
         .unwrap();
         let text = String::from_utf8(csv.finish().unwrap()).unwrap();
@@ -139,8 +160,34 @@ mod tests {
     }
 
     #[test]
+    fn drives_that_are_not_ideal_have_columns_at_the_end() {
+        let columns = Columns {
+            actual: true,
+            ..Columns::default()
+        };
+        let mut csv = Csv::new(Vec::new(), 1000, columns);
+        csv.push(&Setpoint {
+            x_nm: 5,
+            z_nm: 6,
+            actual_nm: Some([-7, 8]),
+            ..Setpoint::default()
+        })
+        .unwrap();
+        let text = String::from_utf8(csv.finish().unwrap()).unwrap();
+        assert_eq!(
+            text,
+            "tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev,line,move,state,locked,x_actual_nm,z_actual_nm\n\
+             0,0,5,6,0,0,,0,0,idle,0,-7,8\n"
+        );
+    }
+
+    #[test]
     fn further_spindles_have_columns_where_the_program_uses_them() {
-        let mut csv = Csv::new(Vec::new(), 1000, [true, false, true]);
+        let columns = Columns {
+            tappers: [true, false, true],
+            actual: false,
+        };
+        let mut csv = Csv::new(Vec::new(), 1000, columns);
         let spindle = |urev, set_urev| SpindlePoint { urev, set_urev };
         csv.push(&Setpoint {
             s1_urev: 1,

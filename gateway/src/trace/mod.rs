@@ -2,12 +2,14 @@
 //! [`Setpoint`] after the other and keeps bounded memory.
 
 mod csv;
+mod cuts;
 mod hash;
 mod peaks;
 mod summary;
 mod taps;
 
-pub use csv::Csv;
+pub use csv::{Columns, Csv};
+pub use cuts::Cuts;
 pub use hash::SetpointHash;
 pub use peaks::{Peak, Peaks};
 pub use summary::Summary;
@@ -42,6 +44,21 @@ pub struct Setpoint {
     pub error_nm: Option<i64>,
     /// Where a tap is, while axis and spindle are held to its master.
     pub tap: Option<TapPlace>,
+    /// Where the tool truly is on X and Z at the instant of the true angle, nanometres, where a drive is not ideal.
+    pub actual_nm: Option<[i64; 2]>,
+    /// What the tool cuts of a thread there.
+    pub cut: Option<Cut>,
+}
+
+/// The cut of a thread at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cut {
+    /// True angle in 2⁻³² turns.
+    pub angle_raw: i64,
+    /// The tool on the long axis minus the helix there, nanometres.
+    pub error_nm: i64,
+    /// The way of the helix in a turn, nanometres.
+    pub lead_nm: i64,
 }
 
 impl Setpoint {

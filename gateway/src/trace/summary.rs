@@ -6,7 +6,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
-use super::{Peaks, Setpoint, SetpointHash, Taps};
+use super::{Cuts, Peaks, Setpoint, SetpointHash, Taps};
 use crate::checking::plural;
 use crate::json::Json;
 use crate::number;
@@ -35,6 +35,9 @@ pub struct Summary {
     worst: BTreeMap<u32, i64>,
     peaks: Peaks,
     taps: Taps,
+    cuts: Cuts,
+    /// The drives, where one of them is not ideal.
+    drives: Option<Both>,
     hash: SetpointHash,
 }
 
@@ -73,8 +76,17 @@ impl Summary {
             worst: BTreeMap::new(),
             peaks: Peaks::default(),
             taps: Taps::default(),
+            cuts: Cuts::default(),
+            drives: None,
             hash: SetpointHash::default(),
         }
+    }
+
+    /// Says of the cut, too, as these drives do it; `None`: all of them are ideal.
+    #[must_use]
+    pub fn with_drives(mut self, drives: Option<Both>) -> Self {
+        self.drives = drives;
+        self
     }
 
     /// Takes in the next tick; gives the speeds of X, Z and C in nanometres per tick.
@@ -91,6 +103,7 @@ impl Summary {
             *worst = error.abs().max(*worst);
         }
         self.taps.push(point.tap);
+        self.cuts.push(point);
         self.hash.push(point);
         self.peaks.push(point)
     }
@@ -147,6 +160,9 @@ impl Summary {
         self.errors.field("sync_error_um", json);
         measured.field("measured_error_um", json);
         self.taps.fields(json, self.tick_us);
+        if let Some(drives) = &self.drives {
+            self.cuts.field(drives, json);
+        }
         json.object_at("peak", |json| {
             let peaks = self.peaks.overall().into_iter().zip(self.limits);
             for (axis, (peak, limits)) in ["x", "z", "c"].into_iter().zip(peaks) {
@@ -210,6 +226,12 @@ impl Summary {
         self.taps.words(self.tick_us)
     }
 
+    /// The cuts, where a drive is not ideal.
+    pub fn cuts(&self, lang: Lang) -> Option<String> {
+        let drives = self.drives.as_ref()?;
+        Some(self.cuts.text(drives, lang))
+    }
+
     /// For a person: a few lines with a table of peaks; the errors as the board has `measured` them, too.
     pub fn text(&self, measured: &Synchronism, lang: Lang) -> String {
         let (moves, ticks, tick) = (self.moves, self.ticks, self.tick_us);
@@ -245,6 +267,9 @@ impl Summary {
             text.push_str(pick(lang, "taps        ", "攻丝        "));
             text.push_str(taps.get(lang));
             text.push('\n');
+        }
+        if let Some(cuts) = self.cuts(lang) {
+            text.push_str(&cuts);
         }
         text.push_str(pick(lang, "setpoints   ", "设定值校验  "));
         text.push_str(&self.hash.text());

@@ -105,6 +105,7 @@ fn examples() -> Vec<String> {
 mod check;
 mod corners;
 mod dialects;
+mod drives;
 mod expand;
 mod explain;
 mod interrupt;

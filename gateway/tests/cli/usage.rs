@@ -25,6 +25,7 @@ fn help_and_version_are_on_every_command() {
         "signal",
         "retract",
         "params",
+        "drives",
         "record",
         "mdi",
         "up",
@@ -43,6 +44,12 @@ fn help_and_version_are_on_every_command() {
         let help = leadscrew(&["params", verb, "--help"]);
         assert_eq!(code(&help), 0, "{verb}: {}", stderr(&help));
         let example = format!("  leadscrew params {verb}");
+        assert!(stdout(&help).contains(&example), "{verb}");
+    }
+    for verb in ["list", "show"] {
+        let help = leadscrew(&["drives", verb, "--help"]);
+        assert_eq!(code(&help), 0, "{verb}: {}", stderr(&help));
+        let example = format!("  leadscrew drives {verb}");
         assert!(stdout(&help).contains(&example), "{verb}");
     }
     for verb in ["door", "estop", "hold", "power", "speed", "state"] {

@@ -212,3 +212,18 @@ fn an_axis_homes_onto_the_switch_at_its_mark_and_stays_there_without_power() {
     let told = good(&user.does(&["home"]));
     assert!(told.contains("Z referenced at 5\n"), "{told}");
 }
+
+#[test]
+fn a_machine_has_the_drives_that_up_names() {
+    let user = User::new();
+    let told = bad(&user.does(&["up", "--drive", "Z=kv31"]), 2);
+    assert!(told.contains("there is no drive `kv31`"), "{told}");
+    good(&user.does(&["up", "--drive", "kv30"]));
+    // A rapid is 9 mm ahead of such a drive, and the board bears 1 mm.
+    let far = user.program("G0 Z-50\nM30\n");
+    let told = bad(&user.does(&["run", &far]), 4);
+    assert!(told.contains("following error of drive Z"), "{told}");
+    good(&user.does(&["down"]));
+    good(&user.does(&["up"]));
+    assert_eq!(user.json(&["run", &far])["ok"], true);
+}

@@ -27,6 +27,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
 use crate::output;
 use crate::params;
+use crate::profiles::Chosen;
 use crate::setup::told_good;
 use crate::state;
 use crate::words::{self, Both, both};
@@ -43,6 +44,7 @@ pub fn up(global: &Global, args: &Up) -> Outcome {
         }
     };
     let params = wanted(global, args)?;
+    let drives = Chosen::of(&args.drives.drive, global.lang())?;
     let desk = Desk::make().map_err(Failure::bus)?;
     let home = Home::make(&name)?;
     if !args.foreground {
@@ -61,6 +63,7 @@ pub fn up(global: &Global, args: &Up) -> Outcome {
         new: args.new,
         node: global.board()?,
         at: at(global),
+        drives,
     })?;
     let mut server = Server::open(&desk, &name, claim, machine, global.lang())?;
     server.set_speed(speed);

@@ -15,7 +15,7 @@ pub use self::tell::no_figures;
 use self::work::Ran;
 use super::{Base, Machine, Table};
 use crate::checking::Report;
-use crate::cli::{Drive, Global, Run};
+use crate::cli::{Global, Run};
 use crate::commands::run::passes;
 use crate::diagnostics;
 use crate::execution::tell_report;
@@ -28,8 +28,11 @@ use crate::source::SourceFile;
 use crate::words::both;
 
 /// Refuses an option that only a simulated machine can do.
-fn refuse(global: &Global, drive: &Drive) -> Outcome {
-    let option = if drive.spindle_ripple.is_some() {
+fn refuse(global: &Global, args: &Run) -> Outcome {
+    let drive = &args.drive;
+    let option = if !args.drives.drive.is_empty() {
+        "--drive"
+    } else if drive.spindle_ripple.is_some() {
         "--spindle-ripple"
     } else if drive.tick_us.is_some() {
         "--tick-us"
@@ -76,7 +79,7 @@ pub fn perform<'a>(
     work: Work,
     begin: &mut dyn FnMut(&mut Setup<'a>, &Status) -> Outcome,
 ) -> Outcome<Done<'a>> {
-    refuse(global, &args.drive)?;
+    refuse(global, args)?;
     // A mistyped name needs no board.
     source
         .open()
