@@ -81,7 +81,7 @@ pub struct Common {
     /// SYNC periods that each change of a drive's power state takes
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub settling: u16,
-    /// Time constant of the drives' following lag, in SYNC periods
+    /// Time constant of the following lag of ideal drives, in SYNC periods
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub lag: u16,
     /// Drives tell emergency 8220h of every frame with their setpoint that is longer than what they map

@@ -7,9 +7,10 @@ use std::vec::Vec;
 
 use super::super::*;
 use leadscrew_core::bus::{
-    Controlword, DriveCommand, DriveStatus, Emcy, NmtCommand, Object, SdoBuffer, SdoProtocol,
-    SdoUpload, SyncProducer,
+    AxisMode, Controlword, DriveCommand, DriveStatus, Emcy, Mode, NmtCommand, Object, SdoBuffer,
+    SdoProtocol, SdoUpload, SyncProducer,
 };
+use leadscrew_core::params::Entry;
 use leadscrew_core::units::{Acceleration, Feed, Length};
 
 const Z: NodeId = NodeId::DRIVE_Z;
@@ -45,14 +46,18 @@ struct Bench {
 }
 
 impl Bench {
-    /// With torque, at zero.
     fn new(servo: ServoOptions) -> Self {
+        Self::with(&Params::sheets(), servo)
+    }
+
+    /// With torque, at zero.
+    fn with(params: &Params, servo: ServoOptions) -> Self {
         let options = PlantOptions {
             servos: [None, Some(servo)],
             ..PlantOptions::default()
         };
         let mut bench = Self {
-            plant: Plant::new(&Params::sheets(), &options).unwrap(),
+            plant: Plant::new(params, &options).unwrap(),
             sync: SyncProducer::new(),
             heard: Vec::new(),
         };
@@ -309,6 +314,49 @@ fn it_stands_where_it_is_without_torque_and_is_the_same_after_a_restart() {
     bench.tick(None);
     assert_eq!((bench.place(), bench.plant.truth().loads[1]), (stood, tool));
     assert!(bench.read(0x60F4).is_some());
+}
+
+#[test]
+fn homing_moves_the_tool_and_counts_anew_behind_it() {
+    let mut params = Params::sheets();
+    params.set(Entry::find_text("9050.Z").unwrap(), 1).unwrap();
+    let play = Length::from_nm(10_000);
+    let mut bench = Bench::with(&params, ServoOptions { play, ..options() });
+    let drive = bench.plant.drive(Axis::Z);
+    drive.set_homing(HomingOptions::at_plus_end(20_000));
+    drive.set_homing_method(HomingOptions::OFF_THE_PLUS_END);
+    let homing = AxisMode(Mode::Homing).frame(Z);
+    bench.plant.exchange(&[homing], |_| {});
+    bench.go(0);
+    let (mut before, mut attained) = (0, false);
+    for _ in 0..5000 {
+        bench.tick(Some((0x1F, 0)));
+        let place = bench.place();
+        // Never a leap: 200 000 increments a second.
+        assert!((place - before).abs() <= 201, "{before} {place}");
+        let tool = bench.plant.truth().loads[1].unwrap().nm();
+        assert!((tool - place * 100).abs() <= 5_000, "{tool} {place}");
+        before = place;
+        attained = bench.read(0x6041).unwrap() & 0x3400 == 0x1400;
+        if attained {
+            break;
+        }
+    }
+    // The edge of the switch is the mark, and it counts from there.
+    assert!(attained);
+    assert_eq!((bench.place(), bench.read(0x6064)), (20_000, Some(0)));
+    // It goes on from there under targets.
+    let streaming = AxisMode(Mode::Position).frame(Z);
+    bench.plant.exchange(&[streaming], |_| {});
+    (0..10).for_each(|_| bench.go(0));
+    (1..=1000).for_each(|k| bench.go(-k.min(500)));
+    assert_eq!(
+        (bench.place(), bench.read(0x6064)),
+        (19_500, Some(-500_i32 as u32))
+    );
+    // A count is 100 nm, and half the play is behind.
+    let tool = bench.plant.truth().loads[1].unwrap().nm();
+    assert!((1_955_000..1_955_100).contains(&tool), "{tool}");
 }
 
 #[test]
