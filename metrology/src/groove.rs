@@ -54,6 +54,8 @@ pub(crate) struct Course {
 }
 
 const NM: f64 = 1e6;
+/// Shallower than this share of the height, a groove belongs to the run-in or the run-out.
+const SHALLOW: f64 = 0.01;
 const NOWHERE: u32 = u32::MAX;
 
 struct Run {
@@ -130,9 +132,20 @@ impl Grooves {
         let floor = median(first.iter().map(|run| run.floor))?;
         let crest = median(first.iter().map(|run| run.crest))?;
         let found = runs(work, course, (floor + crest) / 2.0);
+        let is_shallow = |run: &&Run| run.floor > floor + SHALLOW * (crest - floor);
+        // The tool has begun to leave, or has not arrived, before that shows: half a turn on either side is left out.
+        let away = course.pitch * course.starts / 2.0;
+        let middle = |run: &Run| (work.z(run.from) + work.z(run.to)) / 2.0;
+        let mut shallow: Vec<f64> = found.iter().filter(is_shallow).map(middle).collect();
+        shallow.sort_by(f64::total_cmp);
+        let is_near = |run: &Run| {
+            let z = middle(run);
+            let next = shallow.partition_point(|other| *other < z - away);
+            shallow.get(next).is_some_and(|other| *other <= z + away)
+        };
         let list: Vec<Groove> = found
             .iter()
-            .filter(|run| run.floor <= floor + 0.05 * (crest - floor))
+            .filter(|run| !is_near(run))
             .filter_map(|run| flanks(work, course, run, floor, crest))
             .collect();
         Self::number(list, work, course, (floor + crest) / 2.0)

@@ -58,7 +58,7 @@ pub struct Measured {
     pub pitch: Spread,
     /// Minor diameter, likewise.
     pub minor: Spread,
-    /// Over wires, of a bolt.
+    /// Over wires, of a bolt without a taper.
     pub wires: Option<Wires>,
     /// Angles of the flanks towards −Z and +Z from the normal of the axis, degrees.
     pub flanks: [Spread; 2],
@@ -135,7 +135,12 @@ pub fn measure(work: &Work, thread: &Designation) -> Result<Measured, NoThread> 
         face,
     );
     let limits = Limits::of(thread);
-    let root = grooves.list.iter().map(root_radius);
+    let root = grooves.list.iter().map(|groove| {
+        // The flanks are lines over true heights.
+        let apex = groove.height_of_width(0.0);
+        let floor = groove.floor + course.taper * (groove.middle(apex) - face);
+        root_radius(groove, floor)
+    });
     let root = Spread::of(root).map_or(0.0, |root| root.mean);
     let (full, run_out) = lengths(work, &grooves, &course);
     Ok(Measured {
@@ -143,7 +148,7 @@ pub fn measure(work: &Work, thread: &Designation) -> Result<Measured, NoThread> 
         major,
         pitch,
         minor,
-        wires: (side == Side::External)
+        wires: (side == Side::External && course.taper == 0.0)
             .then(|| wires(&grooves, thread, &pitch))
             .flatten(),
         flanks,
@@ -151,7 +156,7 @@ pub fn measure(work: &Work, thread: &Designation) -> Result<Measured, NoThread> 
         lead: helix.lead(thread.lead().0),
         drunkenness: helix.drunkenness(),
         starts: helix.starts(),
-        functional: functional(work, &grooves, &course, thread, &limits),
+        functional: functional(work, &grooves, &course, thread, &limits, pitch.mean),
         taper: slope(grooves.list.iter().map(|groove| {
             let height = groove.height_of_width(half_pitch);
             (groove.middle(height), side.height(2.0 * height))
@@ -163,12 +168,12 @@ pub fn measure(work: &Work, thread: &Designation) -> Result<Measured, NoThread> 
 }
 
 /// Radius of the circle that touches both flanks and the floor.
-fn root_radius(groove: &Groove) -> f64 {
+fn root_radius(groove: &Groove, floor: f64) -> f64 {
     let [minus, plus] = [-groove.minus.lean, groove.plus.lean].map(f64::atan);
     let apex = groove.height_of_width(0.0);
     let across = ((minus + plus) / 2.0).sin();
     let lean = ((plus - minus) / 2.0).cos();
-    (groove.floor - apex) / (lean / across - 1.0)
+    (floor - apex) / (lean / across - 1.0)
 }
 
 /// The usual wires, which touch at the pitch line, laid into the grooves of both sides.
@@ -203,6 +208,7 @@ fn functional(
     course: &Course,
     thread: &Designation,
     limits: &Limits,
+    pitch: f64,
 ) -> Option<Functional> {
     if matches!(thread.series, Series::Free | Series::Pipe { .. }) {
         return None;
@@ -211,13 +217,26 @@ fn functional(
         Side::External => limits.minor.high.unwrap_or(thread.minor()),
         Side::Internal => limits.major.low.unwrap_or(thread.major),
     };
+    // On a thread that is too thick the counterpart is as much larger: its flanks are asked, not its crest.
+    let limit = thread.side.height(crest.0 / 2.0);
+    let moved = thread
+        .side
+        .height((pitch - thread.pitch_diameter().0 + crest_of(thread)) / 2.0);
     let counterpart = Counterpart {
         side: thread.side,
         flank: thread.angle.0 / 2.0,
-        crest: thread.side.height(crest.0 / 2.0),
+        crest: limit.max(moved),
         length: thread.engagement().0,
     };
     Functional::of(work, grooves, course, &counterpart)
+}
+
+/// Basic diameter of the counterpart's crest.
+fn crest_of(thread: &Designation) -> f64 {
+    match thread.side {
+        Side::External => thread.minor().0,
+        Side::Internal => thread.major.0,
+    }
 }
 
 /// Slope of a regression line; zero for a single point.

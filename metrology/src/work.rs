@@ -200,10 +200,9 @@ impl Work {
                 low,
             );
         }
-        if removed == [0.0; 2] {
-            return;
+        if removed != [0.0; 2] {
+            self.course += course;
         }
-        self.course += course;
         let share = std::f64::consts::PI / self.grid.angles as f64 * step / (NM * NM);
         let chip = self.chip(pass);
         chip.minus = chip.minus + Cubic(removed[0] * share);

@@ -6,6 +6,7 @@ mod completions;
 mod desk;
 mod expand;
 mod explain;
+mod measure;
 mod params;
 mod plot;
 mod record;
@@ -55,6 +56,14 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             plot::format(&args.output)?;
             let program = SourceFile::new(&args.program);
             plot::run(
+                &Setup::with_drive(&cli.global, &args.drive, &program)?,
+                args,
+            )
+        }
+        Command::Measure(args) => {
+            measure::format(args)?;
+            let program = SourceFile::new(&args.program);
+            measure::run(
                 &Setup::with_drive(&cli.global, &args.drive, &program)?,
                 args,
             )
