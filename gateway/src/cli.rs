@@ -562,8 +562,8 @@ pub struct Measure {
     /// Z of the face in work coordinates [default: 0, or where the strokes begin]
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub face: Option<Millimetres>,
-    /// Where the result goes; the ending chooses the format
-    #[arg(short, long, value_name = "FILE.json")]
+    /// Where the result goes; the ending chooses the format: `json` all figures, `svg` a picture, `html` picture and sheet
+    #[arg(short, long, value_name = "FILE.{svg,html,json}")]
     pub output: Option<PathBuf>,
     /// The plant.
     #[command(flatten)]

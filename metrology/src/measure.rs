@@ -64,6 +64,8 @@ pub struct Measured {
     pub flanks: [Spread; 2],
     /// Radius of the root that touches both flanks and the floor.
     pub root: Mm,
+    /// Where the nominal helix has the middle of a groove at angle 0: the first full one from the face.
+    pub groove: Mm,
     /// The lead.
     pub lead: Lead,
     /// The sway within a turn.
@@ -153,6 +155,7 @@ pub fn measure(work: &Work, thread: &Designation) -> Result<Measured, NoThread> 
             .flatten(),
         flanks,
         root: Mm(root),
+        groove: Mm(grooves.reference),
         lead: helix.lead(thread.lead().0),
         drunkenness: helix.drunkenness(),
         starts: helix.starts(),

@@ -74,7 +74,7 @@ Examples:
   leadscrew measure part.nc                               the thread is guessed
   leadscrew measure part.nc --thread M40x3-6g --tool V60:r0.2
   leadscrew measure part.nc --spindle-ripple 10@5         what an uneven spindle does to it
-  leadscrew measure part.nc --thread M40x3-6g -o part.json";
+  leadscrew measure part.nc --thread M40x3-6g -o part.html      picture and sheet";
 
 pub(super) const RECORD: &str = "\
 Examples:

@@ -1,14 +1,17 @@
 //! `measure`: what a program cuts, measured as an inspector does.
 
+use std::path::Path;
+
 use crate::cli::Measure;
 use crate::diagnostics;
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::inspection::plan::{Wish, plan};
 use crate::inspection::samples::Cutting;
-use crate::inspection::{Cut, result, sheet};
+use crate::inspection::{Cut, picture, result, sheet};
 use crate::json::Json;
 use crate::output;
+use crate::plot;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::Summary;
@@ -35,31 +38,42 @@ pub fn run(setup: &Setup, args: &Measure) -> Outcome {
     }
     let cuts = cutting.finish();
     let good = cuts.iter().all(|cut| cut.verdict() != Some(false));
-    let json = || {
-        let mut json = Json::new();
-        json.object(|json| {
-            json.flag("ok", good);
-            result::fields(&cuts, along_x, json);
-            execution.origin_fields(json);
-        });
-        json
-    };
     if let Some(path) = &args.output {
-        let mut bytes = json().into_bytes();
-        bytes.push(b'\n');
-        std::fs::write(path, bytes)
+        let written = match ending(path).as_str() {
+            "json" => {
+                let mut json = Json::new();
+                json.object(|json| told(json, &execution, &cuts, along_x, good));
+                let mut bytes = json.into_bytes();
+                bytes.push(b'\n');
+                bytes
+            }
+            ending => {
+                let title = super::plot::title(&args.program);
+                let drawn = plot::svg(&title, &picture::sheets(&cuts, setup.lang), setup.lang);
+                let all = if ending == "html" {
+                    plot::page(&title, &drawn, &sheet::text(&cuts, setup.lang), setup.lang)
+                } else {
+                    drawn
+                };
+                all.into_bytes()
+            }
+        };
+        std::fs::write(path, written)
             .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
     }
     if setup.global.json {
-        output::json(|out| {
-            out.flag("ok", good);
-            result::fields(&cuts, along_x, out);
-            execution.origin_fields(out);
-        })?;
+        output::json(|json| told(json, &execution, &cuts, along_x, good))?;
     } else {
         tell(setup, &cuts, along_x);
     }
     if good { Ok(()) } else { Err(Failure::Wrong) }
+}
+
+/// The result for a program.
+fn told(json: &mut Json, execution: &Execution, cuts: &[Cut], along_x: usize, good: bool) {
+    json.flag("ok", good);
+    result::fields(cuts, along_x, json);
+    execution.origin_fields(json);
 }
 
 fn tell(setup: &Setup, cuts: &[Cut], along_x: usize) {
@@ -86,16 +100,23 @@ pub fn format(args: &Measure) -> Outcome {
     let Some(output) = &args.output else {
         return Ok(());
     };
-    let ending = output
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or_default();
-    match ending.to_ascii_lowercase().as_str() {
-        "json" => Ok(()),
+    match ending(output).as_str() {
+        "json" | "svg" | "html" => Ok(()),
+        "png" => Err(Failure::Usage(both!(
+            "pictures as `png` are not available yet; write `-o {svg}`",
+            "尚不能输出 `png` 图片；请写 `-o {svg}`",
+            svg = words::path(&output.with_extension("svg"))
+        ))),
         _ => Err(Failure::Usage(both!(
-            "`{output}`: the ending of the file chooses the format: `.json`",
-            "`{output}`：文件的扩展名决定格式：`.json`",
+            "`{output}`: the ending of the file chooses the format: `.svg`, `.html` or `.json`",
+            "`{output}`：文件的扩展名决定格式：`.svg`、`.html` 或 `.json`",
             output = words::path(output)
         ))),
     }
+}
+
+/// The ending of a file's name, in small letters.
+fn ending(output: &Path) -> String {
+    let ending = output.extension().and_then(|e| e.to_str());
+    ending.unwrap_or_default().to_ascii_lowercase()
 }

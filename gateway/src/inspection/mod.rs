@@ -1,10 +1,11 @@
 //! Virtual metrology of a program: its threads, cut by the simulated machine's positions and measured.
 //!
 //! [`plan`] finds the threads in the text, [`guess`] what they are called, [`samples`] turns the machine's ticks into cuts,
-//! [`sheet`] and [`result`] tell what was found. How a part is cut and measured is in `leadscrew_metrology`.
+//! [`sheet`], [`result`] and [`picture`] tell what was found. How a part is cut and measured is in `leadscrew_metrology`.
 
 pub mod edge;
 pub mod guess;
+pub mod picture;
 pub mod plan;
 pub mod result;
 pub mod samples;

@@ -236,3 +236,56 @@ fn what_cannot_be_measured_is_told() {
         stderr(&output)
     );
 }
+
+/// docs/metrology.md shows the thread of the README's shaft on an uneven spindle.
+#[test]
+fn the_picture_of_the_page_is_current() {
+    let folder = Folder::new("measure-picture");
+    let picture = folder.file("thread.svg");
+    let args = [
+        "measure",
+        "examples/shaft.nc",
+        "--spindle-ripple=10@5",
+        "-o",
+        &picture,
+    ];
+    assert_eq!(code(&leadscrew(&args)), 1);
+    golden(
+        &root().join("docs/images/thread.svg"),
+        &std::fs::read_to_string(&picture).unwrap(),
+    );
+}
+
+#[test]
+fn pictures_pages_and_results_as_files() {
+    let folder = Folder::new("measure-files");
+    let program = write(&folder, "good.nc", GOOD);
+    let [page, result] = ["p.html", "p.json"].map(|name| folder.file(name));
+    assert_eq!(
+        code(&leadscrew(&[
+            "measure", &program, "-o", &page, "--lang", "zh"
+        ])),
+        0
+    );
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(
+        text.starts_with("<!doctype html>") && text.contains("<svg ") && text.contains("</html>")
+    );
+    assert!(
+        text.contains("通规可以通过") && text.contains("最大实体"),
+        "{text}"
+    );
+    // Nothing is fetched from elsewhere.
+    assert!(!text.contains("<script") && !text.contains("<link") && !text.contains("src="));
+    assert_eq!(code(&leadscrew(&["measure", &program, "-o", &result])), 0);
+    let written: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&result).unwrap()).unwrap();
+    assert_eq!(written["threads"][0], measured(&[&program])["threads"][0]);
+    let png = leadscrew(&["measure", &program, "-o", "part.png"]);
+    assert_eq!(code(&png), 2);
+    assert!(
+        stderr(&png).contains("not available yet"),
+        "{}",
+        stderr(&png)
+    );
+}
