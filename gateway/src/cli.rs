@@ -20,6 +20,7 @@ use leadscrew_language::dialect::Control;
 pub use by_hand::{AxisWay, Jog, ModeName, StepLength};
 
 use crate::failure::{Failure, Outcome};
+use crate::inspection::edge::{Edge, Millimetres};
 use crate::profiles::Choice;
 use crate::values::{At, Factor, Mistake, Percent, Ripple, SetSignal, Tolerance, mistake};
 use crate::words::both;
@@ -58,6 +59,7 @@ impl Cli {
                 | Command::Plot(_)
                 | Command::Explain(_)
                 | Command::Drives { .. }
+                | Command::Measure(_)
                 | Command::Completions { .. }
         );
         let global = &mut self.global;
@@ -300,6 +302,9 @@ pub enum Command {
     /// Draw the X–Z tool path, and speed and synchronism over time
     #[command(after_help = examples::PLOT)]
     Plot(Plot),
+    /// Cut the threads of a program on the simulated machine, and measure them as an inspector does
+    #[command(after_help = examples::MEASURE)]
+    Measure(Measure),
     /// Check all of a program, upload it and run it
     #[command(after_help = examples::RUN)]
     Run(Run),
@@ -549,6 +554,38 @@ pub struct Plot {
     /// The tool path alone, near the part: nothing is run, so there is nothing over time
     #[arg(long, conflicts_with_all = ["spindle_ripple", "tick_us"])]
     pub path: bool,
+    /// The plant.
+    #[command(flatten)]
+    pub drive: Drive,
+}
+
+/// `measure`.
+#[derive(Args, Debug)]
+pub struct Measure {
+    /// Program
+    #[arg(value_name = "PROG")]
+    pub program: PathBuf,
+    /// What a thread should be: `M40x3-6g`, `M30x4P2-6H`, `1/4-20UNC-2A`, `1/2-14NPT` (repeatable: one for all, or one for
+    /// each) [default: a guess by pitch, angle and diameter, which is said]
+    #[arg(long, value_name = "NAME")]
+    pub thread: Vec<String>,
+    /// The edge of a tool: `V60:r0.1`, `T3=V30/27:f0.2` (repeatable) [default: the thread's angle and the norm's root
+    /// radius, which is said]
+    ///
+    /// V and the angle between the flanks, or both from the normal of the axis, that towards -Z first; `:r` the radius of
+    /// the tip, `:f` its width, mm.
+    #[arg(long, value_name = "[TN=]EDGE")]
+    pub tool: Vec<Edge>,
+    /// Diameter of the surface before the cut, at the face [default: what the cycle's height says, else the middle of the
+    /// norm's limits]
+    #[arg(long, value_name = "MM")]
+    pub surface: Option<Millimetres>,
+    /// Z of the face in work coordinates [default: 0, or where the strokes begin]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    pub face: Option<Millimetres>,
+    /// Where the result goes; the ending chooses the format: `json` all figures, `svg` a picture, `html` picture and sheet
+    #[arg(short, long, value_name = "FILE.{svg,html,json}")]
+    pub output: Option<PathBuf>,
     /// The plant.
     #[command(flatten)]
     pub drive: Drive,

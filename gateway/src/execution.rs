@@ -8,6 +8,7 @@ use crate::checking::{self, Detail, Report};
 use crate::cli::Drive;
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
+use crate::json::Json;
 use crate::machine::{self, Ended, Observer};
 use crate::origin::Origin;
 use crate::output;
@@ -99,13 +100,17 @@ impl<'a> Execution<'a> {
         self.ended.interrupted
     }
 
+    /// True where the program came to its end without an alarm of the machine.
+    pub fn is_whole(&self) -> bool {
+        self.ended.alarms.is_empty() && !self.ended.interrupted && !self.ended.cut
+    }
+
     /// Judges the run, and writes the JSON result if it is wanted.
     pub fn conclude(&self, summary: &Summary, tolerance: Option<Tolerance>) -> Outcome {
         let above = tolerance.and_then(|tolerance| self.above(summary, tolerance));
         let within = above.is_none();
-        let ran = self.ended.alarms.is_empty() && !self.ended.interrupted && !self.ended.cut;
         if self.setup.global.json {
-            self.print_json(summary, ran && within)?;
+            self.print_json(summary, self.is_whole() && within)?;
         }
         if !self.ended.alarms.is_empty() {
             return Err(Failure::Machine);
@@ -146,21 +151,26 @@ impl<'a> Execution<'a> {
             json.flag("ok", ok);
             summary.fields(&self.measured(), json);
             self.ended.threads.fields(json);
-            let alarms = self.report.alarms.iter().chain(&self.ended.alarms);
-            let warnings = self.report.warnings.iter().chain(&self.ended.warnings);
-            json.array_at("alarms", |json| {
-                alarms.for_each(|d| json.object(|json| d.fields(json, true)))
-            });
-            json.array_at("warnings", |json| {
-                warnings.for_each(|d| json.object(|json| d.fields(json, true)))
-            });
-            let origin = Origin {
-                program: self.source.name(),
-                parameters: Some(identity(&self.setup.params)),
-                machine: self.setup.machine(),
-                board: None,
-            };
-            origin.fields(json);
+            self.origin_fields(json);
         })
+    }
+
+    /// `alarms` and `warnings` of check and run, and where the result comes from.
+    pub fn origin_fields(&self, json: &mut Json) {
+        let alarms = self.report.alarms.iter().chain(&self.ended.alarms);
+        let warnings = self.report.warnings.iter().chain(&self.ended.warnings);
+        json.array_at("alarms", |json| {
+            alarms.for_each(|d| json.object(|json| d.fields(json, true)))
+        });
+        json.array_at("warnings", |json| {
+            warnings.for_each(|d| json.object(|json| d.fields(json, true)))
+        });
+        let origin = Origin {
+            program: self.source.name(),
+            parameters: Some(identity(&self.setup.params)),
+            machine: self.setup.machine(),
+            board: None,
+        };
+        origin.fields(json);
     }
 }

@@ -18,6 +18,7 @@ pub mod drawing;
 pub mod execution;
 pub mod feeder;
 pub mod hole;
+pub mod inspection;
 pub mod length;
 pub mod link;
 pub mod machine;

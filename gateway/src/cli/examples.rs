@@ -85,6 +85,13 @@ Examples:
   leadscrew plot part.nc -o part.svg --spindle-ripple 10@5
   leadscrew plot part.nc -o part.svg --path     the tool path alone: nothing is run";
 
+pub(super) const MEASURE: &str = "\
+Examples:
+  leadscrew measure part.nc                               the thread is guessed
+  leadscrew measure part.nc --thread M40x3-6g --tool V60:r0.2
+  leadscrew measure part.nc --spindle-ripple 10@5         what an uneven spindle does to it
+  leadscrew measure part.nc --thread M40x3-6g -o part.html      picture and sheet";
+
 pub(super) const RECORD: &str = "\
 Examples:
   leadscrew record --bus can0 -o bus.log           what candump writes and canplayer, Wireshark and python-can read

@@ -7,6 +7,7 @@ mod desk;
 mod drives;
 mod expand;
 mod explain;
+mod measure;
 mod params;
 mod plot;
 mod record;
@@ -57,6 +58,14 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             plot::format(&args.output)?;
             let program = SourceFile::new(&args.program);
             plot::run(
+                &Setup::with_drive(&cli.global, &args.drive, &program)?,
+                args,
+            )
+        }
+        Command::Measure(args) => {
+            measure::format(args)?;
+            let program = SourceFile::new(&args.program);
+            measure::run(
                 &Setup::with_drive(&cli.global, &args.drive, &program)?,
                 args,
             )

@@ -159,7 +159,7 @@ fn listing(source: &SourceFile) -> Vec<String> {
     lines.map(text).collect()
 }
 
-fn title(program: &Path) -> String {
+pub(super) fn title(program: &Path) -> String {
     words::path(Path::new(
         program.file_name().unwrap_or(program.as_os_str()),
     ))

@@ -11,7 +11,7 @@ pub fn refuse(cli: &Cli) -> Outcome {
     let global = &cli.global;
     let runs = matches!(
         cli.command,
-        Command::Simulate(_) | Command::Plot(_) | Command::Run(_)
+        Command::Simulate(_) | Command::Plot(_) | Command::Measure(_) | Command::Run(_)
     );
     if global.cut_power.is_some() && global.state.is_none() {
         return Err(Failure::Usage(both!(
@@ -22,8 +22,8 @@ pub fn refuse(cli: &Cli) -> Outcome {
     if global.cut_power.is_some() && !runs {
         let name = name(&cli.command);
         return Err(Failure::Usage(both!(
-            "`--cut-power` goes with `simulate`, `plot` and `run`, not with `{name}`",
-            "`--cut-power` 只能与 `simulate`、`plot`、`run` 一起用，不能用于 `{name}`"
+            "`--cut-power` goes with `simulate`, `plot`, `measure` and `run`, not with `{name}`",
+            "`--cut-power` 只能与 `simulate`、`plot`、`measure`、`run` 一起用，不能用于 `{name}`"
         )));
     }
     if global.state.is_some() && global.bus != Address::Sim {
@@ -38,7 +38,7 @@ pub fn refuse(cli: &Cli) -> Outcome {
         return Ok(());
     }
     match &cli.command {
-        Command::Simulate(_) | Command::Plot(_) => {
+        Command::Simulate(_) | Command::Plot(_) | Command::Measure(_) => {
             let name = name(&cli.command);
             Err(Failure::Usage(both!(
                 "`{name}` computes in virtual time and talks to no board: leave out `--bus {bus}`, or let a board \
@@ -57,6 +57,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Expand(_) => "expand",
         Command::Simulate(_) => "simulate",
         Command::Plot(_) => "plot",
+        Command::Measure(_) => "measure",
         Command::Run(_) => "run",
         Command::Explain(_) => "explain",
         Command::Params { .. } => "params",

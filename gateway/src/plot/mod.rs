@@ -5,10 +5,12 @@ mod frame;
 mod path;
 mod scale;
 mod series;
+mod thread;
 mod time;
 
 pub use path::{Kind, Stroke, View};
 pub use series::{Envelope, Sample};
+pub use thread::{Chip, Curve, Line, Sheet, page, svg};
 
 use leadscrew_core::alarm::Lang;
 use svg::node::element::{Group, Rectangle, Style, Text};

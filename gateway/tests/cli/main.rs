@@ -113,6 +113,7 @@ mod json;
 mod kept;
 mod machine;
 mod macros;
+mod measure;
 mod plausible;
 mod recovery;
 mod strokes;

@@ -14,6 +14,7 @@ fn help_and_version_are_on_every_command() {
         "expand",
         "simulate",
         "plot",
+        "measure",
         "run",
         "status",
         "monitor",

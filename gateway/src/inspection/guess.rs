@@ -1,0 +1,159 @@
+//! The name of a thread that nobody has named, by its pitch, its angle and its crest or root.
+
+use leadscrew_metrology::{Degrees, Designation, Mm, Side};
+
+/// What the program says of a thread.
+#[derive(Clone, Copy, Debug)]
+pub struct Traits {
+    /// Bolt or nut.
+    pub side: Side,
+    /// Distance of neighbouring grooves.
+    pub pitch: Mm,
+    /// Starts.
+    pub starts: u8,
+    /// Angle between the flanks.
+    pub angle: Degrees,
+    /// Change of the radius per millimetre of Z.
+    pub taper: f64,
+    /// Diameter of the uncut surface, where the program says it.
+    pub crest: Option<Mm>,
+    /// Diameter that the last pass leaves.
+    pub root: Mm,
+}
+
+/// Pitches of ISO 261.
+const METRIC: [f64; 22] = [
+    0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.75, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5,
+    4.0, 4.5, 5.0, 6.0,
+];
+
+/// The likely name. A thread of no norm that is known gets one that says nothing about limits.
+pub fn guess(traits: &Traits) -> Designation {
+    let free = || {
+        let major = major(traits);
+        Designation::free(
+            traits.side,
+            major,
+            traits.pitch,
+            traits.starts,
+            traits.angle,
+            traits.taper,
+        )
+    };
+    if traits.angle.0 != 60.0 || traits.taper != 0.0 {
+        return free();
+    }
+    let name = metric(traits).or_else(|| unified(traits));
+    let read = name.and_then(|name| Designation::read(&name, traits.side).ok());
+    read.unwrap_or_else(free)
+}
+
+/// The nominal diameter: of the crest, else as deep as the basic profile with its rounded root.
+fn major(traits: &Traits) -> Mm {
+    let height = traits.pitch.0 * 3f64.sqrt() / 2.0;
+    match (traits.side, traits.crest) {
+        (Side::External, Some(crest)) => crest,
+        (Side::External, None) => traits.root + Mm(height * 17.0 / 12.0),
+        (Side::Internal, Some(crest)) => crest + Mm(height * 1.25),
+        (Side::Internal, None) => traits.root,
+    }
+}
+
+/// The nearest multiple, where it is near.
+fn near(value: f64, step: f64) -> Option<f64> {
+    let nearest = (value / step).round() * step;
+    (nearest > 0.0 && (nearest - value).abs() < 0.4 * step).then_some(nearest)
+}
+
+fn metric(traits: &Traits) -> Option<String> {
+    let pitch = METRIC
+        .iter()
+        .find(|p| (**p - traits.pitch.0).abs() < 1e-6)?;
+    // Small sizes lie closer.
+    let d = near(major(traits).0, if *pitch < 1.0 { 0.5 } else { 1.0 })?;
+    let class = match traits.side {
+        Side::External => "6g",
+        Side::Internal => "6H",
+    };
+    Some(match traits.starts {
+        1 => format!("M{d}x{pitch}-{class}"),
+        starts => format!(
+            "M{d}x{lead}P{pitch}-{class}",
+            lead = pitch * f64::from(starts)
+        ),
+    })
+}
+
+fn unified(traits: &Traits) -> Option<String> {
+    if traits.starts != 1 {
+        return None;
+    }
+    let count = 25.4 / traits.pitch.0;
+    let whole = (count * 2.0).round() / 2.0;
+    // A lead is written with four decimals.
+    if (count / whole - 1.0).abs() > 2e-4 || !(3.0..=80.0).contains(&whole) {
+        return None;
+    }
+    let sixteenths = (major(traits).0 / 25.4 * 16.0).round();
+    near(major(traits).0, 25.4 / 16.0)?;
+    let (full, mut part, mut below) = ((sixteenths / 16.0).floor(), sixteenths % 16.0, 16.0);
+    while part > 0.0 && part % 2.0 == 0.0 {
+        (part, below) = (part / 2.0, below / 2.0);
+    }
+    let size = match (full > 0.0, part > 0.0) {
+        (true, true) => format!("{full}-{part}/{below}"),
+        (true, false) => format!("{full}"),
+        (false, _) => format!("{part}/{below}"),
+    };
+    let class = match traits.side {
+        Side::External => "2A",
+        Side::Internal => "2B",
+    };
+    Some(format!("{size}-{whole}UN-{class}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn name(side: Side, pitch: f64, starts: u8, crest: Option<f64>, root: f64) -> String {
+        guess(&Traits {
+            side,
+            pitch: Mm(pitch),
+            starts,
+            angle: Degrees(60.0),
+            taper: 0.0,
+            crest: crest.map(Mm),
+            root: Mm(root),
+        })
+        .text
+    }
+
+    #[test]
+    fn likely_names() {
+        use Side::{External, Internal};
+        assert_eq!(name(External, 3.0, 1, Some(39.9), 36.3), "M40x3-6g");
+        assert_eq!(name(External, 3.0, 1, None, 36.32), "M40x3-6g");
+        assert_eq!(name(External, 2.0, 2, Some(30.0), 27.5), "M30x4P2-6g");
+        assert_eq!(name(Internal, 1.5, 1, Some(18.376), 20.0), "M20x1.5-6H");
+        assert_eq!(name(External, 1.27, 1, Some(6.35), 4.7), "1/4-20UN-2A");
+        assert_eq!(name(External, 2.1167, 1, Some(31.7), 29.0), "1-1/4-12UN-2A");
+        // No norm has this one.
+        assert_eq!(name(External, 3.3, 1, Some(40.0), 36.0), "");
+    }
+
+    #[test]
+    fn other_angles_and_tapers_have_no_name() {
+        let traits = Traits {
+            side: Side::External,
+            pitch: Mm(3.0),
+            starts: 1,
+            angle: Degrees(30.0),
+            taper: 0.0,
+            crest: Some(Mm(40.0)),
+            root: Mm(36.0),
+        };
+        assert_eq!(guess(&traits).text, "");
+        assert_eq!(guess(&traits).angle, Degrees(30.0));
+    }
+}

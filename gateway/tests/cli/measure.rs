@@ -1,0 +1,291 @@
+//! `measure`: threads of programs, cut on the simulated machine and measured.
+
+use super::*;
+
+/// M40x3 in the middle of 6g, with the norm's tip: its flanks are 60° and its minor diameter is 36.2.
+const GOOD: &str = "O0040\nG50 X80 Z20\nM3 S600\nT0303\nG0 X46 Z10\nG76 P020060 Q1500 R0.05 J1.9 K3\n\
+                    G76 X36.18 Z-32 P18000 Q6000 F3\nG0 X80 Z20\nM5\nM30\n%\n";
+
+fn write(folder: &Folder, name: &str, text: &str) -> String {
+    let program = folder.file(name);
+    std::fs::write(&program, text).unwrap();
+    program
+}
+
+fn measured(args: &[&str]) -> serde_json::Value {
+    let output = leadscrew(&[&["measure", "--json"], args].concat());
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(&output)))
+}
+
+#[track_caller]
+fn near(value: &serde_json::Value, asked: f64, most: f64) {
+    let value = value.as_f64().unwrap();
+    assert!((value - asked).abs() <= most, "{value} instead of {asked}");
+}
+
+#[test]
+fn a_good_thread_is_within_tolerance() {
+    let folder = Folder::new("measure-good");
+    let program = write(&folder, "good.nc", GOOD);
+    let output = leadscrew(&["measure", &program, "--thread", "M40x3-6g"]);
+    let told = stderr(&output);
+    assert_eq!(code(&output), 0, "{told}");
+    assert!(told.contains("thread 1, line 7: M40x3-6g\n"), "{told}");
+    assert!(told.contains("GO goes on; NO-GO stays out"), "{told}");
+    assert!(told.contains("  within tolerance\n"), "{told}");
+    let result = measured(&[&program, "--thread", "M40x3-6g"]);
+    assert_eq!(result["ok"], true);
+    let thread = &result["threads"][0];
+    // The tip of H/6 at 36.18 has its sharp end at 35.314; half a pitch wide are the flanks 2.598 above.
+    near(&thread["pitch_mm"], 37.9121, 0.001);
+    near(&thread["major_mm"], 39.78, 0.001);
+    near(&thread["minor_mm"], 36.18, 0.001);
+    near(
+        &thread["wires_mm"],
+        37.9121 + 3.0 * 1.732_05 - 2.598_08 + 0.0008,
+        0.001,
+    );
+    near(&thread["lead_mm"], 3.0, 1e-6);
+    near(&thread["lead_error_um"], 0.0, 0.01);
+    near(&thread["drunkenness_um"], 0.0, 0.1);
+    near(&thread["flank_deg"][0], 30.0, 1.0 / 60.0);
+    near(&thread["flank_deg"][1], 30.0, 1.0 / 60.0);
+    assert_eq!(thread["start_to_start_um"], serde_json::json!([0]));
+    assert_eq!(
+        (&thread["go"], &thread["no_go"]),
+        (&true.into(), &true.into())
+    );
+    assert_eq!(thread["verdict"], "within");
+    assert_eq!(thread["limits"], "table");
+    assert_eq!(thread["tool"]["number"], 3);
+    // What the passes take adds up.
+    let passes = thread["passes"].as_array().unwrap();
+    let sum: f64 = passes
+        .iter()
+        .map(|pass| pass["minus_mm3"].as_f64().unwrap() + pass["plus_mm3"].as_f64().unwrap())
+        .sum();
+    near(&thread["chip_mm3"], sum, 0.001);
+}
+
+#[test]
+fn what_was_assumed_is_told_in_both_languages() {
+    let folder = Folder::new("measure-told");
+    let program = write(&folder, "good.nc", GOOD);
+    let told = stderr(&leadscrew(&["measure", &program]));
+    assert!(
+        told.contains("M40x3-6g (guessed; `--thread` says it)"),
+        "{told}"
+    );
+    assert!(told.contains("tip radius 0.433 mm (assumed)"), "{told}");
+    assert!(told.contains("face at Z0 (assumed)"), "{told}");
+    let told = stderr(&leadscrew(&["measure", &program, "--lang", "zh"]));
+    assert!(told.contains("M40x3-6g（推测；"), "{told}");
+    assert!(told.contains("量规：通规可以通过；止规不能旋入"), "{told}");
+    assert!(told.contains("  合格\n"), "{told}");
+    let given = [
+        "measure",
+        &program,
+        "--thread",
+        "M40x3-6g",
+        "--tool",
+        "T3=V60:r0.433",
+        "--face",
+        "0",
+        "--surface",
+        "39.78",
+    ];
+    let told = stderr(&leadscrew(&given));
+    assert!(
+        !told.contains("assumed") && !told.contains("guessed"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_bad_thread_fails() {
+    // Its surface is turned to 40 and its groove is as deep as the basic profile: nothing is left for the clearance of g.
+    let output = leadscrew(&["measure", "examples/shaft.nc"]);
+    let told = stderr(&output);
+    assert_eq!(code(&output), 1, "{told}");
+    assert!(
+        told.contains("GO does not go on; NO-GO stays out") && told.contains("OUT OF TOLERANCE"),
+        "{told}"
+    );
+    // A sharper tool at the same diameter leaves more on the flanks.
+    let sharp = measured(&["examples/shaft.nc", "--tool", "T3=V60:r0.2"]);
+    near(&sharp["threads"][0]["root_radius_mm"], 0.2, 0.001);
+    near(&sharp["threads"][0]["pitch_mm"], 38.5181, 0.001);
+    // Another tool's edge is not that of this one.
+    let other = measured(&["examples/shaft.nc", "--tool", "T1=V60:r0.2"]);
+    near(&other["threads"][0]["root_radius_mm"], 0.433, 0.001);
+    // A wrong angle comes out on the flank that the last pass cuts. The other one is the way in which the passes went down.
+    let bent = measured(&["examples/shaft.nc", "--tool", "V28/28:r0.433"]);
+    near(&bent["threads"][0]["flank_deg"][0], 28.0, 1.0 / 60.0);
+    near(&bent["threads"][0]["flank_deg"][1], 30.0, 0.2);
+}
+
+#[test]
+fn an_uneven_spindle_makes_a_drunken_thread() {
+    let folder = Folder::new("measure-ripple");
+    let program = write(&folder, "good.nc", GOOD);
+    let even = measured(&[&program]);
+    let uneven = measured(&[&program, "--spindle-ripple", "10@5"]);
+    let sway =
+        |result: &serde_json::Value| result["threads"][0]["drunkenness_um"].as_f64().unwrap();
+    assert!(
+        sway(&uneven) > 3.0 * sway(&even) + 0.05,
+        "{} {}",
+        sway(&even),
+        sway(&uneven)
+    );
+    assert!(sway(&uneven) < 3.0);
+}
+
+/// What the ways of cutting in are for: which side of the tool works.
+#[test]
+fn the_chip_of_each_way_to_cut_in() {
+    let folder = Folder::new("measure-cut-in");
+    let shares: Vec<f64> = (0..5)
+        .map(|way| {
+            let text = format!(
+                "O0001\nG50 X100 Z50\nM3 S200\nG00 X44 Z10\nG78 P01{way:02}60 Q0.08 R0.05 D1\n\
+                 G78 X27.546 Z-30 P1.227 Q0.35 F2 J1.5 K1.5\nG00 X100 Z50\nM05\nM30\n"
+            );
+            let result = measured(&[&write(&folder, "p.nc", &text)]);
+            let passes = result["threads"][0]["passes"].as_array().unwrap().clone();
+            // The passes between the first, which has full sides, and the finishing one.
+            let side = |key: &str| -> f64 {
+                let between = &passes[1..passes.len() - 1];
+                between.iter().map(|pass| pass[key].as_f64().unwrap()).sum()
+            };
+            side("minus_mm3") / (side("minus_mm3") + side("plus_mm3"))
+        })
+        .collect();
+    let [centre, left, right, right_centre, left_right] = shares[..] else {
+        panic!("{shares:?}")
+    };
+    assert!((centre - 0.5).abs() < 0.01, "{shares:?}");
+    assert!(left > 0.7 || right > 0.7, "{shares:?}");
+    assert!((left + right - 1.0).abs() < 0.05, "{shares:?}");
+    assert!((left_right - 0.5).abs() < 0.2, "{shares:?}");
+    assert!(
+        (right_centre - 0.5).abs() < (right - 0.5).abs(),
+        "{shares:?}"
+    );
+}
+
+#[test]
+fn two_threads_two_starts_and_none() {
+    let two = measured(&["examples/g78-two-start.nc", "--thread", "M30x4P2-6g"]);
+    let thread = &two["threads"][0];
+    assert_eq!(thread["starts"], 2);
+    near(&thread["lead_mm"], 4.0, 1e-6);
+    near(&thread["start_to_start_um"][1], 0.0, 0.2);
+    let inside = measured(&["examples/internal-taper.nc"]);
+    assert_eq!(inside["threads"][0]["internal"], true);
+    assert_eq!(inside["threads"][0]["verdict"], "not_judged");
+    let none = leadscrew(&["measure", "examples/o0008-g75-grooves.nc"]);
+    assert_eq!(code(&none), 0);
+    assert!(
+        stderr(&none).contains("the program cuts no thread"),
+        "{}",
+        stderr(&none)
+    );
+}
+
+#[test]
+fn what_cannot_be_measured_is_told() {
+    let o = "examples/shaft.nc";
+    for (args, told) in [
+        (vec!["--thread", "M40x3"], "it needs a tolerance class"),
+        (
+            vec!["--thread", "M40x3-6H"],
+            "its class is one of the other side",
+        ),
+        (vec!["--thread", "M41-6g"], "no coarse pitch in the table"),
+        (vec!["--thread", "G1"], "names are written"),
+        (
+            vec!["--thread", "M40x2-6g"],
+            "has a pitch of 2 mm, and line 44 cuts one of 3 mm",
+        ),
+        (
+            vec!["--thread", "M40x3-6g", "--thread", "M40x3-6g"],
+            "names 2 threads, and the program has 1",
+        ),
+        (vec!["--tool", "V60"], "is no edge"),
+        (
+            vec!["-o", "part.bmp"],
+            "the ending of the file chooses the format",
+        ),
+        (vec!["--bus", "vcan0"], "talks to no board"),
+    ] {
+        let output = leadscrew(&[&["measure", o], &args[..]].concat());
+        assert_eq!(code(&output), 2, "{args:?}: {}", stderr(&output));
+        assert!(
+            stderr(&output).contains(told),
+            "{args:?}: {}",
+            stderr(&output)
+        );
+    }
+    // The tool never reaches this surface.
+    let output = leadscrew(&["measure", o, "--surface", "30"]);
+    assert_eq!(code(&output), 1);
+    assert!(
+        stderr(&output).contains("there is no full groove to measure"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// docs/metrology.md shows the thread of the README's shaft on an uneven spindle.
+#[test]
+fn the_picture_of_the_page_is_current() {
+    let folder = Folder::new("measure-picture");
+    let picture = folder.file("thread.svg");
+    let args = [
+        "measure",
+        "examples/shaft.nc",
+        "--spindle-ripple=10@5",
+        "-o",
+        &picture,
+    ];
+    assert_eq!(code(&leadscrew(&args)), 1);
+    golden(
+        &root().join("docs/images/thread.svg"),
+        &std::fs::read_to_string(&picture).unwrap(),
+    );
+}
+
+#[test]
+fn pictures_pages_and_results_as_files() {
+    let folder = Folder::new("measure-files");
+    let program = write(&folder, "good.nc", GOOD);
+    let [page, result] = ["p.html", "p.json"].map(|name| folder.file(name));
+    assert_eq!(
+        code(&leadscrew(&[
+            "measure", &program, "-o", &page, "--lang", "zh"
+        ])),
+        0
+    );
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(
+        text.starts_with("<!doctype html>") && text.contains("<svg ") && text.contains("</html>")
+    );
+    assert!(
+        text.contains("通规可以通过") && text.contains("最大实体"),
+        "{text}"
+    );
+    // Nothing is fetched from elsewhere.
+    assert!(!text.contains("<script") && !text.contains("<link") && !text.contains("src="));
+    assert_eq!(code(&leadscrew(&["measure", &program, "-o", &result])), 0);
+    let written: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&result).unwrap()).unwrap();
+    assert_eq!(written["threads"][0], measured(&[&program])["threads"][0]);
+    let png = leadscrew(&["measure", &program, "-o", "part.png"]);
+    assert_eq!(code(&png), 2);
+    assert!(
+        stderr(&png).contains("not available yet"),
+        "{}",
+        stderr(&png)
+    );
+}

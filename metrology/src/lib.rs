@@ -1,0 +1,40 @@
+//! Virtual metrology: what a tool removes from a part that turns, and what an inspector finds on it.
+//!
+//! A stream of [`Sample`]s (spindle angle, place of the tool) goes through a [`Cutter`], which cuts a [`Work`]: one
+//! envelope of radii over Z for each of some hundred angles. [`measure`] finds the grooves in it and measures them as an
+//! inspector does; [`Limits`] are those of the norm that a [`Designation`] names; [`inspect`] compares the two.
+//!
+//! The tool lies in the axial plane. So its profile, put down where it passes an angle, is exactly what it removes there.
+//!
+//! An outer and an inner surface are treated alike: heights are `u`, the radius of an outer surface and minus the radius of
+//! an inner one. A cut always lowers `u`.
+//!
+//! Knows nothing of programs, boards, buses and files.
+
+mod cutter;
+mod designation;
+mod gauge;
+mod groove;
+mod helix;
+mod inspect;
+mod limits;
+mod line;
+mod measure;
+mod tables;
+mod tool;
+mod units;
+mod work;
+
+pub use cutter::{Cutter, Sample};
+pub use designation::{Designation, NotKnown, Series};
+pub use gauge::Functional;
+pub use helix::{Drunkenness, Lead};
+pub use inspect::{Feature, Inspection, Row, inspect};
+pub use limits::{Band, Limits, Origin};
+pub use measure::{Measured, NoThread, Spread, Wires, measure};
+pub use tool::{Nose, Tool};
+pub use units::{Cubic, Degrees, Mm, Side, Turns};
+pub use work::{Chip, Grid, Stock, Work};
+
+#[cfg(test)]
+mod tests;
