@@ -12,6 +12,7 @@ use crate::inspection::{Cut, picture, result, sheet};
 use crate::json::Json;
 use crate::output;
 use crate::plot;
+use crate::profiles::Chosen;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::Summary;
@@ -23,6 +24,8 @@ pub fn run(setup: &Setup, args: &Measure) -> Outcome {
     if let Some(path) = &args.output {
         source.protect(path)?;
     }
+    let chosen = Chosen::of(&args.drives.drive, setup.lang)?;
+    let servos = chosen.servos(setup.params.tick_us())?;
     let mut execution = Execution::prepare(setup, &source)?;
     let wish = Wish {
         threads: args.thread.clone(),
@@ -32,7 +35,7 @@ pub fn run(setup: &Setup, args: &Measure) -> Outcome {
     };
     let (jobs, along_x) = plan(setup, &source, &wish)?;
     let mut cutting = Cutting::new(Summary::new(&setup.params), jobs);
-    execution.run(&args.drive, &mut cutting)?;
+    execution.run(&args.drive, servos, &mut cutting)?;
     if !execution.is_whole() {
         return execution.conclude(&cutting.summary, None);
     }

@@ -7,14 +7,15 @@ use crate::failure::Outcome;
 use crate::machine::Observer;
 use crate::trace::{Setpoint, Summary};
 
-/// Where the tool is at a tick, in work coordinates, and how far the part has turned. Today the axes are where their
-/// setpoints are.
+/// Where the tool is at a tick, in work coordinates, and how far the part has turned. Ideal drives are where their
+/// setpoints are; others say where they are.
 fn tool_place(point: &Setpoint, job: &Job, pass: u32) -> Sample {
     let mm = |nm: i64| Mm(nm as f64 / 1e6);
+    let [x, z] = point.actual_nm.unwrap_or([point.x_nm, point.z_nm]);
     Sample {
         angle: Turns(point.s1_urev as f64 / 1e6),
-        x: mm(point.x_nm) - job.origin.0,
-        z: mm(point.z_nm) - job.origin.1,
+        x: mm(x) - job.origin.0,
+        z: mm(z) - job.origin.1,
         pass,
     }
 }
