@@ -79,7 +79,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Sim { name, command } => desk::sim(&cli.global, name.as_ref(), *command),
         Command::Monitor if is_real(cli) => board::monitor(&cli.global),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
-        Command::Resume if is_real(cli) => board::order(&cli.global, Order::Resume),
+        Command::Resume if is_real(cli) => board::resume(&cli.global),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),
         Command::Stop if is_real(cli) => board::order(&cli.global, Order::Stop),
         Command::Mode { mode } if is_real(cli) => board::mode(&cli.global, *mode),
