@@ -2,6 +2,7 @@
 
 mod away;
 mod clients;
+mod from;
 mod life;
 mod mdi;
 mod tutorial;
