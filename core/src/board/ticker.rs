@@ -459,6 +459,8 @@ impl Ticker {
     }
 
     /// The program goes on.
+    // Called twice.
+    #[inline(never)]
     fn resume(&mut self) {
         self.course.resume();
         self.go_back();

@@ -49,10 +49,10 @@ fn the_number_of_the_line_is_typed_and_the_rest_runs() {
     let end = user.json(&["status"]);
     assert_eq!((&end["mx"], &end["mz"]), (&(-10).into(), &(-7).into()));
     assert_eq!(end["rpm_commanded"], 0);
-    // The tool is left of it now, and farther out than the start.
+    // The tool is farther out than the start now, and as far along.
     let told = text(&from(&user, "12", "12").stderr);
     assert!(
-        told.contains("approach   Z -7, X -34 at a sixth of rapid"),
+        told.contains("approach   X -34 at a sixth of rapid"),
         "{told}"
     );
 }

@@ -45,6 +45,8 @@ impl Ticker {
 
     /// Leaves the program where it is held. One that goes on in this very tick is held first. The axes stand and stay
     /// where they are.
+    #[cold]
+    #[inline(never)]
     pub(super) fn leave(&mut self) {
         match self.state {
             State::Running => self.operator.hold = true,
@@ -68,6 +70,8 @@ impl Ticker {
     }
 
     /// The program goes on where it was left, if the axes stand there.
+    #[cold]
+    #[inline(never)]
     pub(super) fn go_on_from_left(&mut self) {
         let here = self.executor.position();
         if matches!(self.state, State::Held)
@@ -82,6 +86,8 @@ impl Ticker {
     }
 
     /// The axes go back to the point, one after the other. `press` has their speeds.
+    #[cold]
+    #[inline(never)]
     pub(super) fn go_back_to_left(&mut self, press: &Press) {
         if let State::Held = self.state
             && let Some(left) = &mut self.left
@@ -108,6 +114,8 @@ impl Ticker {
     }
 
     /// A press begins: one that leaves the point says how.
+    #[cold]
+    #[inline(never)]
     pub(super) fn note_way_out(&mut self, press: &Press) {
         let here = self.executor.position();
         if let Some(left) = &mut self.left
@@ -122,6 +130,8 @@ impl Ticker {
     }
 
     /// Begins the next leg of the way back. False after the last.
+    #[cold]
+    #[inline(never)]
     pub(super) fn begin_leg(&mut self) -> bool {
         let here = self.executor.position();
         while let Some(left) = &mut self.left
