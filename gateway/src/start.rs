@@ -110,6 +110,7 @@ fn why(unfit: &Unfit) -> Both {
             "the spindle is in position mode there (M29)",
             "此处主轴处于位置方式（M29）"
         ),
+        Unfit::Offsets => both!("G10 before it writes offsets", "此前的 G10 写入了偏置"),
         Unfit::Shift => both!(
             "G50 before it sets the zero by where the tool stands",
             "此前的 G50 按刀具当前位置设定零点"

@@ -56,6 +56,8 @@ pub enum Unfit {
     Rigid,
     /// G50 before it counts from where the tool stood.
     Shift,
+    /// G10 before it writes offsets, which the whole program would write again.
+    Offsets,
     /// A line before it, or the line itself, is wrong.
     Wrong(Alarm),
 }
@@ -103,6 +105,7 @@ impl Program<'_> {
         let mut opened = None;
         loop {
             let fits = self.reader.is_between_parts();
+            let (writes, _) = self.reader.interpreter().offsets_writes();
             let before = (
                 self.carried(),
                 self.origin(),
@@ -182,6 +185,8 @@ impl Program<'_> {
                 Unfit::Rigid
             } else if start.carried.shift != shift {
                 Unfit::Shift
+            } else if writes > 0 {
+                Unfit::Offsets
             } else {
                 return Ok(Ok(start));
             };
@@ -259,6 +264,7 @@ fn code(digits: &[u8]) -> u32 {
 mod tests {
     use std::path::{Path, PathBuf};
 
+    use leadscrew_core::offsets::Offsets;
     use leadscrew_core::params::Params;
     use leadscrew_core::program::Options;
 
@@ -269,6 +275,7 @@ mod tests {
     fn open<'p>(source: &SourceFile, params: &'p Params) -> Program<'p> {
         let options = Options {
             passes_machine_codes: true,
+            offsets: Some(Offsets::default()),
             ..Options::default()
         };
         let begin = Begin {
@@ -360,6 +367,7 @@ mod tests {
             Err(Unfit::Incremental) => "incremental",
             Err(Unfit::Rigid) => "rigid",
             Err(Unfit::Shift) => "shift",
+            Err(Unfit::Offsets) => "offsets",
             Err(Unfit::Wrong(_)) => "wrong",
         };
         const THREAD: &str = "M3 S300\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 X76 Z-30 P20000 Q15000 F3\n\
@@ -396,6 +404,8 @@ mod tests {
             (OTHER, 9, "inside"),
             (OTHER, 13, "inside"),
             ("G0 X1 Z1\nG50 X50 Z50\nG0 X2\nM30\n", 3, "shift"),
+            ("G0 X1 Z1\nG10 P1 X0.1\nG0 X2\nM30\n", 2, "fit"),
+            ("G0 X1 Z1\nG10 P1 X0.1\nG0 X2\nM30\n", 3, "offsets"),
             ("G0 X1 Z1 Q\nG0 X2\nM30\n", 2, "wrong"),
         ] {
             assert_eq!(why(text, line), wanted, "{text}{line}");
