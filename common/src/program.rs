@@ -1,6 +1,8 @@
 //! A program file as a stream of events, in bounded memory for any length. Macros, jumps and subprograms are carried out
 //! on the way.
 
+mod start;
+
 use std::collections::VecDeque;
 use std::io;
 
@@ -20,6 +22,7 @@ use leadscrew_language::whose::Whose;
 
 use crate::failure::unreadable_part;
 use crate::source::{SourceFile, Text};
+pub use start::{Start, Unfit};
 
 /// What a program begins with.
 #[derive(Clone, Debug, Default)]

@@ -56,6 +56,12 @@ impl OperatingMode {
         matches!(self, Self::Mdi | Self::Automatic)
     }
 
+    /// Axes are moved by hand.
+    #[must_use]
+    pub const fn by_hand(self) -> bool {
+        matches!(self, Self::Manual | Self::Step | Self::Wheel)
+    }
+
     /// The mode with this number.
     #[must_use]
     pub fn from_raw(raw: u8) -> Option<Self> {

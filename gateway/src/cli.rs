@@ -621,6 +621,12 @@ pub struct Run {
     /// Program
     #[arg(value_name = "PROG")]
     pub program: PathBuf,
+    /// Start at this line of the file: the lines before are read without motion, and the line's number has to be typed
+    #[arg(long, value_name = "LINE")]
+    pub from: Option<NonZeroU32>,
+    /// With `--from`: begin without asking
+    #[arg(long, requires = "from")]
+    pub yes: bool,
     /// End after this many passes of a main program that M99 begins again [default: no end]
     #[arg(long, value_name = "N")]
     pub passes: Option<NonZeroU32>,

@@ -1,5 +1,7 @@
 //! Reads the calls of a checked program in order, for any machine.
 
+use std::collections::VecDeque;
+
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::call::{Call, CallKind, Position};
 use leadscrew_core::offsets::Offsets;
@@ -11,6 +13,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::program::{Begin, Program};
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::start;
 
 /// The end of the text.
 const OVER: Call = Call {
@@ -29,6 +32,10 @@ pub struct Feeder<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
     program: Program<'a>,
+    /// The programs before this one, where it is started at a line.
+    lead: VecDeque<VecDeque<Call>>,
+    /// G61 of the lines that were skipped, until it is handed over.
+    exact: bool,
     /// M02 or M30 has been read.
     ended: bool,
     over: bool,
@@ -44,19 +51,39 @@ impl<'a> Feeder<'a> {
             passes: setup.passes,
             ..setup.begin()
         };
+        let cannot = |error| Failure::file(Doing::Read, source.name(), &error);
+        let mut program = Program::open(source, &setup.params, begin).map_err(cannot)?;
+        let mut lead = VecDeque::new();
+        if let Some(start) = &setup.from {
+            // It has been found before.
+            let _ = program.start_at(start.line).map_err(cannot)?;
+            lead = start::lead(start, setup);
+        }
         Ok(Self {
             setup,
             source,
-            program: Program::open(source, &setup.params, begin)
-                .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?,
+            program,
+            lead,
+            exact: setup.from.as_ref().is_some_and(|start| start.exact),
             ended: false,
             over: false,
         })
     }
 
+    /// The next program may begin only with the spindle at its speed.
+    #[must_use]
+    pub fn awaits_spindle(&self) -> bool {
+        self.setup.from.is_some() && self.lead.len() == 1
+    }
+
     /// Begins the next pass of a main program that repeats itself. Its calls are a program of their own, so that the
-    /// machine has carried out one pass before the next begins. False where none follows.
-    pub const fn next_pass(&mut self) -> bool {
+    /// machine has carried out one pass before the next begins; so are those that lead to the start at a line. False where
+    /// none follows.
+    pub fn next_pass(&mut self) -> bool {
+        if self.lead.pop_front().is_some() {
+            self.over = false;
+            return true;
+        }
         let follows = self.program.is_between_passes();
         if follows {
             self.program.begin_pass();
@@ -101,6 +128,17 @@ impl<'a> Feeder<'a> {
     /// # Errors
     /// A file that cannot be read any further.
     pub fn next_call(&mut self, alarms: &mut Vec<Diagnostic>) -> Outcome<Option<Call>> {
+        if !self.over
+            && let Some(program) = self.lead.front_mut()
+        {
+            let next = program.pop_front();
+            self.over = next.is_none();
+            return Ok(next);
+        }
+        if !self.over && std::mem::take(&mut self.exact) {
+            let kind = CallKind::ExactStop(true);
+            return Ok(Some(Call { kind, ..OVER }));
+        }
         while !self.over {
             let next = self
                 .program

@@ -30,6 +30,7 @@ pub mod plot;
 pub mod recording;
 pub mod remains;
 pub mod setup;
+pub mod start;
 pub mod synchronism;
 pub mod tapping;
 pub mod threads;

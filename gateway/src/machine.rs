@@ -15,6 +15,7 @@ use crate::feeder::{Feeder, placed};
 use crate::interrupt::{self, UnderWay};
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::start::has_arrived;
 use crate::threads::Threads;
 use crate::trace::{Cut, Setpoint, SpindlePoint, TapPlace};
 use crate::words::{Both, both};
@@ -141,7 +142,10 @@ fn carry_out(
             ended.interrupted = true;
             sim.command(Command::Hold);
         }
-        if !stopping {
+        let ticker = sim.board().ticker();
+        let (speed, command) = (ticker.observer().speed().rpm(), ticker.spindle_command());
+        let waits = feeder.awaits_spindle() && !has_arrived(speed, command, &setup.params);
+        if !stopping && !waits {
             feed(&mut feeder, &mut waiting, sim, &mut ended)?;
         }
         if setup.global.cut_power == Some(tick) {

@@ -27,7 +27,7 @@ use crate::hole::Hole;
 use crate::origin::Origin;
 use crate::output;
 use crate::params::{self, Loaded};
-use crate::program::Begin;
+use crate::program::{Begin, Start};
 use crate::source::SourceFile;
 use crate::state::{StateFile, stored_set};
 use crate::synchronism::Synchronism;
@@ -72,6 +72,8 @@ pub struct Setup<'a> {
     pub carried: Option<Carried>,
     /// How often the machine carries out a main program that begins itself again.
     pub passes: Passes,
+    /// Where the program is started, if not at its first line.
+    pub from: Option<Start>,
 }
 
 impl<'a> Setup<'a> {
@@ -192,6 +194,7 @@ impl<'a> Setup<'a> {
             variables,
             carried: None,
             passes: Passes::Once,
+            from: None,
         })
     }
 

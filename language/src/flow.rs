@@ -279,6 +279,12 @@ impl<S: Source> Flow<S> {
         self.last.line
     }
 
+    /// A subprogram is under way.
+    #[must_use]
+    pub const fn is_in_call(&self) -> bool {
+        self.frames.len() > 1
+    }
+
     /// The pass of the main program, from 1.
     #[must_use]
     pub const fn pass(&self) -> u32 {

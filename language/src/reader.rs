@@ -147,6 +147,24 @@ impl<'p, S: Source> Reader<'p, S> {
         self.flow.line()
     }
 
+    /// The next block begins something of its own: it is in the main program, not in a contour, a cycle of holes or a path
+    /// that a corner or the nose makes of several blocks.
+    #[must_use]
+    pub fn is_between_parts(&self) -> bool {
+        let core = &self.core;
+        !self.flow.is_in_call()
+            && core.contour.is_none()
+            && core.drill.is_none()
+            && core.path.is_idle()
+            && !core.interpreter.in_force().taps
+    }
+
+    /// The latest T.
+    #[must_use]
+    pub const fn tool(&self) -> Option<u16> {
+        self.core.tool
+    }
+
     /// The pass of the main program, from 1.
     #[must_use]
     pub const fn pass(&self) -> u32 {

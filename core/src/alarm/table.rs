@@ -1064,6 +1064,12 @@ codes! {
     /// A step that would leave the travel: axis, how far is free.
     StepBeyondLimit = 4540, "the step would leave the travel of axis {0}: {1} are free", "make a shorter step, or look at the soft limits (1320, 1321)",
         "该步将超出 {0} 轴行程：尚余 {1}", "请减小步距，或检查软限位（1320、1321）";
+    /// A start in the middle of a program that its lines do not allow: {0} the line.
+    NoStartHere = 4590, "the program cannot be started at line {0}", "start at the block that begins what this line belongs to, or at an earlier straight block with absolute X and Z",
+        "程序不能从第 {0} 行开始", "请从该行所属循环或路径的起始程序段开始，或从更前面含绝对 X、Z 的直线程序段开始";
+    /// A program was left, and reset, stopped or lost meanwhile.
+    WayBackLost = 4591, "the program that was left is given up: the point where it was held is not known any more", "look where the tool is, then start the program again, or at a line (`leadscrew run PROGRAM --from N`)",
+        "中途离开的程序已放弃：其保持点已不再有效", "请确认刀具位置，然后重新启动程序，或从某行启动（`leadscrew run PROGRAM --from N`）";
     /// A program is to begin, and a required axis has no reference; {0} to {2} the axes.
     NotReferenced = 4503, "not referenced: {0} {1} {2}", "home first (`leadscrew home`)",
         "未回零：{0} {1} {2}", "请先回零（`leadscrew home`）";

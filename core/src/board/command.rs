@@ -25,8 +25,12 @@ pub enum Switching {
 pub enum Command {
     /// Feed hold.
     Hold,
-    /// Continue after feed hold or single block.
+    /// Continue after feed hold or single block. A program that was left stays where it is.
     Resume,
+    /// Leave the program that is held, so that its axes can be moved by hand.
+    Leave,
+    /// Go on with the program that was left, at the point where it was.
+    Return,
     /// Stop, empty the queue, clear an alarm.
     Reset,
     /// Emergency stop: both axes of a synchronised move decelerate together [D18]. The queue is emptied, and the alarm

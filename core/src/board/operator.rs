@@ -29,6 +29,10 @@ pub struct Operator {
     reset: bool,
     /// Continue in the next tick.
     resume: bool,
+    /// Leave the held program, as soon as it is held.
+    leave: bool,
+    /// Go on with the program that was left, in the next tick.
+    back: bool,
     /// Home these axes in the next tick.
     home: Option<Axes>,
     /// Give up homing in the next tick.
@@ -52,6 +56,8 @@ impl Operator {
             cut_off: false,
             reset: false,
             resume: false,
+            leave: false,
+            back: false,
             home: None,
             cancel: false,
         }
@@ -63,9 +69,11 @@ impl Operator {
         match command {
             Command::Hold => {
                 self.hold = true;
-                self.resume = false;
+                (self.resume, self.back) = (false, false);
             }
             Command::Resume => self.resume = true,
+            Command::Leave => self.leave = true,
+            Command::Return => self.back = true,
             Command::Home(axes) => self.home = Some(axes),
             Command::Cancel => self.cancel = true,
             Command::Reset => {
@@ -120,6 +128,21 @@ impl Operator {
         core::mem::replace(&mut self.resume, false)
     }
 
+    /// True, once, after a return.
+    pub(super) const fn takes_return(&mut self) -> bool {
+        core::mem::replace(&mut self.back, false)
+    }
+
+    /// The program is to be left.
+    pub(super) const fn is_to_leave(&self) -> bool {
+        self.leave
+    }
+
+    /// It has been left, or cannot be.
+    pub(super) const fn leaves(&mut self) {
+        self.leave = false;
+    }
+
     /// True, once, after homing is to be given up.
     pub(super) const fn takes_cancel(&mut self) -> bool {
         core::mem::replace(&mut self.cancel, false)
@@ -130,13 +153,15 @@ impl Operator {
         self.home.take()
     }
 
-    /// True while a stop, a trouble of the bus, a reset, a resume or a homing waits for the tick.
+    /// True while a stop, a trouble of the bus, a reset, a resume, a leave or a homing waits for the tick.
     #[must_use]
     pub(super) const fn asks(&self) -> bool {
         self.stop.is_some()
             || self.trouble.is_some()
             || self.reset
             || self.resume
+            || self.leave
+            || self.back
             || self.home.is_some()
             || self.cancel
     }

@@ -4,7 +4,7 @@ use super::operator::Operator;
 use super::ticker::{Outcome, State, Ticker};
 use crate::alarm::{Alarm, Code};
 use crate::bus::BoardState;
-use crate::call::TapSpindle;
+use crate::call::{Position, TapSpindle};
 use crate::journal::TapRecord;
 use crate::motion::{Cut, Motion, Setpoint};
 use crate::operating::PressState;
@@ -30,6 +30,8 @@ pub struct Snapshot {
     pub setpoint: Setpoint,
     /// A program is under way.
     pub in_program: bool,
+    /// The point where a held program was left.
+    pub left: Option<Position>,
     /// The thread or hole of the last segment that was carried to its end.
     pub done: Cut,
     /// Angle of the spindle at the last SYNC.
@@ -66,6 +68,7 @@ impl Snapshot {
             state: ticker.state(),
             setpoint: *setpoint,
             in_program: ticker.in_program(),
+            left: ticker.left(),
             done: ticker.done(),
             spindle: ticker.observer().angle(),
             speed: ticker.observer().speed(),

@@ -16,7 +16,7 @@ use super::queue::{drop_oldest, put, take};
 use super::queues::TickEnds;
 use super::reference::Reference;
 use super::snapshot::{Contacts, Snapshot};
-use super::ticker::{Output, Setup, Ticker};
+use super::ticker::{Output, Setup, State, Ticker};
 use crate::alarm::{Alarm, Code};
 use crate::bus::{Frame, Service};
 use crate::call::Position;
@@ -225,7 +225,8 @@ impl<'a> TickSide<'a> {
             self.carry_out(order);
         }
         let ticker = &mut self.tick.ticker;
-        if inputs.hold && ticker.takes_calls() && !ticker.operator().reset_waits() {
+        let can_be_held = ticker.takes_calls() || matches!(ticker.state(), State::ByHand);
+        if inputs.hold && can_be_held && !ticker.operator().reset_waits() {
             ticker.command(Command::Hold);
         }
     }

@@ -15,6 +15,7 @@
 //! | `Course` | how far the program has come, and where single block stops |
 //! | `Jog` | axes that are moved by hand |
 //! | `Away` | the way out of a stroke and back |
+//! | `Left` | a held program whose axes are moved by hand meanwhile |
 //! | `SpindleMode` | what the spindles are told: a speed, or position mode |
 //! | `Journal` | the entry of the tap in its hole |
 //! | `Home` | the references of the axes |
@@ -28,6 +29,7 @@ mod by_hand;
 mod course;
 mod home;
 mod journal;
+mod left;
 mod setup;
 mod spindle;
 mod state;
@@ -42,6 +44,7 @@ use self::away::{Away, LastPass};
 use self::course::{Course, Source};
 use self::home::Home;
 use self::journal::Journal;
+use self::left::Left;
 use self::setup::Given;
 pub use self::setup::Setup;
 use self::spindle::SpindleMode;
@@ -111,6 +114,7 @@ pub struct Ticker {
     switching: Switching,
     course: Course,
     away: Away,
+    left: Option<Left>,
     spindle: SpindleMode,
     /// The state of the stored parameters at power-up.
     found: Found,
@@ -148,6 +152,7 @@ impl Ticker {
             stood: 0,
             course: Course::new(),
             away: Away::new(),
+            left: None,
             spindle: SpindleMode::new(),
             found: setup.found,
             operator: Operator::new(),
@@ -186,6 +191,7 @@ impl Ticker {
     pub(super) const fn command(&mut self, command: Command) {
         if let Command::Release = command {
             self.jog.release();
+            self.stay_away();
         }
         self.operator.take(command);
     }
@@ -433,8 +439,16 @@ impl Ticker {
         }
         if self.operator.takes_resume() {
             self.operator.hold = false;
-            self.course.resume();
-            self.go_back();
+            if !self.has_left() {
+                self.resume();
+            }
+        }
+        if self.operator.takes_return() {
+            self.operator.hold = false;
+            self.go_on_from_left();
+        }
+        if self.operator.is_to_leave() {
+            self.leave();
         }
         if self.operator.takes_cancel() && matches!(self.state, State::Homing) {
             self.transition_to_stopping_by_reset(ends);
@@ -444,10 +458,19 @@ impl Ticker {
         }
     }
 
+    /// The program goes on.
+    // Called twice.
+    #[inline(never)]
+    fn resume(&mut self) {
+        self.course.resume();
+        self.go_back();
+    }
+
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_>) {
         // Frozen in a thread cycle, and also while a reset leaves that cycle.
         let frozen = match self.state {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
+            State::ByHand if self.has_left() => self.executor.stops().frozen,
             State::Starting | State::Idle | State::ByHand | State::Homing | State::Alarm(_) => None,
         };
         self.spindle

@@ -23,6 +23,8 @@ pub struct Status {
     pub alarm: Option<Alarm>,
     /// A program is under way.
     pub in_program: bool,
+    /// The point where a held program was left, machine coordinates; `None`: none was.
+    pub left: Option<Position>,
     /// Source line of the current move; 0: none.
     pub line: u32,
     /// Number of the current move; 0: none.

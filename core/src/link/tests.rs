@@ -507,6 +507,7 @@ fn events_and_status_come_back_equal() {
         state: BoardState::Alarm,
         alarm: Some(alarm),
         in_program: true,
+        left: Some(FARTHEST),
         line: u32::MAX,
         number: u32::MAX,
         position: FARTHEST,

@@ -47,7 +47,7 @@ records! {
     Position { x, z, c }
     Alarm { code, span, word, args }
     Status {
-        version, tick, state, alarm, in_program, line, number, position, spindle, speed, command, hold, single_block,
+        version, tick, state, alarm, in_program, left, line, number, position, spindle, speed, command, hold, single_block,
         feed_percent, rapid_percent, spindle_percent, sync_error, late, program, next_call, credit, newest_event, signals,
         referenced, unreferenced, parameters
     }
@@ -264,6 +264,11 @@ mod tests {
                 state: BoardState::ALL[place % BoardState::ALL.len()],
                 alarm: even.then(|| alarm(number, place)),
                 in_program: even,
+                left: even.then_some(Position {
+                    x: Length::from_nm(!number),
+                    z: Length::from_nm(number),
+                    c: Angle::from_udeg(number >> 2),
+                }),
                 line: word,
                 number: word.rotate_left(3),
                 position: Position {

@@ -6,6 +6,7 @@
 //! A planned segment is large. It stays at the head of its queue until it is done. The caller of the executor passes
 //! the same segment in every tick; the executor itself keeps only the state that changes [D104].
 
+mod aside;
 mod float;
 mod joined;
 mod pass;
@@ -21,6 +22,7 @@ use crate::alarm::{Alarm, Code, Span};
 use crate::call::Position;
 use crate::spindle::Observer;
 use crate::units::{Divisor, Length, Rpm, Ticks, TurnRate, Turns};
+pub use aside::Aside;
 use pass::Waited;
 
 /// The inputs of one tick of motion.

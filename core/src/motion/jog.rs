@@ -115,6 +115,8 @@ pub struct Press {
     pub way: Option<Length>,
     /// The last tick in which the press is alive; `None` for a short step, which is always made whole.
     pub until: Option<u32>,
+    /// No press: the axes go back to where the program was left, each at the speed of its motion here.
+    pub returns: bool,
 }
 
 /// What a tick needs to know.
@@ -286,6 +288,16 @@ impl Jog {
                 self.z.extend(wanted, way, z);
             }
         }
+        self.take(press);
+    }
+
+    /// Begins a motion by hand that nobody renews, from rest.
+    pub const fn begin(&mut self, press: &Press) {
+        (self.x.arrived, self.z.arrived) = (None, None);
+        self.take(press);
+    }
+
+    const fn take(&mut self, press: &Press) {
         self.press = Some(*press);
         self.last = (press.number, PressState::Runs);
     }

@@ -90,7 +90,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Sim { name, command } => desk::sim(&cli.global, name.as_ref(), *command),
         Command::Monitor { watch } if is_real(cli) => board::monitor(&cli.global, *watch),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
-        Command::Resume if is_real(cli) => board::order(&cli.global, Order::Resume),
+        Command::Resume if is_real(cli) => board::resume(&cli.global),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),
         Command::Stop if is_real(cli) => board::order(&cli.global, Order::Stop),
         Command::Mode { mode } if is_real(cli) => board::mode(&cli.global, *mode),

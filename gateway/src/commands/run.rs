@@ -21,6 +21,7 @@ use crate::place::SourceLine;
 use crate::profiles::Chosen;
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::start;
 use crate::trace::{Setpoint, Summary};
 use crate::words::{both, pick};
 
@@ -50,6 +51,9 @@ pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let (drive, record) = (&args.drive, args.record.as_deref());
     let mut setup = Setup::with_drive(global, drive, source)?;
     setup.passes = passes(args);
+    if let Some(line) = args.from {
+        setup.from = Some(start::agree(&setup, source, line.get(), args.yes)?);
+    }
     let setup = &setup;
     if let Some(path) = record {
         source.protect(path)?;

@@ -42,6 +42,7 @@ pub fn status() -> Status {
         state: BoardState::Idle,
         alarm: None,
         in_program: false,
+        left: None,
         line: 0,
         number: 0,
         position: Position::default(),

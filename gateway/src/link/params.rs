@@ -70,7 +70,7 @@ impl Link {
             let state = self.status()?.state;
             if matches!(
                 state,
-                BoardState::Alarm | BoardState::Starting | BoardState::Idle
+                BoardState::Alarm | BoardState::Starting | BoardState::Idle | BoardState::Hold
             ) {
                 return Ok(());
             }

@@ -1,6 +1,8 @@
 //! Simulated machines that stay, with real processes: `up`, `down`, `sim`, and other commands over `sim:NAME`.
 
+mod away;
 mod clients;
+mod from;
 mod life;
 mod mdi;
 mod panel;

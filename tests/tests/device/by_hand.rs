@@ -20,18 +20,22 @@ const WINDOW: u64 = 100;
 /// No axis of the built-in machine takes longer to brake from the speed of these tests, in ticks.
 const BRAKING: u64 = 150;
 
-struct Hand {
-    sim: Sim,
-    gateway: Gateway,
+pub(super) struct Hand {
+    pub sim: Sim,
+    pub gateway: Gateway,
     session: u8,
-    press: u8,
+    pub press: u8,
     ticks: u64,
-    warnings: Vec<Code>,
+    pub warnings: Vec<Code>,
 }
 
 impl Hand {
     fn new(mode: OperatingMode) -> Self {
-        let mut sim = machine(&Params::sheets(), &PlantOptions::default());
+        Self::on(&Params::sheets(), mode)
+    }
+
+    pub fn on(params: &Params, mode: OperatingMode) -> Self {
+        let mut sim = machine(params, &PlantOptions::default());
         let gateway = Gateway::connect(&mut sim);
         let mut hand = Self {
             sim,
@@ -46,12 +50,12 @@ impl Hand {
         hand
     }
 
-    fn mode(&mut self, mode: OperatingMode) {
+    pub fn mode(&mut self, mode: OperatingMode) {
         self.gateway.order(&mut self.sim, Order::Mode(mode));
         self.run(20);
     }
 
-    fn tick(&mut self) {
+    pub fn tick(&mut self) {
         self.ticks += 1;
         self.sim.step();
         while let Some(event) = self.sim.event() {
@@ -62,13 +66,13 @@ impl Hand {
         self.gateway.listen(&mut self.sim);
     }
 
-    fn run(&mut self, ticks: u64) {
+    pub fn run(&mut self, ticks: u64) {
         for _ in 0..ticks {
             self.tick();
         }
     }
 
-    fn until(&mut self, done: impl Fn(&Self) -> bool) {
+    pub fn until(&mut self, done: impl Fn(&Self) -> bool) {
         for _ in 0..5_000 {
             if done(self) {
                 return;
@@ -78,12 +82,12 @@ impl Hand {
         panic!("it does not come to pass: {:?}", self.gateway.beat);
     }
 
-    fn at(&self) -> Position {
+    pub fn at(&self) -> Position {
         self.sim.board().ticker().executor().position()
     }
 
     /// A press of the present number, with the newest beat that was heard.
-    fn jog(&self, x: Option<Towards>, z: Option<Towards>) -> Frame {
+    pub fn jog(&self, x: Option<Towards>, z: Option<Towards>) -> Frame {
         JogRequest {
             session: self.session,
             press: self.press,
@@ -96,7 +100,7 @@ impl Hand {
         .frame(NODE)
     }
 
-    fn step(&self, on_z: bool, way: i32) -> Frame {
+    pub fn step(&self, on_z: bool, way: i32) -> Frame {
         StepRequest {
             session: self.session,
             count: self.press,
@@ -123,7 +127,7 @@ impl Hand {
     }
 
     /// Nothing moves for so many ticks.
-    fn stands(&mut self, ticks: u64) {
+    pub fn stands(&mut self, ticks: u64) {
         let at = self.at();
         for _ in 0..ticks {
             self.tick();
@@ -131,7 +135,7 @@ impl Hand {
         }
     }
 
-    fn refused(&self) -> u16 {
+    pub fn refused(&self) -> u16 {
         self.gateway.beat.refused
     }
 }

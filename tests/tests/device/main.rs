@@ -1,5 +1,6 @@
 //! The board as a node on a simulated wire: what a gateway, or anybody's CANopen tool, sees and can do.
 
+mod away;
 mod by_hand;
 mod kept;
 mod network;

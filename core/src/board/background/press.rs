@@ -9,7 +9,8 @@ use crate::units::{Axes, Axis, Feed};
 /// Nanometres in a millimetre.
 const MM: i64 = 1_000_000;
 
-/// The press for the tick. No axis goes faster than its rapid (1420) and 9042; one without a reference, than 9043.
+/// The press for the tick. No axis goes faster than its rapid (1420) and 9042; one without a reference, or one that goes
+/// back to where a program was left, not faster than 9043.
 pub fn plan_press(asked: &Asked, referenced: Axes, params: &Params, limits: &Limits) -> Press {
     let tick_us = params.tick_us();
     let speed = match asked.mm_per_min {
@@ -23,7 +24,7 @@ pub fn plan_press(asked: &Asked, referenced: Axes, params: &Params, limits: &Lim
     };
     let slow = PathRate::of_feed(params.slow_feed(), tick_us).min(top);
     let plan = |axis, towards: Option<Towards>| {
-        let top = match referenced.contains(axis) {
+        let top = match referenced.contains(axis) && !asked.returns {
             true => top,
             false => slow,
         };
@@ -36,5 +37,6 @@ pub fn plan_press(asked: &Asked, referenced: Axes, params: &Params, limits: &Lim
         at_rapid: asked.rapid,
         way: asked.way,
         until: asked.until,
+        returns: asked.returns,
     }
 }

@@ -22,6 +22,8 @@ pub enum Request {
     Resume,
     /// Change the mode.
     Change,
+    /// Change it between one by hand and one for programs.
+    Leave,
     /// Write offsets and tools, or mark where an axis stands for a touch.
     Offsets,
 }
@@ -41,6 +43,8 @@ pub enum Doing {
     Program,
     /// A program is held.
     Held,
+    /// A held program has been left, and its axes may be moved by hand.
+    Left,
     /// Coming to rest after a reset.
     Stopping,
     /// Coming to rest on an alarm.
@@ -57,6 +61,7 @@ impl Doing {
             State::Idle if snapshot.in_program => Self::Program,
             State::Idle => Self::Nothing,
             State::Running => Self::Program,
+            State::Held | State::ByHand if snapshot.left.is_some() => Self::Left,
             State::Held => Self::Held,
             State::ByHand => Self::ByHand,
             State::Homing => Self::Homing,
@@ -81,15 +86,19 @@ pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), 
         Request::Run => Automatic,
         // In every mode but one.
         Request::Offsets if mode == Reference => Manual,
-        Request::Resume | Request::Change | Request::Offsets => mode,
+        Request::Resume | Request::Change | Request::Leave | Request::Offsets => mode,
     };
     let refusal = match (request, doing) {
         (Request::Resume, _) => return Ok(()),
-        (Request::Change, Doing::Nothing | Doing::Starting | Doing::ByHand | Doing::Alarm) => {
-            return Ok(());
-        }
-        (Request::Offsets, Doing::Program | Doing::Held) => Code::OffsetsAtWork,
-        (_, Doing::Program | Doing::Held) => Code::ProgramUnderWay,
+        (
+            Request::Change | Request::Leave,
+            Doing::Nothing | Doing::Starting | Doing::ByHand | Doing::Alarm,
+        )
+        | (Request::Leave, Doing::Held | Doing::Left) => return Ok(()),
+        (Request::Offsets, Doing::Program | Doing::Held | Doing::Left) => Code::OffsetsAtWork,
+        (Request::Jog | Request::Step, Doing::Left) if needed == mode => return Ok(()),
+        (Request::Jog | Request::Step, Doing::Left) => return Err(wrong(needed, mode)),
+        (_, Doing::Program | Doing::Held | Doing::Left) => Code::ProgramUnderWay,
         (Request::Offsets, Doing::Failing) => Code::NotAtRest,
         // A table moves nothing: neither an alarm nor drives that are off keep it from being written [D315].
         (Request::Offsets, Doing::Starting | Doing::Alarm) if needed == mode => return Ok(()),
@@ -112,13 +121,14 @@ fn wrong(needed: OperatingMode, mode: OperatingMode) -> Alarm {
 mod tests {
     use super::*;
 
-    const REQUESTS: [Request; 7] = [
+    const REQUESTS: [Request; 8] = [
         Request::Jog,
         Request::Step,
         Request::Home,
         Request::Run,
         Request::Resume,
         Request::Change,
+        Request::Leave,
         Request::Offsets,
     ];
 
@@ -126,17 +136,17 @@ mod tests {
         admit(mode, request, doing).map_or_else(|alarm| alarm.number(), |()| 0)
     }
 
-    /// Columns: jog, step, home, run, resume, change, offsets.
+    /// Columns: jog, step, home, run, resume, change, leave, offsets.
     #[test]
     fn the_table_at_rest() {
         use OperatingMode::{Automatic, Manual, Mdi, Reference, Step, Wheel};
         for (mode, wanted) in [
-            (Manual, [0, 4501, 4501, 4501, 0, 0, 0]),
-            (Step, [4501, 0, 4501, 4501, 0, 0, 0]),
-            (Wheel, [4501, 4501, 4501, 4501, 0, 0, 0]),
-            (Reference, [4501, 4501, 0, 4501, 0, 0, 4501]),
-            (Mdi, [4501, 4501, 4501, 0, 0, 0, 0]),
-            (Automatic, [4501, 4501, 4501, 0, 0, 0, 0]),
+            (Manual, [0, 4501, 4501, 4501, 0, 0, 0, 0]),
+            (Step, [4501, 0, 4501, 4501, 0, 0, 0, 0]),
+            (Wheel, [4501, 4501, 4501, 4501, 0, 0, 0, 0]),
+            (Reference, [4501, 4501, 0, 4501, 0, 0, 0, 4501]),
+            (Mdi, [4501, 4501, 4501, 0, 0, 0, 0, 0]),
+            (Automatic, [4501, 4501, 4501, 0, 0, 0, 0, 0]),
         ] {
             let told = REQUESTS.map(|request| answer(mode, request, Doing::Nothing));
             assert_eq!(told, wanted, "{mode:?}");
@@ -149,43 +159,48 @@ mod tests {
         for (doing, by_hand, by_program) in [
             (
                 Doing::Program,
-                [4502, 4502, 4502, 4502, 0, 4502, 4580],
-                [4502, 4502, 4502, 4502, 0, 4502, 4580],
+                [4502, 4502, 4502, 4502, 0, 4502, 4502, 4580],
+                [4502, 4502, 4502, 4502, 0, 4502, 4502, 4580],
             ),
             (
                 Doing::Held,
-                [4502, 4502, 4502, 4502, 0, 4502, 4580],
-                [4502, 4502, 4502, 4502, 0, 4502, 4580],
+                [4502, 4502, 4502, 4502, 0, 4502, 0, 4580],
+                [4502, 4502, 4502, 4502, 0, 4502, 0, 4580],
+            ),
+            (
+                Doing::Left,
+                [0, 4501, 4502, 4502, 0, 4502, 0, 4580],
+                [4501, 4501, 4502, 4502, 0, 4502, 0, 4580],
             ),
             (
                 Doing::ByHand,
-                [0, 4501, 4501, 4501, 0, 0, 4507],
-                [4501, 4501, 4501, 4507, 0, 0, 4507],
+                [0, 4501, 4501, 4501, 0, 0, 0, 4507],
+                [4501, 4501, 4501, 4507, 0, 0, 0, 4507],
             ),
             (
                 Doing::Starting,
-                [4507, 4507, 4507, 4507, 0, 0, 0],
-                [4507, 4507, 4507, 4507, 0, 0, 0],
+                [4507, 4507, 4507, 4507, 0, 0, 0, 0],
+                [4507, 4507, 4507, 4507, 0, 0, 0, 0],
             ),
             (
                 Doing::Homing,
-                [4507, 4507, 4507, 4507, 0, 4507, 4507],
-                [4507, 4507, 4507, 4507, 0, 4507, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
             ),
             (
                 Doing::Stopping,
-                [4507, 4507, 4507, 4507, 0, 4507, 4507],
-                [4507, 4507, 4507, 4507, 0, 4507, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
             ),
             (
                 Doing::Failing,
-                [4504, 4504, 4504, 4504, 0, 4504, 4507],
-                [4504, 4504, 4504, 4504, 0, 4504, 4507],
+                [4504, 4504, 4504, 4504, 0, 4504, 4504, 4507],
+                [4504, 4504, 4504, 4504, 0, 4504, 4504, 4507],
             ),
             (
                 Doing::Alarm,
-                [4504, 4504, 4504, 4504, 0, 0, 0],
-                [4504, 4504, 4504, 4504, 0, 0, 0],
+                [4504, 4504, 4504, 4504, 0, 0, 0, 0],
+                [4504, 4504, 4504, 4504, 0, 0, 0, 0],
             ),
         ] {
             let told = |mode| REQUESTS.map(|request| answer(mode, request, doing));

@@ -16,6 +16,7 @@ use super::values::ObjectValues;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::board::command::Command;
 use crate::board::guard::Guard;
+use crate::board::ticker::State;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest};
 use crate::link::Event;
 use crate::operating::{OperatingMode, PressState, Towards};
@@ -42,6 +43,8 @@ pub struct Asked {
     pub way: Option<Length>,
     /// The last tick in which the press is alive.
     pub until: Option<u32>,
+    /// No press: back to where the program was left.
+    pub returns: bool,
 }
 
 /// The mode, the beat and the presses.
@@ -66,6 +69,8 @@ pub struct Operating {
     stood: Periods,
     steps: Steps,
     asked: Option<Asked>,
+    /// A program was left, and no program has been under way since.
+    left: bool,
 }
 
 impl Operating {
@@ -84,6 +89,13 @@ impl Operating {
         self.asked.take()
     }
 
+    /// A hold: axes that are about to go back to where a program was left stay.
+    pub(super) fn hold_back(&mut self) {
+        if self.asked.is_some_and(|asked| asked.returns) {
+            self.forget();
+        }
+    }
+
     /// Nobody presses any more: what is asked and not planned is forgotten.
     const fn forget(&mut self) {
         self.asked = None;
@@ -97,7 +109,12 @@ impl ObjectValues {
         let us = u64::from(by.get()).saturating_mul(params.tick_us().into());
         let operating = &mut self.operating;
         operating.time_us = operating.time_us.wrapping_add(us);
-        if Doing::of(&self.snapshot) == Doing::ByHand || operating.asked.is_some() {
+        if self.snapshot.left.is_some() {
+            operating.left = true;
+        } else if self.snapshot.in_program {
+            operating.left = false;
+        }
+        if self.snapshot.state == State::ByHand || operating.asked.is_some() {
             operating.stood = Periods::new(0);
         } else {
             operating.stood = operating.stood.plus(by);
@@ -186,10 +203,59 @@ impl ObjectValues {
         if mode == self.operating.mode {
             return Ok(());
         }
-        self.let_in(Request::Change)?;
+        let now = self.operating.mode;
+        let leaves = mode.by_hand() && now.runs();
+        let request = match leaves || now.by_hand() && mode.runs() {
+            true => Request::Leave,
+            false => Request::Change,
+        };
+        self.let_in(request)?;
         self.end_press();
+        if leaves && Doing::of(&self.snapshot) == Doing::Held {
+            self.out_of_hole()?;
+            self.command(Command::Leave);
+        }
         self.operating.mode = mode;
         Ok(())
+    }
+
+    /// A held program goes on. One that was left first goes back to its point, and goes on by the next order.
+    pub(super) fn resume(&mut self) -> Result<Command, Alarm> {
+        self.let_in(Request::Resume)?;
+        let (operating, snapshot) = (&mut self.operating, &self.snapshot);
+        let Some(point) = snapshot.left else {
+            let lost = operating.left && !snapshot.in_program;
+            // Where a hold is on, that is what it is for.
+            return match lost && !snapshot.operator.hold {
+                true => Err(Alarm::of(Code::WayBackLost, &[])),
+                false => Ok(Command::Resume),
+            };
+        };
+        if !operating.mode.runs() {
+            return Ok(Command::Resume);
+        }
+        if snapshot.state != State::Held {
+            return Err(Alarm::of(Code::NotAtRest, &[]));
+        }
+        if snapshot.setpoint.position == point {
+            return Ok(Command::Return);
+        }
+        // Nobody presses: the axes go back by themselves.
+        (operating.session, operating.denied) = (0, false);
+        operating.number = operating.number.wrapping_add(1);
+        operating.asked = Some(Asked {
+            number: operating.number,
+            // Which way each of them goes is known in the tick.
+            x: Some(Towards::Plus),
+            z: Some(Towards::Plus),
+            rapid: true,
+            mm_per_min: None,
+            way: None,
+            until: None,
+            returns: true,
+        });
+        // A feed hold by hand is over.
+        Ok(Command::Resume)
     }
 
     /// Ends the press that is alive.
@@ -227,6 +293,7 @@ impl ObjectValues {
             mm_per_min: (request.mm_per_min != 0).then_some(request.mm_per_min),
             way: None,
             until: Some(until),
+            returns: false,
         });
     }
 
@@ -265,6 +332,7 @@ impl ObjectValues {
             mm_per_min: None,
             way: Some(way.abs()),
             until: (way.abs() > SHORT).then_some(until),
+            returns: false,
         });
     }
 
@@ -314,7 +382,7 @@ impl ObjectValues {
             return Err(Alarm::of(Code::NotAtRest, &[]));
         }
         self.out_of_hole()?;
-        if self.snapshot.operator.hold {
+        if self.snapshot.operator.hold || self.snapshot.contacts.hold {
             return Err(Alarm::of(Code::HoldIsOn, &[]));
         }
         Ok(())

@@ -254,11 +254,11 @@ impl ObjectValues {
                 self.end_press();
                 Command::Cancel
             }
-            Order::Hold => Command::Hold,
-            Order::Resume => {
-                self.let_in(Request::Resume)?;
-                Command::Resume
+            Order::Hold => {
+                self.operating.hold_back();
+                Command::Hold
             }
+            Order::Resume => self.resume()?,
             Order::Reset => {
                 // The calls of the program are dropped with it.
                 self.program_buffer.close();
@@ -373,6 +373,7 @@ impl ObjectValues {
             state: snapshot.board_state(),
             alarm: snapshot.alarm().copied(),
             in_program: snapshot.in_program,
+            left: snapshot.left,
             line: snapshot.setpoint.line,
             number: snapshot.setpoint.number,
             position: snapshot.setpoint.position,

@@ -31,6 +31,7 @@ impl Ticker {
             stood,
             course,
             away,
+            left,
             spindle,
             found: withheld,
             operator,
@@ -55,6 +56,7 @@ impl Ticker {
         *stood = 0;
         let epoch = course.begin_anew();
         *away = Away::new();
+        *left = None;
         *spindle = SpindleMode::new();
         *withheld = setup.found;
         *operator = Operator::new();

@@ -186,7 +186,7 @@ impl Ticker {
                 }
             }
             State::ByHand => {
-                if !self.jog.is_busy() {
+                if !self.jog.is_busy() && !self.begin_leg() {
                     self.transition_from_by_hand();
                 }
             }

@@ -11,12 +11,17 @@ impl Ticker {
     pub(in crate::board) fn press(&mut self, press: &Press) {
         let stands = match self.state {
             State::Idle => !self.course.in_program() && self.executor.is_free(),
-            State::ByHand => true,
+            State::ByHand => !self.is_coming_back(),
+            State::Held => self.has_left(),
             _ => false,
         };
+        if press.returns {
+            return self.go_back_to_left(press);
+        }
         if !stands || self.operator.hold || self.journal.has_hole() {
             return self.jog.refuse(press.number);
         }
+        self.note_way_out(press);
         let (x, z) = self.travel();
         self.jog.press(press, &x, &z);
         if self.jog.is_busy() {
@@ -44,6 +49,7 @@ impl Ticker {
     pub(super) fn move_by_hand(&mut self) {
         if self.operator.hold {
             self.jog.release();
+            self.stay_away();
         }
         let conditions = JogConditions {
             now: self.now,

@@ -148,6 +148,13 @@ impl Course {
         }
     }
 
+    /// The program is left: nothing is under way, and nothing begins before the operator lets it go on. Gives the queue of
+    /// the segment that was held.
+    pub(super) const fn set_aside(&mut self) -> Source {
+        self.paused = true;
+        core::mem::replace(&mut self.source, Source::None)
+    }
+
     /// Removes the finished segment from its queue. `is_left`: a segment of the program stays, because it is repeated.
     /// `is_whole`: nothing has stopped the segment.
     pub(super) fn release(&mut self, is_left: bool, is_whole: bool, ends: &mut Ends<'_>) {

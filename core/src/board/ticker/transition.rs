@@ -58,7 +58,12 @@ impl Ticker {
     }
 
     /// The axes that were moved by hand stand, and nobody presses. What is planned from now on begins here.
+    /// A program that was left stays held.
     pub(super) fn transition_from_by_hand(&mut self) {
+        if self.has_left() {
+            self.state = State::Held;
+            return;
+        }
         self.restart(self.executor.position());
         self.state = State::Idle;
     }
@@ -78,6 +83,7 @@ impl Ticker {
     pub(super) fn transition_to_stopping_on_alarm(&mut self, alarm: &Alarm, ends: &mut Ends<'_>) {
         self.executor.stop(self.course.current(ends));
         self.jog.release();
+        self.stay_away();
         self.stop_homing();
         // A reset may have been on its way out of a thread: an alarm moves nothing any more.
         self.away.forget();
@@ -93,13 +99,15 @@ impl Ticker {
     pub(super) fn transition_to_stopping_by_reset(&mut self, ends: &Ends<'_>) {
         self.course.forget_pauses();
         self.jog.release();
+        self.stay_away();
         self.away.forget();
         self.stop_homing();
         self.spindle.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);
         let current = self.course.current(ends);
         match self.away.pass() {
-            Some(pass) if self.in_thread() && pass.ways.has_side => {
+            // Elsewhere the ways out of the pass do not count.
+            Some(pass) if self.in_thread() && pass.ways.has_side && !self.has_left() => {
                 self.executor.retract(current, pass.ways.clear);
                 self.away.clear_crests();
             }
@@ -111,6 +119,7 @@ impl Ticker {
     pub(super) fn transition_from_stopping(&mut self, events: &mut EventIn<'_>) {
         self.note_stop();
         self.course.end_program();
+        self.left = None;
         self.spindle.stop();
         self.stood = 0;
         match self.state {

@@ -61,6 +61,7 @@ impl Bench {
             at_rapid: false,
             way: None,
             until: Some(until),
+            returns: false,
         };
         self.jog.press(&press, &self.x, &self.z);
     }
@@ -73,6 +74,7 @@ impl Bench {
             at_rapid: false,
             way: Some(way),
             until: None,
+            returns: false,
         };
         self.jog.press(&press, &self.x, &self.z);
     }

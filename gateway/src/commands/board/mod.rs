@@ -6,6 +6,7 @@ mod machine;
 mod mdi;
 mod monitor;
 mod operate;
+mod resume;
 mod run;
 mod status;
 
@@ -20,9 +21,10 @@ use crate::words::pick;
 pub use by_hand::{jog, mode};
 pub use home::{home, names};
 pub use machine::{Base, Greeted, Machine, Table, base};
-pub use mdi::mdi;
+pub use mdi::{mdi, words};
 pub use monitor::monitor;
 pub use operate::{levels, order, signal};
+pub use resume::resume;
 pub use run::{no_figures, run};
 pub use status::status;
 

@@ -20,7 +20,7 @@ pub fn order(global: &Global, order: Order) -> Outcome {
 }
 
 /// The state after an order.
-fn tell(global: &Global, link: &Link) -> Outcome {
+pub(super) fn tell(global: &Global, link: &Link) -> Outcome {
     let status = link.seen.status.unwrap_or_default();
     let line = link.seen.place.map(|place| place.line);
     if global.json {

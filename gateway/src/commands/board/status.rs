@@ -46,6 +46,13 @@ pub fn status(global: &Global) -> Outcome {
                 None => json.null("alarm"),
             }
             json.flag("program", status.in_program);
+            match status.left {
+                Some(point) => json.object_at("left", |json| {
+                    json.decimal::<6>("mx", point.x.nm().saturating_mul(2));
+                    json.decimal::<6>("mz", point.z.nm());
+                }),
+                None => json.null("left"),
+            }
             SourceLine(status.line).fields(json);
             json.integer("move", i64::from(status.number));
             json.decimal::<6>("mx", status.position.x.nm().saturating_mul(2));
@@ -151,6 +158,15 @@ fn words(status: &Status, mode: OperatingMode, node: u8, lang: Lang) -> String {
             "not referenced: {axes}\n",
             "未回零：{axes}\n",
             axes = names(status.unreferenced)
+        );
+        text.push_str(line.get(lang));
+    }
+    if let Some(point) = &status.left {
+        let line = both!(
+            "the program was left at X {x}  Z {z}; `leadscrew resume` goes back there\n",
+            "程序在 X {x}  Z {z} 处中途离开；`leadscrew resume` 返回该处\n",
+            x = number::text::<6>(point.x.nm().saturating_mul(2)),
+            z = number::text::<6>(point.z.nm())
         );
         text.push_str(line.get(lang));
     }

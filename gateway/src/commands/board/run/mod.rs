@@ -25,6 +25,7 @@ use crate::link::Link;
 use crate::origin::Origin;
 use crate::setup::{Answer, Setup, alone_in};
 use crate::source::SourceFile;
+use crate::start;
 use crate::words::both;
 
 /// Refuses an option that only a simulated machine can do.
@@ -122,6 +123,9 @@ pub fn perform<'a>(
             tell::result(&setup, &report, &Ran::default(), &origin, false)?;
         }
         return Err(Failure::Wrong);
+    }
+    if let Some(line) = args.from {
+        setup.from = Some(start::agree(&setup, source, line.get(), args.yes)?);
     }
     interrupt::defer(UnderWay::Machine);
     let (_, threads) = link.certificates()?;

@@ -24,6 +24,7 @@ use crate::link::{BY_MODE, Feed, Link};
 use crate::place::SourceLine;
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::start;
 use crate::threads::Threads;
 use crate::words::{Both, both};
 
@@ -38,6 +39,8 @@ const THREADS: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis
 const REST: Duration = Duration::from_secs(5);
 /// A controlled stop ends a stroke first. After this time the present state is reported.
 const STOP: Duration = Duration::from_secs(120);
+/// A spindle comes to its speed within this time.
+const ARRIVAL: Duration = Duration::from_secs(60);
 
 /// The result of a run.
 #[derive(Debug, Default)]
@@ -87,6 +90,7 @@ pub fn carry_out(
             ..Ran::default()
         },
         pace: Pace::new(),
+        spindle_asked: None,
         last_event: status.newest_event,
         late: status.late,
         before: 0,
@@ -147,6 +151,8 @@ struct Runner<'a> {
     held: bool,
     /// Times of reading the certificates of threads.
     pace: Pace,
+    /// When the spindle was looked at first.
+    spindle_asked: Option<Instant>,
 }
 
 /// The program on its way to the board.
@@ -255,6 +261,9 @@ impl Runner<'_> {
         }
         let fed = self.feed(feeder, feed)?;
         if !*started && (!fed || feeder.is_over() && feed.is_empty()) {
+            if feeder.awaits_spindle() && !self.spindle_has_arrived()? {
+                return Ok(false);
+            }
             // In virtual time the board waits from here on before it overwrites a certificate.
             self.link.take_threads(self.ran.threads.whole())?;
             self.link.order(Order::Run)?;
@@ -303,6 +312,26 @@ impl Runner<'_> {
             return self.conclude(feed);
         }
         Ok(false)
+    }
+
+    /// True where the spindle turns as it was told to, before the approach to a line.
+    fn spindle_has_arrived(&mut self) -> Outcome<bool> {
+        self.link.idle(LOOK)?;
+        self.link.check_alive()?;
+        let now = self.link.status()?;
+        if start::has_arrived(now.speed.rpm(), now.command, &self.setup.params) {
+            return Ok(true);
+        }
+        let begun = *self.spindle_asked.get_or_insert_with(Instant::now);
+        if begun.elapsed() < ARRIVAL && now.alarm.is_none() {
+            return Ok(false);
+        }
+        Err(Failure::MachineBecause(both!(
+            "the spindle turns at {speed} rpm and not at {command}: nothing has been approached",
+            "主轴转速为 {speed} r/min，而不是 {command}：未开始接近",
+            speed = now.speed.rpm().get(),
+            command = now.command.get()
+        )))
     }
 
     /// Another client may have begun a program while this one was checked. Its board is left alone, above all the node

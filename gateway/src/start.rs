@@ -1,0 +1,278 @@
+//! `run --from N`: a program is started at a line [D258].
+//!
+//! ```text
+//! lines 1 to N-1, without motion ─► what they leave ─► shown, and N typed ─► spindle and coolant ─► approach ─► line N
+//! ```
+//!
+//! Must not know boards or the simulated machine: it makes calls for either.
+
+use std::collections::VecDeque;
+use std::fmt::Write as _;
+use std::io::{self, IsTerminal as _};
+
+use leadscrew_core::alarm::{Alarm, Arg, Code, Lang, Span};
+use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position};
+use leadscrew_core::params::Params;
+use leadscrew_core::units::{Axis, Feed, Length, Rpm};
+
+use crate::commands::board::words as in_force;
+use crate::diagnostics::{self, Diagnostic, alarm_words};
+use crate::failure::{Doing, Failure, Outcome};
+use crate::number;
+use crate::program::{Program, Start, Unfit};
+use crate::setup::Setup;
+use crate::source::SourceFile;
+use crate::words::{Both, both};
+
+/// The approach goes at this part of rapid: at no feed override more than a quarter of it.
+const PART: i64 = 6;
+
+/// Finds the line, shows what would happen, and lets the operator agree.
+///
+/// # Errors
+/// 4590; the operator does not agree.
+pub fn agree(setup: &Setup, source: &SourceFile, line: u32, agreed: bool) -> Outcome<Start> {
+    if setup.tap.is_some_and(|record| record.in_hole) {
+        return Err(refusal(
+            line,
+            &both!("a tap is in its hole", "丝锥仍在孔中"),
+        ));
+    }
+    let cannot = |error: io::Error| Failure::file(Doing::Read, source.name(), &error);
+    let mut program = Program::open(source, &setup.params, setup.begin()).map_err(cannot)?;
+    let start = match program.start_at(line).map_err(cannot)? {
+        Ok(start) => start,
+        Err(Unfit::Wrong(alarm)) => {
+            let told = Diagnostic::new(&alarm, source, setup.lang, program.is_inch());
+            diagnostics::print(&told, setup.colour);
+            return Err(Failure::Wrong);
+        }
+        Err(unfit) => return Err(refusal(line, &why(&unfit))),
+    };
+    diagnostics::say(shown(&start, setup, source).get(setup.lang));
+    if !agreed {
+        confirm(line, setup.lang)?;
+    }
+    Ok(start)
+}
+
+/// The number of the line has to be typed.
+fn confirm(line: u32, lang: Lang) -> Outcome {
+    let ask = both!("type {line} to begin: ", "输入 {line} 开始：");
+    if io::stdin().is_terminal() {
+        diagnostics::say(ask.get(lang));
+    }
+    let mut typed = String::new();
+    let _ = io::stdin().read_line(&mut typed);
+    if typed.trim() == line.to_string() {
+        return Ok(());
+    }
+    Err(Failure::WrongBecause(both!(
+        "not begun: {line} was not typed; nothing has moved",
+        "未开始：没有输入 {line}；机床未移动"
+    )))
+}
+
+fn refusal(line: u32, why: &Both) -> Failure {
+    let alarm = Alarm::of(Code::NoStartHere, &[Arg::Int(line.into())]);
+    let told = alarm_words(&alarm);
+    Failure::WrongBecause(both!(
+        "{why}: {told}",
+        "{zh}：{told_zh}",
+        why = why.en,
+        told = told.en,
+        zh = why.zh,
+        told_zh = told.zh
+    ))
+}
+
+fn why(unfit: &Unfit) -> Both {
+    match unfit {
+        Unfit::NotReached | Unfit::Wrong(_) => both!(
+            "the program carries out no block of its own there",
+            "该行没有独立执行的程序段"
+        ),
+        Unfit::Inside => both!(
+            "the line belongs to a contour, a cycle of holes, a subprogram, a compensated path or a corner that began before it",
+            "该行属于此前开始的轮廓、孔循环、子程序、刀补路径或倒角"
+        ),
+        Unfit::InCycle => both!(
+            "the line goes on with a cycle that began before it",
+            "该行是此前开始的循环的延续"
+        ),
+        Unfit::InChain => both!(
+            "the line is a stroke that goes on from the one before",
+            "该行的螺纹行程由前一行程延续"
+        ),
+        Unfit::Arc => both!("the line is an arc", "该行是圆弧"),
+        Unfit::Incremental => both!("the line is incremental (U, W)", "该行为增量值（U、W）"),
+        Unfit::Rigid => both!(
+            "the spindle is in position mode there (M29)",
+            "此处主轴处于位置方式（M29）"
+        ),
+        Unfit::Offsets => both!("G10 before it writes offsets", "此前的 G10 写入了偏置"),
+        Unfit::Shift => both!(
+            "G50 before it sets the zero by where the tool stands",
+            "此前的 G50 按刀具当前位置设定零点"
+        ),
+    }
+}
+
+/// What would happen, for people.
+fn shown(start: &Start, setup: &Setup, source: &SourceFile) -> Both {
+    let in_lang = |lang: Lang| {
+        let zh = lang == Lang::Zh;
+        let mut text = String::new();
+        let mut row = |en: &str, chinese: &str, value: &str| {
+            let name = if zh { chinese } else { en };
+            let _ = writeln!(text, "  {name}  {value}");
+        };
+        row("in force ", "模态    ", &in_force(&start.carried));
+        if let Some(tool) = start.tool {
+            let said = both!("T{tool:04} has to be in place", "T{tool:04} 须已就位");
+            row("tool     ", "刀具    ", said.get(lang));
+        }
+        if let Some(spindle) = &start.spindle {
+            row(
+                "spindle  ",
+                "主轴    ",
+                &format!("{} rpm", spindle.rpm.get()),
+            );
+        }
+        if start.coolant {
+            row("coolant  ", "冷却    ", "M08");
+        }
+        if !start.functions.is_empty() {
+            let codes: Vec<_> = start.functions.iter().map(|m| format!("M{m:02}")).collect();
+            row("not again", "不再执行", &codes.join(" "));
+        }
+        let zero = start.origin;
+        let from = setup.options().position;
+        row("begins at", "起点    ", &point(start.at, zero));
+        let legs: Vec<_> = legs(from, start.at)
+            .map(|(axis, to)| match axis {
+                Axis::X => format!("X {}", diameter(to.x - zero.x)),
+                _ => format!("Z {}", length(to.z - zero.z)),
+            })
+            .collect();
+        let way = match legs.is_empty() {
+            true => both!("none: the tool is there", "无：刀具已在该处"),
+            false => both!(
+                "{legs} at a sixth of rapid",
+                "{legs}，快速的六分之一",
+                legs = legs.join(", ")
+            ),
+        };
+        row("approach ", "接近    ", way.get(lang));
+        row("first    ", "首段    ", first(start, zero).get(lang));
+        text
+    };
+    let name = source.shown();
+    both!(
+        "{name}: start at line {line}\n{en}",
+        "{name}：从第 {line} 行开始\n{zh}",
+        line = start.line,
+        en = in_lang(Lang::En),
+        zh = in_lang(Lang::Zh)
+    )
+}
+
+fn first(start: &Start, zero: Position) -> Both {
+    match start.first {
+        Some(CallKind::Rapid(to)) => Both::same(format!("G00 {}", point(to, zero))),
+        Some(CallKind::Line(to, _)) => Both::same(format!("G01 {}", point(to, zero))),
+        Some(_) => both!("a cycle", "循环"),
+        None => both!("no move in this line", "该行无移动"),
+    }
+}
+
+fn point(at: Position, zero: Position) -> String {
+    format!(
+        "X {}  Z {}  (machine X {}  Z {})",
+        diameter(at.x - zero.x),
+        length(at.z - zero.z),
+        diameter(at.x),
+        length(at.z)
+    )
+}
+
+fn diameter(x: Length) -> String {
+    number::text::<6>(x.nm().saturating_mul(2))
+}
+
+fn length(z: Length) -> String {
+    number::text::<6>(z.nm())
+}
+
+/// One axis after the other: X out as far as either of the two points, Z, X.
+fn legs(from: Position, to: Position) -> impl Iterator<Item = (Axis, Position)> {
+    let out = from.x.max(to.x);
+    let legs = [
+        (Axis::X, Position { x: out, ..from }),
+        (
+            Axis::Z,
+            Position {
+                x: out,
+                z: to.z,
+                ..from
+            },
+        ),
+        (Axis::X, Position { c: from.c, ..to }),
+    ];
+    let mut at = from;
+    legs.into_iter()
+        .filter(move |(_, to)| std::mem::replace(&mut at, *to) != *to)
+}
+
+/// The programs before the rest of this one: spindle and coolant, then the approach. Each leaves the spindle as it is.
+pub fn lead(start: &Start, setup: &Setup) -> VecDeque<VecDeque<Call>> {
+    let call = |kind| Call {
+        span: Span {
+            line: start.line,
+            ..Span::default()
+        },
+        origin: start.origin,
+        kind,
+    };
+    let programs = [
+        spindle_and_coolant(start),
+        approach(setup.options().position, start.at, &setup.params),
+    ];
+    programs
+        .into_iter()
+        .map(|kinds| {
+            kinds
+                .into_iter()
+                .chain([CallKind::LineOver])
+                .map(call)
+                .collect()
+        })
+        .collect()
+}
+
+fn spindle_and_coolant(start: &Start) -> Vec<CallKind> {
+    let spindle = start.spindle.map(CallKind::Spindle);
+    let coolant = start.coolant.then_some(CallKind::Aux(Aux::M(8)));
+    spindle.into_iter().chain(coolant).collect()
+}
+
+fn approach(from: Position, to: Position, params: &Params) -> Vec<CallKind> {
+    let slow = |axis| {
+        let rapid = params.rapid(axis).nm_per_min() / PART;
+        let most = params.max_feed(axis).nm_per_min();
+        FeedRate::PerMinute(Feed::from_nm_per_min(rapid.min(most)))
+    };
+    let moves = legs(from, to).map(|(axis, to)| CallKind::Line(to, slow(axis)));
+    [CallKind::ExactStop(true)]
+        .into_iter()
+        .chain(moves)
+        .collect()
+}
+
+/// The spindle turns as it is told.
+#[must_use]
+pub fn has_arrived(speed: Rpm, command: Rpm, params: &Params) -> bool {
+    let (speed, command) = (i64::from(speed.get()), i64::from(command.get()));
+    let off = (speed - command).abs() * 100;
+    off <= command.abs() * i64::from(params.spindle_tolerance_percent())
+}
