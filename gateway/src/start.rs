@@ -15,7 +15,7 @@ use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Feed, Length, Rpm};
 
-use crate::commands::board::words as in_force;
+use crate::commands::board::modal_words;
 use crate::diagnostics::{self, Diagnostic, alarm_words};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::number;
@@ -127,7 +127,7 @@ fn shown(start: &Start, setup: &Setup, source: &SourceFile) -> Both {
             let name = if zh { chinese } else { en };
             let _ = writeln!(text, "  {name}  {value}");
         };
-        row("in force ", "模态    ", &in_force(&start.carried));
+        row("in force ", "模态    ", &modal_words(&start.carried));
         if let Some(tool) = start.tool {
             let said = both!("T{tool:04} has to be in place", "T{tool:04} 须已就位");
             row("tool     ", "刀具    ", said.get(lang));

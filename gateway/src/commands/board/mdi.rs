@@ -196,7 +196,7 @@ impl Place {
     }
 
     fn text(&self, when: &str, lang: Lang) -> String {
-        let words = words(&self.carried);
+        let words = modal_words(&self.carried);
         let [x, z, mx, mz] = self.places();
         let told = both!(
             "{when}  {words}   X {x}  Z {z}   (machine X {mx}  Z {mz})\n",
@@ -207,7 +207,7 @@ impl Place {
 
     fn fields(&self, json: &mut Json) {
         let (at, zero) = (self.position, self.origin);
-        json.text("modal", &words(&self.carried));
+        json.text("modal", &modal_words(&self.carried));
         json.decimal::<6>("x", (at.x - zero.x).nm().saturating_mul(2));
         json.decimal::<6>("z", (at.z - zero.z).nm());
         json.decimal::<6>("mx", at.x.nm().saturating_mul(2));
@@ -216,7 +216,7 @@ impl Place {
 }
 
 /// The words that would set what is in force.
-pub fn words(carried: &Carried) -> String {
+pub fn modal_words(carried: &Carried) -> String {
     let unit = match carried.unit {
         LengthUnit::Inch => 20,
         LengthUnit::Metric => 21,

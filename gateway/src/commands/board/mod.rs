@@ -21,7 +21,7 @@ use crate::words::pick;
 pub use by_hand::{jog, mode};
 pub use home::{home, names};
 pub use machine::{Base, Greeted, Machine, Table, base};
-pub use mdi::{mdi, words};
+pub use mdi::{mdi, modal_words};
 pub use monitor::monitor;
 pub use operate::{levels, order, signal};
 pub use resume::resume;

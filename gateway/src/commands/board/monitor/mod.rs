@@ -366,7 +366,7 @@ impl<'a> Session<'a> {
         view.spindle = seen.spindle;
         view.place = seen.place;
         view.zero = self.zeros.zero();
-        view.modal = self.zeros.carried.as_ref().map(mdi::words);
+        view.modal = self.zeros.carried.as_ref().map(mdi::modal_words);
         let mut page = Vec::new();
         if self.keys {
             view.prompt = panel.prompt();
