@@ -18,6 +18,7 @@
 //! | `SpindleMode` | what the spindles are told: a speed, or position mode |
 //! | `Journal` | the entry of the tap in its hole |
 //! | `Home` | the references of the axes |
+//! | `Machine` | inputs and outputs of the machine, and what they mean |
 //! | `Operator` | what the operator has asked for and set |
 //! | `Drives`, `Observer`, `Executor` | the drives, the measured spindle, the segment under way |
 
@@ -26,7 +27,9 @@ mod away;
 mod begin;
 mod by_hand;
 mod course;
+mod functions;
 mod home;
+mod interlock;
 mod journal;
 mod setup;
 mod spindle;
@@ -40,6 +43,7 @@ use heapless::Vec;
 
 use self::away::{Away, LastPass};
 use self::course::{Course, Source};
+use self::functions::{ChuckWait, Pending};
 use self::home::Home;
 use self::journal::Journal;
 use self::setup::Given;
@@ -50,6 +54,7 @@ use super::command::{Command, Switching};
 use super::detour::{Detour, Route};
 use super::drives::{Drives, FRAMES};
 use super::kept::Found;
+use super::machine::Machine;
 use super::nodes::DriveNodes;
 use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put};
@@ -85,6 +90,8 @@ pub struct Output {
     pub journal: Option<TapRecord>,
     /// What the board's switches have to do.
     pub switching: Switching,
+    /// The machine's outputs that are on; bit 0 is output 1.
+    pub outputs: u16,
     /// The setpoints of all drives in one frame of CAN FD (9031). This frame follows the other frames of the period.
     pub together: Option<Setpoints>,
 }
@@ -129,6 +136,12 @@ pub struct Ticker {
     drives: Drives,
     jog: Jog,
     home: Home,
+    machine: Machine,
+    /// A machine function that has not been answered.
+    function: Option<Pending>,
+    chuck_wait: ChuckWait,
+    /// Ticks since a resume that waits for the spindle.
+    resuming: Option<u32>,
     executor: Executor,
 }
 
@@ -159,6 +172,10 @@ impl Ticker {
             drives: Drives::new(&setup.figures),
             jog: Jog::new(),
             home: Home::new(),
+            machine: Machine::new(given.wiring),
+            function: None,
+            chuck_wait: ChuckWait::default(),
+            resuming: None,
             executor: Executor::new(given.arrival),
         }
     }
@@ -184,8 +201,11 @@ impl Ticker {
     // Called in many places.
     #[inline(never)]
     pub(super) const fn command(&mut self, command: Command) {
-        if let Command::Release = command {
-            self.jog.release();
+        match command {
+            Command::Release => self.jog.release(),
+            // Whoever holds while the spindle comes to its speed means the program.
+            Command::Hold => self.resuming = None,
+            _ => {}
         }
         self.operator.take(command);
     }
@@ -240,6 +260,7 @@ impl Ticker {
         self.settle(motion, moved, ends);
         self.keep_journal(ends, output);
         output.switching = core::mem::take(&mut self.switching);
+        output.outputs = self.machine.outputs();
         output.frames.clear();
         self.send(&mut output.frames, ends);
         let together = self.drives.together();
@@ -410,6 +431,9 @@ impl Ticker {
     }
 
     fn obey(&mut self, ends: &mut Ends<'_>) {
+        if self.machine.has_changed() || self.resuming.is_some() {
+            self.heed_machine(ends);
+        }
         if self.operator.asks() {
             self.act(ends);
         }
@@ -432,9 +456,7 @@ impl Ticker {
             self.reset(ends);
         }
         if self.operator.takes_resume() {
-            self.operator.hold = false;
-            self.course.resume();
-            self.go_back();
+            self.resume(ends);
         }
         if self.operator.takes_cancel() && matches!(self.state, State::Homing) {
             self.transition_to_stopping_by_reset(ends);
@@ -450,8 +472,10 @@ impl Ticker {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
             State::Starting | State::Idle | State::ByHand | State::Homing | State::Alarm(_) => None,
         };
-        self.spindle
-            .set_percent(frozen.unwrap_or(self.operator.spindle_percent()));
+        let percent = frozen.unwrap_or(self.operator.spindle_percent());
+        // A tool that leaves a thread is led by the spindle until it is out.
+        let stands = self.spindle.is_suspended() && self.executor.thread().is_none();
+        self.spindle.set_percent(if stands { 0 } else { percent });
         let velocity = self.velocity();
         self.leave_rigid();
         let spindle = match self.executor.spindle() {

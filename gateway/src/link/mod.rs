@@ -43,7 +43,7 @@ use leadscrew_core::bus::{
 use hold::Hold;
 use round_trip::RoundTrip;
 
-pub use board::BoardParams;
+pub use board::{BoardParams, MachineContacts};
 pub use feed::Feed;
 pub use inside::Inside;
 pub use offsets::BoardOffsets;

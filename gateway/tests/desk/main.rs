@@ -1,6 +1,7 @@
 //! Simulated machines that stay, with real processes: `up`, `down`, `sim`, and other commands over `sim:NAME`.
 
 mod clients;
+mod functions;
 mod life;
 mod mdi;
 mod tutorial;

@@ -9,8 +9,14 @@ use crate::units::{Axes, Axis, Feed};
 /// Nanometres in a millimetre.
 const MM: i64 = 1_000_000;
 
-/// The press for the tick. No axis goes faster than its rapid (1420) and 9042; one without a reference, than 9043.
-pub fn plan_press(asked: &Asked, referenced: Axes, params: &Params, limits: &Limits) -> Press {
+/// The press for the tick. No axis goes faster than its rapid (1420) and 9042; one without a reference, or with the
+/// door open, than 9043. `door`: it is open.
+pub fn plan_press(
+    asked: &Asked,
+    (referenced, door): (Axes, bool),
+    params: &Params,
+    limits: &Limits,
+) -> Press {
     let tick_us = params.tick_us();
     let speed = match asked.mm_per_min {
         Some(mm) => Feed::from_nm_per_min(i64::from(mm).saturating_mul(MM)),
@@ -23,7 +29,7 @@ pub fn plan_press(asked: &Asked, referenced: Axes, params: &Params, limits: &Lim
     };
     let slow = PathRate::of_feed(params.slow_feed(), tick_us).min(top);
     let plan = |axis, towards: Option<Towards>| {
-        let top = match referenced.contains(axis) {
+        let top = match referenced.contains(axis) && !door {
             true => top,
             false => slow,
         };

@@ -18,7 +18,7 @@ use crate::board::command::Command;
 use crate::board::guard::Guard;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest};
 use crate::link::Event;
-use crate::operating::{OperatingMode, PressState, Towards};
+use crate::operating::{Interlock, OperatingMode, PressState, Towards};
 use crate::params::Params;
 use crate::units::{Axes, Length};
 
@@ -314,10 +314,31 @@ impl ObjectValues {
             return Err(Alarm::of(Code::NotAtRest, &[]));
         }
         self.out_of_hole()?;
+        if let Some(interlock) = self.snapshot.interlocks.against_hand() {
+            return Err(interlocked(interlock));
+        }
         if self.snapshot.operator.hold {
-            return Err(Alarm::of(Code::HoldIsOn, &[]));
+            return Err(interlocked(Interlock::Hold));
         }
         Ok(())
+    }
+
+    /// Lets a program begin with the door closed and the work clamped. A line that was typed may close the chuck: the tick
+    /// asks before the spindle turns.
+    pub(super) fn let_in_guarded(&self) -> Result<(), Alarm> {
+        let against = self.snapshot.interlocks.against_start();
+        match against.filter(|_| self.operating.mode == OperatingMode::Automatic) {
+            Some(interlock) => Err(interlocked(interlock)),
+            None => Ok(()),
+        }
+    }
+
+    /// Nothing is resumed, and no reference is found, with the door open.
+    pub(super) fn door_is_closed(&self) -> Result<(), Alarm> {
+        match self.snapshot.interlocks.has_door() {
+            true => Err(interlocked(Interlock::Door)),
+            false => Ok(()),
+        }
     }
 
     /// A new press: refused or not, its renewals are no new ones.
@@ -333,6 +354,11 @@ impl ObjectValues {
             Err(alarm) => self.deny(&alarm),
         }
     }
+}
+
+/// What is asked is kept from happening by this.
+fn interlocked(by: Interlock) -> Alarm {
+    Alarm::of(Code::Interlocked, &[Arg::Interlock(by)])
 }
 
 /// What is asked needs the reference of these axes.

@@ -25,6 +25,7 @@ impl Ticker {
         // To the nanometre, where the drives have not been moved meanwhile.
         self.remembered = self.remembered.or(Some(self.executor.position()));
         self.switching = self.switching_of_reset();
+        self.machine.reset();
         self.state = State::Starting;
     }
 
@@ -79,6 +80,7 @@ impl Ticker {
         self.executor.stop(self.course.current(ends));
         self.jog.release();
         self.stop_homing();
+        self.give_up_function();
         // A reset may have been on its way out of a thread: an alarm moves nothing any more.
         self.away.forget();
         self.spindle.stop();
@@ -95,6 +97,7 @@ impl Ticker {
         self.jog.release();
         self.away.forget();
         self.stop_homing();
+        self.give_up_function();
         self.spindle.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);
         let current = self.course.current(ends);
@@ -112,11 +115,13 @@ impl Ticker {
         self.note_stop();
         self.course.end_program();
         self.spindle.stop();
+        self.resuming = None;
         self.stood = 0;
         match self.state {
             State::Stopping(Outcome::Alarm(alarm)) => self.state = State::Alarm(alarm),
             _ => {
                 self.switching = self.switching_of_reset();
+                self.machine.reset();
                 emit(events, Event::Reset);
                 self.state = State::Idle;
             }
