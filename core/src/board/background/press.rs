@@ -40,6 +40,7 @@ pub fn plan_press(
         x: plan(Axis::X, asked.x),
         z: plan(Axis::Z, asked.z),
         at_rapid: asked.rapid,
+        slow: door,
         way: asked.way,
         until: asked.until,
     }

@@ -14,7 +14,10 @@ impl Ticker {
             State::ByHand => true,
             _ => false,
         };
-        if !stands || self.operator.hold || self.journal.has_hole() {
+        // The door may have been opened since the press was planned.
+        let interlocks = self.machine.interlocks();
+        let fast = interlocks.has_door() && !press.slow || interlocks.against_hand().is_some();
+        if !stands || fast || self.operator.hold || self.journal.has_hole() {
             return self.jog.refuse(press.number);
         }
         let (x, z) = self.travel();

@@ -59,6 +59,7 @@ impl Bench {
             x,
             z,
             at_rapid: false,
+            slow: false,
             way: None,
             until: Some(until),
         };
@@ -71,6 +72,7 @@ impl Bench {
             x: None,
             z: Some(z),
             at_rapid: false,
+            slow: false,
             way: Some(way),
             until: None,
         };
