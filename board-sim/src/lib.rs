@@ -5,10 +5,12 @@
 //! The plant uses integers only and no allocation, so that the same plant gives the same bits on every computer. It
 //! knows the board only by its frames.
 
+mod around;
 pub mod line;
 pub mod plant;
 mod sim;
 mod storage;
 
+pub use around::Around;
 pub use sim::{CutPoint, Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};
 pub use storage::{keep, stored_params, stored_tap};

@@ -24,6 +24,7 @@ use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Rpm, Turns};
 
 use self::judge::{Delay, Instant, LATENCY_TICKS, Law, Pending, TRUTHS};
+use crate::around::Around;
 use crate::line::{Line, Way};
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
 use crate::storage::{keep, stored_params, stored_tap};
@@ -86,6 +87,9 @@ pub struct Sim {
     to_others: Deque<Frame, TO_OTHERS>,
     /// The faults of the wire.
     wire: Line,
+    /// The pins, as they were set.
+    pins: Inputs,
+    around: Around,
     /// Frames on their way to other nodes on the bus.
     out: Deque<Frame, OUT>,
 }
@@ -171,6 +175,8 @@ impl Sim {
             flash,
             to_others: Deque::new(),
             wire: Line::default(),
+            pins: Inputs::default(),
+            around: Around::default(),
             out: Deque::new(),
         };
         let withheld = sim.start(up.found.alarm())?;
@@ -182,6 +188,7 @@ impl Sim {
         let mut output = Output::default();
         loop {
             self.advance();
+            self.look_around();
             self.board.tick(self.sample, &self.answers, &mut output);
             self.exchange(&output.frames, &mut |_, _| {});
             self.tell_together(&output);
@@ -317,7 +324,23 @@ impl Sim {
 
     /// Sets the board's pins: contacts and what else is wired to it. They act from the next tick on.
     pub const fn set_pins(&mut self, inputs: Inputs) {
-        self.board.set_pins(inputs);
+        self.pins = inputs;
+    }
+
+    /// What is around the machine, as far as the pins do not say it.
+    pub const fn around(&mut self) -> &mut Around {
+        &mut self.around
+    }
+
+    /// The board sees its pins.
+    fn look_around(&mut self) {
+        let outputs = self.board.ticker().machine_outputs();
+        let mut wires = || self.around.wires(self.board.params(), outputs);
+        let machine = self.pins.machine.or_else(|| Some(wires()));
+        self.board.set_pins(Inputs {
+            machine,
+            ..self.pins
+        });
     }
 
     /// The oldest event not yet read.
@@ -365,6 +388,7 @@ impl Sim {
         let ready = self.release();
         while self.board.background() {}
         let mut output = Output::default();
+        self.look_around();
         self.board.tick(self.sample, &self.answers, &mut output);
         let setpoint = output.setpoint;
         let law = self.law(setpoint.locked);

@@ -7,6 +7,7 @@ use std::path::Path;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_core::bus::Statusword;
+use leadscrew_core::operating::Interlock;
 use leadscrew_language::whose::{Whose, line_in_file};
 
 use crate::json::Json;
@@ -302,6 +303,26 @@ pub fn figure(arg: Arg, lang: Lang, inch: bool) -> String {
             None => format!("{value:04X}h"),
         },
         Arg::Mode(mode) => mode.name().to_owned(),
+        Arg::Interlock(interlock) => interlock_words(interlock, lang).to_owned(),
+    }
+}
+
+const fn interlock_words(interlock: Interlock, lang: Lang) -> &'static str {
+    match (interlock, lang) {
+        (Interlock::Hold, Lang::En) => "feed hold",
+        (Interlock::Hold, Lang::Zh) => "进给保持",
+        (Interlock::Door, Lang::En) => "the open door",
+        (Interlock::Door, Lang::Zh) => "门打开",
+        (Interlock::Chuck, Lang::En) => "the open chuck",
+        (Interlock::Chuck, Lang::Zh) => "卡盘松开",
+        (Interlock::ChuckPressure, Lang::En) => "missing pressure of the chuck",
+        (Interlock::ChuckPressure, Lang::Zh) => "卡盘压力缺失",
+        (Interlock::TailstockPressure, Lang::En) => "missing pressure of the tailstock",
+        (Interlock::TailstockPressure, Lang::Zh) => "尾座压力缺失",
+        (Interlock::Enable, Lang::En) => "the enabling switch, which nobody holds,",
+        (Interlock::Enable, Lang::Zh) => "使能开关未按住",
+        (Interlock::Spindle, Lang::En) => "the spindle, which has not stood for a second,",
+        (Interlock::Spindle, Lang::Zh) => "主轴静止未满一秒",
     }
 }
 

@@ -7,6 +7,53 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::Length;
 
+/// What keeps the machine from starting, from turning its spindle, or from moving an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
+#[repr(u8)]
+pub enum Interlock {
+    /// Feed hold is on.
+    Hold = 0,
+    /// The door is open.
+    Door = 1,
+    /// The chuck is open.
+    Chuck = 2,
+    /// The chuck has no pressure.
+    ChuckPressure = 3,
+    /// The tailstock has no pressure.
+    TailstockPressure = 4,
+    /// The enabling switch is not held, with the door open.
+    Enable = 5,
+    /// The spindle turns, or has not stood for a second.
+    Spindle = 6,
+}
+
+impl Interlock {
+    /// All of them; each at the index of its number.
+    pub const ALL: [Self; 7] = [
+        Self::Hold,
+        Self::Door,
+        Self::Chuck,
+        Self::ChuckPressure,
+        Self::TailstockPressure,
+        Self::Enable,
+        Self::Spindle,
+    ];
+
+    /// The name in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hold => "hold",
+            Self::Door => "door",
+            Self::Chuck => "chuck",
+            Self::ChuckPressure => "chuck_pressure",
+            Self::TailstockPressure => "tailstock_pressure",
+            Self::Enable => "enable",
+            Self::Spindle => "spindle",
+        }
+    }
+}
+
 /// The mode in which the machine is operated. It says which requests the board lets in; a change moves nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 #[repr(u8)]

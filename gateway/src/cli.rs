@@ -14,7 +14,7 @@ use leadscrew_can::{Address, BitRate, MachineName, WrongAddress};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::units::Axis;
-use leadscrew_desk::control::{Contact, Door, Power};
+use leadscrew_desk::control::{Contact, Door, Level, Power};
 use leadscrew_language::dialect::Control;
 
 pub use by_hand::{AxisWay, Jog, ModeName, StepLength};
@@ -709,6 +709,19 @@ pub enum SimCommand {
         #[arg(value_enum)]
         to: Contact,
     },
+    /// Set an input of the board, or leave it to the simulated devices
+    #[command(after_help = examples::SIM_INPUT)]
+    Input {
+        /// Its number
+        #[arg(value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
+        number: u8,
+        /// How it is then; `auto`: as the simulated devices have it
+        #[arg(value_enum)]
+        to: Level,
+    },
+    /// Tell which inputs and outputs of the board are on
+    #[command(after_help = examples::SIM_OUTPUTS)]
+    Outputs,
     /// Take the power of board and drives, or give it; `cycle` does both
     #[command(after_help = examples::SIM_POWER)]
     Power {

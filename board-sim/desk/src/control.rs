@@ -41,6 +41,13 @@ pub enum Request {
         /// How it is then.
         to: Contact,
     },
+    /// Sets an input of the board, or lets the simulated devices have it again.
+    Input {
+        /// Its number, from 1 on.
+        number: u8,
+        /// How it is then.
+        to: Level,
+    },
     /// Takes the power of board and drives, or gives it.
     Power {
         /// What happens to it.
@@ -76,6 +83,18 @@ pub enum Contact {
     Press,
     /// It is released.
     Release,
+}
+
+/// An input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// It is on, and stays so.
+    On,
+    /// It is off, and stays so.
+    Off,
+    /// The simulated devices have it.
+    Auto,
 }
 
 /// The power of board and drives.
@@ -134,6 +153,10 @@ pub struct View {
     pub estop: bool,
     /// The contact of feed hold is pressed.
     pub hold: bool,
+    /// The board's inputs that are on, from 1 on.
+    pub inputs: Vec<u8>,
+    /// Its outputs that are on.
+    pub outputs: Vec<u8>,
     /// Machine time in thousandths of real time.
     pub speed: u32,
     /// The length of a tick.
@@ -232,6 +255,13 @@ mod tests {
                     to: Contact::Release,
                 },
                 r#"{"do":"hold","to":"release"}"#,
+            ),
+            (
+                Request::Input {
+                    number: 3,
+                    to: Level::Auto,
+                },
+                r#"{"do":"input","number":3,"to":"auto"}"#,
             ),
             (
                 Request::Power { to: Power::Cycle },

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::{Flash, HomingOptions, PlantOptions};
-use leadscrew_board_sim::{Sim, SimError};
+use leadscrew_board_sim::{Around, Sim, SimError};
 use leadscrew_common::diagnostics::alarm_words;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::profiles::Chosen;
@@ -18,7 +18,7 @@ use leadscrew_core::board::{Event, Inputs, KeptSet, Mark, Region};
 use leadscrew_core::bus::{Increments, NodeId, Scale};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::identity;
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Contact, Params};
 use leadscrew_core::units::{Angle, Axis, Length};
 use leadscrew_slcan::SlcanFrame;
 use leadscrew_store::{BUFFER, Store};
@@ -38,7 +38,7 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// The board's pins. The board has none for a door [D281].
+    /// The board's pins.
     fn pins(self) -> Inputs {
         Inputs {
             stop: self.estop,
@@ -78,6 +78,8 @@ pub struct Machine {
     at: Position,
     drives: Chosen,
     contacts: Contacts,
+    /// Inputs that somebody has set.
+    around: Around,
     power: Power,
     /// What the flash had seen when it was saved last.
     written: u32,
@@ -109,6 +111,7 @@ impl Machine {
             at: recipe.at,
             drives: recipe.drives.clone(),
             contacts: Contacts::default(),
+            around: Around::default(),
             written: flash.written(),
             power: Power::Off(Box::new(flash)),
             made_with: Params::slant_bed(),
@@ -162,6 +165,44 @@ impl Machine {
         if let Power::On(sim) = &mut self.power {
             sim.set_pins(contacts.pins());
         }
+        self.around.open_door(contacts.door == Door::Open);
+        self.show_around();
+    }
+
+    /// Somebody sets an input, or leaves it to the simulated devices.
+    pub fn set_input(&mut self, input: Contact, on: Option<bool>) {
+        self.around.set(input, on);
+        self.show_around();
+    }
+
+    fn show_around(&mut self) {
+        if let Power::On(sim) = &mut self.power {
+            *sim.around() = self.around;
+        }
+    }
+
+    /// The inputs and the outputs that are on; none without power.
+    #[must_use]
+    pub fn on(&self) -> [u16; 2] {
+        match &self.power {
+            Power::On(sim) => {
+                let ticker = sim.board().ticker();
+                [
+                    ticker.machine_inputs().unwrap_or(0),
+                    ticker.machine_outputs(),
+                ]
+            }
+            Power::Off(_) => [0, 0],
+        }
+    }
+
+    /// The board has an input for the door.
+    #[must_use]
+    pub fn has_door(&self) -> bool {
+        match &self.power {
+            Power::On(sim) => sim.board().params().door_input() != 0,
+            Power::Off(_) => true,
+        }
     }
 
     /// Board and drives come up with what the flash holds, where the axes stand. No time passes.
@@ -184,6 +225,7 @@ impl Machine {
         sim.join(self.node)
             .map_err(|alarm| not_started(&SimError::Board(alarm)))?;
         sim.set_pins(self.contacts.pins());
+        *sim.around() = self.around;
         fit_switches(&mut sim, &params);
         self.made_with = params;
         self.power = Power::On(sim);

@@ -15,13 +15,14 @@ use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::words::{Both, both};
 use leadscrew_common::{diagnostics, interrupt, number};
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::{self, CONTACTS};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::TimeSpec;
 
 use crate::bus::{Bus, WAITING};
 use crate::clock::{Clock, Speed};
-use crate::control::{Answer, Contact, LONGEST, Power, Request, View};
+use crate::control::{Answer, Contact, LONGEST, Level, Power, Request, View};
 use crate::machine::{Contacts, Machine};
 
 /// The longest wait for anything, so that an interruption is noticed.
@@ -274,10 +275,12 @@ impl Server {
                     door: to,
                     ..contacts
                 });
-                note = Some(both!(
-                    "the board has no input for the door: nothing follows from it yet",
-                    "控制板还没有门的输入：目前不会产生任何作用"
-                ));
+                if !self.machine.has_door() {
+                    note = Some(both!(
+                        "the board has no input for the door (parameter 9423 is 0): nothing follows from it",
+                        "控制板没有门的输入（参数 9423 为 0）：不会产生任何作用"
+                    ));
+                }
                 Ok(())
             }
             Request::Estop { to } => {
@@ -292,6 +295,18 @@ impl Server {
                     hold: to == Contact::Press,
                     ..contacts
                 });
+                Ok(())
+            }
+            Request::Input { number, to } => {
+                let Some(input) = params::Contact::new(number) else {
+                    return Answer::refused(wrong_input(number));
+                };
+                let on = match to {
+                    Level::On => Some(true),
+                    Level::Off => Some(false),
+                    Level::Auto => None,
+                };
+                self.machine.set_input(input, on);
                 Ok(())
             }
             Request::Power { to } => self.power(to),
@@ -344,6 +359,7 @@ impl Server {
         let (slips, lost_ticks) = self.clock.slips();
         let (clients, dropped) = self.bus.counts();
         let tick_us = self.machine.tick_length().as_micros();
+        let [inputs, outputs] = self.machine.on().map(numbers);
         View {
             name: self.name.to_string(),
             pid: std::process::id(),
@@ -352,6 +368,8 @@ impl Server {
             door: contacts.door,
             estop: contacts.estop,
             hold: contacts.hold,
+            inputs,
+            outputs,
             speed: self.clock.speed().thousandths(),
             tick_us: u32::try_from(tick_us).unwrap_or(u32::MAX),
             ticks: self.ticks,
@@ -392,6 +410,21 @@ impl Drop for Server {
             let _: io::Result<()> = fs::remove_file(path);
         }
     }
+}
+
+/// The contacts that are on, from 1 on.
+fn numbers(on: u16) -> Vec<u8> {
+    let contacts = (1..=CONTACTS).filter_map(params::Contact::new);
+    let on = contacts.filter(|contact| on & contact.bit() != 0);
+    on.map(params::Contact::number).collect()
+}
+
+/// The words for an input that does not exist.
+fn wrong_input(number: u8) -> Both {
+    both!(
+        "there is no input {number}: they are counted from 1 to 16",
+        "没有输入 {number}：编号为 1 至 16"
+    )
 }
 
 /// The words for a speed that is refused.

@@ -303,6 +303,10 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::TapSpeedAboveSpindle => &[3772, 5241],
         Code::NoPeckReturn => &[5213],
         Code::ExtractionOverrideOff => &[5200, 5201],
+        Code::FunctionUnusable => &[
+            9401, 9402, 9403, 9404, 9405, 9406, 9407, 9408, 9409, 9410, 9411, 9412, 9413, 9414,
+            9415, 9416,
+        ],
         Code::DriveNodeTwice => &[9014, 9015, 9016],
         _ => &[],
     }

@@ -971,6 +971,9 @@ codes! {
     /// 5210 names a code with another meaning; {0} the code.
     TapCodeTaken = 4429, "M{0} cannot be the code of rigid tapping (5210): it means something else", "set 5210 to 0 (M29), or to a code that is free",
         "M{0} 不能作为刚性攻丝的 M 代码（5210）：它另有含义", "请将 5210 设为 0（M29）或未使用的代码";
+    /// A value of the table of machine functions is no row; {0} is the value.
+    FunctionUnusable = 4431, "{0} is no row of the table of machine functions", "write CCC H OO A II TTTT (docs/functions.md): each M code once, and none that has a meaning of its own",
+        "{0} 不是机床功能表的有效行", "请按 CCC H OO A II TTTT 填写（见 docs/functions.md）：每个 M 代码一次，且不得已有含义";
     /// An encoder whose edges are not timed shakes the axis at a lead of 1 mm: counts, noise and limit in m/s², counts that
     /// would do.
     EncoderCoarse = 4430, "{0} counts a turn without the times of their edges shake Z by up to {1} m/s² on a lead of 1 mm; its acceleration is {2} m/s²",
@@ -1048,9 +1051,9 @@ codes! {
     /// Another session moves the machine by hand.
     AnotherOperator = 4505, "another operator moves the machine by hand", "let them finish; one moves it at a time",
         "另一操作者正在手动移动机床", "请等其结束；同一时间只能由一人移动";
-    /// Nothing moves by hand while feed hold is on.
-    HoldIsOn = 4506, "feed hold is on: nothing moves by hand", "release the contact and resume",
-        "进给保持有效：手动不移动", "请释放按钮并恢复运行";
+    /// An interlock keeps the machine from starting, turning its spindle or moving; {0} is the [interlock](crate::operating::Interlock).
+    Interlocked = 4506, "{0} keeps the machine from this", "remove what keeps it; then give the order again, and resume what is held",
+        "{0}禁止此操作", "请先排除；然后重新下达指令，并恢复被保持的程序";
     /// The machine starts, comes to rest, or is moved by hand.
     NotAtRest = 4507, "the machine is not at rest", "wait until it stands and its drives are up, then ask again",
         "机床未静止", "请等待其停止且驱动器就绪，然后重试";
@@ -1073,6 +1076,18 @@ codes! {
     /// A program is to begin, and a required axis has no reference; {0} to {2} the axes.
     NotReferenced = 4503, "not referenced: {0} {1} {2}", "home first (`leadscrew home`)",
         "未回零：{0} {1} {2}", "请先回零（`leadscrew home`）";
+    /// An M code that has no meaning and no row in the table of machine functions.
+    FunctionMissing = 4550, "M{0} has no row in the table of machine functions", "add it in one of the parameters 9401 to 9416 (docs/functions.md), or correct the code",
+        "M{0} 在机床功能表中没有对应行", "请在参数 9401 至 9416 之一中添加（见 docs/functions.md），或修改代码";
+    /// A function's answer has not come in its time: M code, input, time in ms.
+    AnswerLate = 4551, "M{0} has not been answered: input {1} did not come to its level within {2} ms", "look what the function waits for, at the machine and at its input (`leadscrew status`); then reset",
+        "M{0} 没有应答：输入 {1} 在 {2} ms 内未达到要求电平", "请检查机床及其输入（`leadscrew status`），然后复位";
+    /// The answer of a function that is switched on has gone: input, output.
+    AnswerLost = 4552, "input {0}, which answered for output {1}, has gone while that is on", "look at what the output switches, and at its input; then reset",
+        "输出 {1} 接通期间，其应答输入 {0} 消失", "请检查该输出控制的装置及其输入，然后复位";
+    /// Something that holds the work has let go while the spindle was on; {0} is the interlock.
+    ClampingLost = 4555, "{0} while the spindle is on: the tool is withdrawn, the spindle is stopped", "look at what holds the work before anything turns again; then reset",
+        "主轴接通时{0}：刀具退出，主轴停止", "再次旋转前请检查工件夹持；然后复位";
     // 4520–4529: homing. {0} is the axis.
     /// The drive has not found its mark within 9061 and 9062.
     HomeNotFound = 4520, "axis {0} has not found its reference mark within what 9061 and 9062 allow", "look whether the switch and its wire work, and at the homing method (6098h); then reset and home again",
@@ -1194,8 +1209,8 @@ codes! {
     TapExtractionLimited = 4902, "the retract at {0} is cut down to {1} rpm (parameters 5241 and 3772)", "write a smaller J, or lower 5211",
         "退刀转速 {0} 被限制为 {1} rpm（参数 5241、3772）", "请减小 J，或减小 5211";
     /// An M code of the machine in a simulation; {0} its number.
-    MachineCodePassed = 4903, "M{0} switches something of a machine that is not simulated", "nothing needs to be done here; a board refuses it (4019)",
-        "M{0} 控制的装置不在仿真范围内", "此处无需处理；控制板会拒绝该代码（4019）";
+    MachineCodePassed = 4903, "M{0} switches something of a machine that is not simulated", "nothing needs to be done here; a board refuses it (4550)",
+        "M{0} 控制的装置不在仿真范围内", "此处无需处理；控制板会拒绝该代码（4550）";
     /// Q in a stroke that goes on with the one before.
     StartAngleJoined = 4904, "{w} has no effect: this stroke goes on with the thread of the stroke before", "leave Q out",
         "{w} 不起作用：本段与前一段的螺纹相连", "请省略 Q";

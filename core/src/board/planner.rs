@@ -23,12 +23,12 @@ use super::guard::Guard;
 use super::queue::{CallOut, DetourIn, SegmentIn, take};
 use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
-use crate::call::{CallKind, ChainPart, Position, SpindleCall, SpindleMode, TapNotes};
+use crate::call::{Aux, CallKind, ChainPart, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::cycle::Moves;
 use crate::journal::TapRecord;
 use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
 use crate::moves::{Move, MoveKind, Stage};
-use crate::params::Params;
+use crate::params::{FunctionRow, Params};
 use crate::signals::Signals;
 use crate::units::CentiRpm;
 
@@ -424,7 +424,7 @@ impl Planner {
                 ..
             }) => Action::Rigid(settings.signals.spindle(choice, next.span)?),
             MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm, spindle.law()),
-            MoveKind::Aux(aux) => Action::Aux(aux),
+            MoveKind::Aux(aux) => Action::Aux(aux, row_of(aux, settings.params)),
             MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),
         };
         self.queue(next.span, stops, action);
@@ -473,6 +473,15 @@ impl Planner {
             frozen: thread_cycle.then_some(self.percent),
             ..Stops::default()
         }
+    }
+}
+
+/// The row of a machine function.
+#[inline(never)]
+fn row_of(aux: Aux, params: &Params) -> Option<FunctionRow> {
+    match aux {
+        Aux::M(code) => params.function(code),
+        Aux::T(_) => None,
     }
 }
 

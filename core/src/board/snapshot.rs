@@ -1,5 +1,6 @@
 //! The state of the tick side at one instant, for readers outside. It is made between two ticks, never in a tick.
 
+use super::machine::Interlocks;
 use super::operator::Operator;
 use super::ticker::{Outcome, State, Ticker};
 use crate::alarm::{Alarm, Code};
@@ -50,6 +51,12 @@ pub struct Snapshot {
     pub referenced: Axes,
     /// The axes without a reference that a program needs.
     pub unreferenced: Axes,
+    /// The machine's inputs that are on; `None` where nobody has told them.
+    pub machine_inputs: Option<u16>,
+    /// Its outputs that are on.
+    pub machine_outputs: u16,
+    /// What is open, or has no pressure.
+    pub interlocks: Interlocks,
     /// The operator's settings.
     pub operator: Operator,
     /// Number of the last press by hand, and what became of it.
@@ -78,6 +85,9 @@ impl Snapshot {
             tap: ticker.tap_entry(),
             referenced: ticker.referenced(),
             unreferenced: ticker.unreferenced(),
+            machine_inputs: ticker.machine_inputs(),
+            machine_outputs: ticker.machine_outputs(),
+            interlocks: ticker.interlocks(),
             operator: *ticker.operator(),
             jog: ticker.jog(),
             contacts,
@@ -133,6 +143,17 @@ impl Snapshot {
             bits |= Signals::STOP;
         }
         bits
+    }
+
+    /// Object 5061h: the machine's inputs that are on; bit 16 where they have been told; from bit 24 on its
+    /// [interlocks](crate::operating::Interlock), each at the place of its number.
+    #[must_use]
+    pub fn machine(&self) -> u32 {
+        let inputs = match self.machine_inputs {
+            Some(on) => u32::from(on) | 1 << 16,
+            None => 0,
+        };
+        inputs | u32::from(self.interlocks.bits()) << 24
     }
 
     /// Nothing moves or is about to move: parameters may change.

@@ -40,6 +40,8 @@ pub struct Inputs {
     pub hold: bool,
     /// The machine's inputs, where this board has pins for them. They replace the inputs that are set over the bus.
     pub signals: Option<Signals>,
+    /// The machine's inputs that are on, bit 0 for input 1; `None` where nobody can tell.
+    pub machine: Option<u16>,
     /// The machine has to stop with this alarm: the controller is bus-off, or a part of the board does not work.
     pub trouble: Option<Code>,
     /// The machine has not yet followed [`Output::switching`]. The next move waits; after a second the machine stops with
@@ -217,6 +219,7 @@ impl<'a> TickSide<'a> {
         {
             ticker.command(Command::Halt(code));
         }
+        ticker.hear_machine(inputs.machine);
         ticker.await_machine(inputs.unanswered.is_some());
         if let Some(signals) = inputs.signals {
             ticker.signals(signals);

@@ -19,6 +19,7 @@
 //! | `SpindleMode` | what the spindles are told: a speed, or position mode |
 //! | `Journal` | the entry of the tap in its hole |
 //! | `Home` | the references of the axes |
+//! | `Machine` | inputs and outputs of the machine, and what they mean |
 //! | `Operator` | what the operator has asked for and set |
 //! | `Drives`, `Observer`, `Executor` | the drives, the measured spindle, the segment under way |
 
@@ -27,7 +28,9 @@ mod away;
 mod begin;
 mod by_hand;
 mod course;
+mod functions;
 mod home;
+mod interlock;
 mod journal;
 mod left;
 mod setup;
@@ -42,6 +45,7 @@ use heapless::Vec;
 
 use self::away::{Away, LastPass};
 use self::course::{Course, Source};
+use self::functions::{ChuckWait, Pending};
 use self::home::Home;
 use self::journal::Journal;
 use self::left::Left;
@@ -53,6 +57,7 @@ use super::command::{Command, Switching};
 use super::detour::{Detour, Route};
 use super::drives::{Drives, FRAMES};
 use super::kept::Found;
+use super::machine::Machine;
 use super::nodes::DriveNodes;
 use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put};
@@ -88,6 +93,8 @@ pub struct Output {
     pub journal: Option<TapRecord>,
     /// What the board's switches have to do.
     pub switching: Switching,
+    /// The machine's outputs that are on; bit 0 is output 1.
+    pub outputs: u16,
     /// The setpoints of all drives in one frame of CAN FD (9031). This frame follows the other frames of the period.
     pub together: Option<Setpoints>,
 }
@@ -133,6 +140,12 @@ pub struct Ticker {
     drives: Drives,
     jog: Jog,
     home: Home,
+    machine: Machine,
+    /// A machine function that has not been answered.
+    function: Option<Pending>,
+    chuck_wait: ChuckWait,
+    /// Ticks since a resume that waits for the spindle.
+    resuming: Option<u32>,
     executor: Executor,
 }
 
@@ -164,6 +177,10 @@ impl Ticker {
             drives: Drives::new(&setup.figures),
             jog: Jog::new(),
             home: Home::new(),
+            machine: Machine::new(given.wiring),
+            function: None,
+            chuck_wait: ChuckWait::default(),
+            resuming: None,
             executor: Executor::new(given.arrival),
         }
     }
@@ -189,9 +206,14 @@ impl Ticker {
     // Called in many places.
     #[inline(never)]
     pub(super) const fn command(&mut self, command: Command) {
-        if let Command::Release = command {
-            self.jog.release();
-            self.stay_away();
+        match command {
+            Command::Release => {
+                self.jog.release();
+                self.stay_away();
+            }
+            // Whoever holds while the spindle comes to its speed means the program.
+            Command::Hold => self.resuming = None,
+            _ => {}
         }
         self.operator.take(command);
     }
@@ -246,6 +268,7 @@ impl Ticker {
         self.settle(motion, moved, ends);
         self.keep_journal(ends, output);
         output.switching = core::mem::take(&mut self.switching);
+        output.outputs = self.machine.outputs();
         output.frames.clear();
         self.send(&mut output.frames, ends);
         let together = self.drives.together();
@@ -416,6 +439,9 @@ impl Ticker {
     }
 
     fn obey(&mut self, ends: &mut Ends<'_>) {
+        if self.machine.has_changed() || self.resuming.is_some() {
+            self.heed_machine(ends);
+        }
         if self.operator.asks() {
             self.act(ends);
         }
@@ -438,14 +464,14 @@ impl Ticker {
             self.reset(ends);
         }
         if self.operator.takes_resume() {
-            self.operator.hold = false;
-            if !self.has_left() {
-                self.resume();
+            // A program that was left goes on by a return alone.
+            match self.has_left() {
+                true => self.operator.hold = false,
+                false => self.resume(ends),
             }
         }
         if self.operator.takes_return() {
-            self.operator.hold = false;
-            self.go_on_from_left();
+            self.go_on_from_left(ends);
         }
         if self.operator.is_to_leave() {
             self.leave();
@@ -458,14 +484,6 @@ impl Ticker {
         }
     }
 
-    /// The program goes on.
-    // Called twice.
-    #[inline(never)]
-    fn resume(&mut self) {
-        self.course.resume();
-        self.go_back();
-    }
-
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_>) {
         // Frozen in a thread cycle, and also while a reset leaves that cycle.
         let frozen = match self.state {
@@ -473,8 +491,10 @@ impl Ticker {
             State::ByHand if self.has_left() => self.executor.stops().frozen,
             State::Starting | State::Idle | State::ByHand | State::Homing | State::Alarm(_) => None,
         };
-        self.spindle
-            .set_percent(frozen.unwrap_or(self.operator.spindle_percent()));
+        let percent = frozen.unwrap_or(self.operator.spindle_percent());
+        // A tool that leaves a thread is led by the spindle until it is out.
+        let stands = self.spindle.is_suspended() && self.executor.thread().is_none();
+        self.spindle.set_percent(if stands { 0 } else { percent });
         let velocity = self.velocity();
         self.leave_rigid();
         let spindle = match self.executor.spindle() {

@@ -120,6 +120,10 @@ impl Put for Arg {
                 writer.byte(15);
                 writer.byte(*mode as u8);
             }
+            Self::Interlock(interlock) => {
+                writer.byte(16);
+                writer.byte(*interlock as u8);
+            }
         }
     }
 }
@@ -156,6 +160,7 @@ impl Put for Event {
 #[allow(clippy::arithmetic_side_effects)]
 mod tests {
     extern crate std;
+    use crate::operating::Interlock;
     use std::vec::Vec;
 
     use serde::Serialize;
@@ -189,7 +194,7 @@ mod tests {
         assert_eq!(short[used - 1], 0x55);
     }
 
-    fn figures(number: i64) -> [Arg; 14] {
+    fn figures(number: i64) -> [Arg; 15] {
         [
             Arg::None,
             Arg::Int(number),
@@ -205,6 +210,7 @@ mod tests {
             Arg::Hex(number as u16),
             Arg::Key(number as u32),
             Arg::Statusword(number as u16),
+            Arg::Interlock(Interlock::Door),
         ]
     }
 

@@ -111,6 +111,8 @@ pub struct Press {
     pub z: Option<AxisPress>,
     /// The rapid override acts, else the feed override.
     pub at_rapid: bool,
+    /// Planned for an open door: no axis is faster than 9043.
+    pub slow: bool,
     /// A step: the axes go this far, and no farther.
     pub way: Option<Length>,
     /// The last tick in which the press is alive; `None` for a short step, which is always made whole.

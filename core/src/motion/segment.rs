@@ -5,6 +5,7 @@ use super::tap::{FloatPlan, Tap};
 use super::thread::ThreadPlan;
 use crate::alarm::{Alarm, Span};
 use crate::call::{Aux, Position, SurfaceSpeed, TapSpindle};
+use crate::params::FunctionRow;
 use crate::units::{Length, Rpm};
 
 /// Counts how often a board has forgotten its queued segments. A segment with an older epoch is left over in a queue;
@@ -130,8 +131,8 @@ pub enum Action {
     Spindle(Rpm, Option<SurfaceSpeed>),
     /// Stop spindle 1 and switch this spindle to position mode, for tapping.
     Rigid(TapSpindle),
-    /// Switch a machine function.
-    Aux(Aux),
+    /// Switch a machine function, as its row says where it has one.
+    Aux(Aux, Option<FunctionRow>),
     /// All earlier planned work is done, and the next call cannot be done: raise this alarm.
     Alarm(Alarm),
     /// The program has ended.

@@ -1,7 +1,7 @@
 //! Cross-checks: a set may fail as a whole although each value is in its range. Every reason is a condition
 //! with the figures and the parameters to change.
 
-use super::Params;
+use super::{FunctionRow, Params};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::spindle::Coarse;
 use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks, mul_div};
@@ -46,6 +46,7 @@ impl Params {
         self.check_tapping(&mut reasons);
         self.check_nodes(&mut reasons);
         self.check_fd(&mut reasons);
+        self.check_functions(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -231,6 +232,20 @@ impl Params {
         }
         if self.tap_extract_by_j() && !self.tap_extract_override() {
             reasons.add(Code::ExtractionOverrideOff, &[]);
+        }
+    }
+
+    /// Each value of the table is a row, of an M code that has no meaning of its own and no other row.
+    fn check_functions<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
+        for value in self.function_values() {
+            let row = FunctionRow::of(value);
+            let means = row.is_some_and(|row| {
+                let others = self.functions().filter(|other| other.code == row.code);
+                !matches!(row.code, 1..=5 | 24..=27 | 29 | 30 | 98 | 99) && others.count() == 1
+            });
+            if value != 0 && !means {
+                reasons.add(Code::FunctionUnusable, &[Arg::Int(value)]);
+            }
         }
     }
 

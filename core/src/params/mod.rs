@@ -10,6 +10,7 @@
 
 mod check;
 mod entry;
+mod row;
 mod set;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ pub use check::PROFILE_TICKS;
 pub(crate) use check::metres;
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};
+pub use row::{Action as FunctionAction, Answer, CONTACTS, Contact, FunctionRow};
 pub use set::SetError;
 pub use unit::{Unit, ValueError, Writing};
 

@@ -4,6 +4,7 @@
 //! that does not exist. Knows nothing of modal state.
 
 use super::codes::{Group, Known, MGroup, g_code, m_code};
+use super::plan::FUNCTIONS;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::units::Decimal;
 
@@ -101,6 +102,8 @@ const ADDRESSES: Letters = Letters::of(b"CDEFHIJKLNOPQRSTUWXZ");
 const ALWAYS: Letters = Letters::of(b"NOSTF");
 /// Letters that name a block or a program.
 const NAMES: Letters = Letters::of(b"NO");
+/// The most M words without a meaning of their own behind the first one.
+const MORE: usize = FUNCTIONS - 1;
 /// Words that exclude each other: absolute and increment of one axis.
 const PAIRS: [(u8, u8); 3] = [(b'X', b'U'), (b'Z', b'W'), (b'C', b'H')];
 
@@ -126,6 +129,9 @@ pub(crate) struct Block {
     words: [Slot; 26],
     g: [Slot; Group::COUNT],
     m: [Slot; MGroup::COUNT],
+    /// Codes without a meaning of their own, behind the first one of the block.
+    more: [Slot; MORE],
+    more_count: u8,
 }
 
 impl Block {
@@ -146,6 +152,8 @@ impl Block {
             words: [EMPTY; 26],
             g: [EMPTY; Group::COUNT],
             m: [EMPTY; MGroup::COUNT],
+            more: [EMPTY; MORE],
+            more_count: 0,
         }
     }
 
@@ -156,6 +164,7 @@ impl Block {
         self.present = Letters(0);
         self.groups = 0;
         self.m_groups = 0;
+        self.more_count = 0;
         self.lead = (0, 0);
     }
 
@@ -311,6 +320,15 @@ impl Block {
             _ => return Err(word.alarm(Code::MNotAvailable).with(named)),
         };
         if let Some(first) = self.m(group) {
+            let differs = |word: Word| word.value.mantissa() != code;
+            if group == MGroup::Clamp
+                && self.free_m().all(differs)
+                && let Some(place) = self.more.get_mut(usize::from(self.more_count))
+            {
+                *place = slot;
+                self.more_count = self.more_count.saturating_add(1);
+                return Ok(());
+            }
             let args = [
                 Arg::Int(first.value.mantissa()),
                 Arg::Int(code),
@@ -378,6 +396,13 @@ impl Block {
         }
         let slot = self.m.get(group as usize)?;
         Some(self.word(b'M', slot))
+    }
+
+    /// The M words without a meaning of their own, in their order.
+    pub(crate) fn free_m(&self) -> impl Iterator<Item = Word> {
+        let more = self.more.iter().take(usize::from(self.more_count));
+        let first = self.m(MGroup::Clamp).into_iter();
+        first.chain(more.map(|slot| self.word(b'M', slot)))
     }
 
     /// Refuses the leftmost word that nothing in the block uses.

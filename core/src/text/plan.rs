@@ -20,8 +20,8 @@ pub enum Event {
 /// Warnings a block can raise.
 const WARNINGS: usize = 2;
 
-/// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, M24–M27, rigid mode, T, G04; G61
-/// G64; the motion, or several straight moves; M05, M09, M00 M01 M02 M30.
+/// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, M24–M27, rigid mode, T, machine
+/// functions, G04; G61 G64; the motion, or several straight moves; M05, M09, machine functions, M00 M01 M02 M30.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pending: u16,
@@ -39,7 +39,54 @@ pub(crate) struct Plan {
     spindle_stop: Span,
     coolant_off: Span,
     flow: (Span, u16),
+    functions: Functions,
 }
+
+/// The most machine functions of a block.
+pub(crate) const FUNCTIONS: usize = 4;
+
+/// M codes of the table of machine functions, in their order.
+#[derive(Clone, Copy, Debug)]
+struct Functions {
+    codes: [(Span, u16); FUNCTIONS],
+    /// The codes in the list, those that come behind the motion, and those that have been taken; a bit each.
+    listed: u8,
+    behind: u8,
+}
+
+impl Functions {
+    const NONE: Self = Self {
+        codes: [(NOWHERE, 0); FUNCTIONS],
+        listed: 0,
+        behind: 0,
+    };
+
+    fn push(&mut self, span: Span, code: u16, behind: bool) {
+        let free = self.listed.trailing_ones();
+        if let Some(place) = self.codes.get_mut(free as usize) {
+            *place = (span, code);
+            let bit = 1_u8.wrapping_shl(free);
+            self.listed |= bit;
+            self.behind |= if behind { bit } else { 0 };
+        }
+    }
+
+    /// The next one before the motion, or behind it, and whether there are more.
+    fn next(&mut self, behind: bool) -> Option<((Span, u16), bool)> {
+        let wanted = self.listed & if behind { self.behind } else { !self.behind };
+        let rest = wanted & wanted.wrapping_sub(1);
+        let place = wanted.trailing_zeros() as usize;
+        let code = *self.codes.get(place)?;
+        self.listed ^= wanted ^ rest;
+        Some((code, rest != 0))
+    }
+}
+
+const NOWHERE: Span = Span {
+    line: 0,
+    column: 0,
+    end: 0,
+};
 
 /// The most straight moves of a block: a turning cycle has four.
 const STRAIGHTS: usize = 4;
@@ -92,21 +139,18 @@ const COOLANT_ON: u16 = 1 << 3;
 const TAP_SPINDLE: u16 = 1 << 4;
 const RIGID: u16 = 1 << 5;
 const TOOL: u16 = 1 << 6;
-const DWELL: u16 = 1 << 7;
-const EXACT_STOP: u16 = 1 << 8;
-const MOTION: u16 = 1 << 9;
-const PATH: u16 = 1 << 10;
-const SPINDLE_STOP: u16 = 1 << 11;
-const COOLANT_OFF: u16 = 1 << 12;
-const FLOW: u16 = 1 << 13;
+const BEFORE: u16 = 1 << 7;
+const DWELL: u16 = 1 << 8;
+const EXACT_STOP: u16 = 1 << 9;
+const MOTION: u16 = 1 << 10;
+const PATH: u16 = 1 << 11;
+const SPINDLE_STOP: u16 = 1 << 12;
+const COOLANT_OFF: u16 = 1 << 13;
+const BEHIND: u16 = 1 << 14;
+const FLOW: u16 = 1 << 15;
 
 impl Plan {
     pub(crate) const fn new() -> Self {
-        const NOWHERE: Span = Span {
-            line: 0,
-            column: 0,
-            end: 0,
-        };
         const NONE: Alarm = Alarm::new(crate::alarm::Code::CutInMode, NOWHERE);
         Self {
             pending: 0,
@@ -124,6 +168,7 @@ impl Plan {
             spindle_stop: NOWHERE,
             coolant_off: NOWHERE,
             flow: (NOWHERE, 0),
+            functions: Functions::NONE,
         }
     }
 
@@ -214,6 +259,15 @@ impl Plan {
         self.coolant_off = span;
     }
 
+    /// A machine function of the table, before the motion or behind it.
+    pub(crate) fn function(&mut self, span: Span, code: u16, behind: bool) {
+        if self.pending & (BEFORE | BEHIND) == 0 {
+            self.functions = Functions::NONE;
+        }
+        self.pending |= if behind { BEHIND } else { BEFORE };
+        self.functions.push(span, code, behind);
+    }
+
     pub(crate) fn flow(&mut self, span: Span, code: u16) {
         self.pending |= FLOW;
         self.flow = (span, code);
@@ -265,6 +319,13 @@ impl Plan {
                     self.pending |= PATH;
                 }
                 (self.path.span, kind)
+            }
+            BEFORE | BEHIND => {
+                let ((span, code), more) = self.functions.next(bit == BEHIND)?;
+                if more {
+                    self.pending |= bit;
+                }
+                (span, CallKind::Aux(Aux::M(code)))
             }
             SPINDLE_STOP => (self.spindle_stop, CallKind::Spindle(SpindleCall::STOPPED)),
             COOLANT_OFF => (self.coolant_off, CallKind::Aux(Aux::M(9))),

@@ -24,6 +24,8 @@ pub trait TickMachine {
     /// Switches a machine function that a program asks for, or takes all of them back after a reset. While the machine
     /// has not followed, [`Inputs::unanswered`] says so, from the next tick on.
     fn switch(&mut self, _switching: Switching) {}
+    /// Sets the machine's outputs, bit 0 for output 1; called in every tick.
+    fn set_outputs(&mut self, _outputs: u16) {}
     /// Feeds the watchdog: both sides are alive.
     fn feed_watchdog(&mut self);
 }
@@ -37,6 +39,7 @@ pub fn tick(side: &mut TickSide<'_>, output: &mut Output, machine: &mut impl Tic
     if output.switching != Switching::Nothing {
         machine.switch(output.switching);
     }
+    machine.set_outputs(output.outputs);
     let sent = machine.send(&output.frames);
     let sent = match &output.together {
         Some(setpoints) => machine.send_together(setpoints) && sent,

@@ -50,7 +50,7 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_memory as _;
-use leadscrew_parts::{BackgroundEnd, BitTiming, TickEnd, WordFlash};
+use leadscrew_parts::{BackgroundEnd, BitTiming, MachineInputs, TickEnd, WordFlash};
 use leadscrew_store::{BUFFER, Store};
 
 use crate::encoder::Encoder;
@@ -81,6 +81,7 @@ struct TickParts {
     encoder: Encoder,
     contacts: Contacts,
     clamp: Clamp,
+    machine: MachineInputs,
     wire: TickEnd<'static>,
     /// The alarm for a fault that was found at power-up.
     trouble: Option<Code>,
@@ -99,6 +100,7 @@ impl TickMachine for TickParts {
             signals: None,
             trouble: self.trouble,
             unanswered: self.clamp.look(),
+            machine: self.machine.look(pins::machine_inputs()),
         }
     }
 
@@ -112,6 +114,10 @@ impl TickMachine for TickParts {
 
     fn switch(&mut self, switching: Switching) {
         self.clamp.switch(switching);
+    }
+
+    fn set_outputs(&mut self, outputs: u16) {
+        pins::set_machine_outputs(outputs);
     }
 
     fn feed_watchdog(&mut self) {
@@ -256,6 +262,7 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
             encoder,
             contacts,
             clamp: pins::clamp(),
+            machine: MachineInputs::new(),
             wire: tick_end,
             trouble,
         },

@@ -12,6 +12,8 @@
 //! | PC2 | CN7-35 | clamp feedback | closed to ground: clamped |
 //! | PC3 | CN7-37 | clamp | high: clamp |
 //! | PB0 | CN7-34, A3 | spindle enable | high: enabled |
+//! | PC4 to PC11 | CN10-34, 6, 4, 19, 2, 1, CN7-1, 2 | inputs 1 to 8 of the machine | closed to ground: on |
+//! | PB11 to PB15 | CN10-18, 16, 30, 28, 26 | outputs 1 to 5 of the machine | high: on |
 //! | PA5 | CN10-11, D13 | LED LD2 | high: on |
 //!
 //! The bus does not use PB8 and PB9: PB8 is BOOT0 at a reset, and a transceiver at rest pulls it high, which starts the
@@ -43,6 +45,9 @@ pub fn start_outputs() {
     });
     GPIOB.moder().modify(|w| {
         w.set_moder(0, Moder::OUTPUT);
+        for pin in 11..16 {
+            w.set_moder(pin, Moder::OUTPUT);
+        }
     });
     GPIOC.moder().modify(|w| {
         w.set_moder(3, Moder::OUTPUT);
@@ -86,11 +91,17 @@ pub fn start() {
         w.set_pupdr(0, Pupdr::PULL_UP);
         w.set_pupdr(1, Pupdr::PULL_UP);
         w.set_pupdr(2, Pupdr::PULL_UP);
+        for pin in 4..12 {
+            w.set_pupdr(pin, Pupdr::PULL_UP);
+        }
     });
     GPIOC.moder().modify(|w| {
         w.set_moder(0, Moder::INPUT);
         w.set_moder(1, Moder::INPUT);
         w.set_moder(2, Moder::INPUT);
+        for pin in 4..12 {
+            w.set_moder(pin, Moder::INPUT);
+        }
     });
 }
 
@@ -109,6 +120,19 @@ pub const fn clamp() -> Clamp {
 /// The other outputs.
 pub const fn switches() -> Switches {
     Switches::new(Output::Spindle, Output::Light)
+}
+
+/// The machine's inputs that are on: their contacts are closed to ground.
+pub fn machine_inputs() -> u16 {
+    (!GPIOC.idr().read().0 >> 4) as u16 & 0xFF
+}
+
+/// Sets the machine's outputs; there are five.
+pub fn set_machine_outputs(outputs: u16) {
+    let high = u32::from(outputs & 0x1F) << 11;
+    let low = u32::from(!outputs & 0x1F) << 27;
+    // A bit of the lower half sets the pin high, a bit of the upper half sets it low.
+    GPIOB.bsrr().write(|w| w.0 = high | low);
 }
 
 /// Switches the light.

@@ -27,6 +27,6 @@ pub use edges::{EdgeClock, Reading};
 pub use flash::{WordDevice, WordError, WordFlash};
 pub use gate::{Gate, Turn};
 pub use message::{controller, received, to_send};
-pub use panel::{Clamp, Contacts, Said, Switches};
+pub use panel::{Clamp, Contacts, MachineInputs, Said, Switches};
 pub use timing::BitTiming;
 pub use wire::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};

@@ -102,6 +102,40 @@ impl<S: InputPin, H: InputPin> Contacts<S, H> {
     }
 }
 
+/// The inputs of a machine, which are all sampled at once. They count when three samples of all of them in a row agree;
+/// before that, nobody knows them.
+#[derive(Debug, Default)]
+pub struct MachineInputs {
+    known: Option<u16>,
+    last: u16,
+    alike: u8,
+}
+
+impl MachineInputs {
+    /// Inputs that nobody has looked at.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            known: None,
+            last: 0,
+            alike: 0,
+        }
+    }
+
+    /// Takes a sample, once a period.
+    pub const fn look(&mut self, sample: u16) -> Option<u16> {
+        if sample != self.last {
+            self.last = sample;
+            self.alike = 0;
+        }
+        self.alike = self.alike.saturating_add(1);
+        if self.alike >= LOOKS {
+            self.known = Some(sample);
+        }
+        self.known
+    }
+}
+
 /// A clamp, and the contact that is closed while the clamp holds.
 #[derive(Debug)]
 pub struct Clamp<O, C> {
@@ -247,6 +281,14 @@ mod tests {
         let pins: [Pin; 2] = core::array::from_fn(|_| Pin::default());
         let [stop, hold] = pins.clone();
         (pins, Contacts::new(stop, hold, || {}))
+    }
+
+    #[test]
+    fn machine_inputs_count_when_three_samples_agree() {
+        let mut inputs = MachineInputs::new();
+        let told = [1, 1, 1, 3, 3, 1, 3, 3, 3].map(|sample| inputs.look(sample));
+        let one = Some(1);
+        assert_eq!(told, [None, None, one, one, one, one, one, one, Some(3)]);
     }
 
     #[test]

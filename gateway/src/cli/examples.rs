@@ -280,6 +280,15 @@ Examples:
   leadscrew sim hold press
   leadscrew sim hold release      behind it `leadscrew resume`";
 
+pub(super) const SIM_INPUT: &str = "\
+Examples:
+  leadscrew sim input 3 off       until it is set otherwise
+  leadscrew sim input 3 auto";
+
+pub(super) const SIM_OUTPUTS: &str = "\
+Example:
+  leadscrew sim outputs";
+
 pub(super) const SIM_POWER: &str = "\
 Examples:
   leadscrew sim power cycle

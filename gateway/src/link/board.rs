@@ -2,12 +2,13 @@
 
 use std::time::{Duration, Instant};
 
+use leadscrew_core::board::Interlocks;
 use leadscrew_core::board::device::DROP;
 use leadscrew_core::board::device::PRODUCT;
 use leadscrew_core::board::device::objects::{
-    CERTIFICATES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION, NEWEST_EVENT, PRODUCT_CODE,
-    SERIAL_NUMBER, SET_CHECKSUM, SIGNALS, SOFTWARE_VERSION, STATUS_RECORD, TAP_DISCARD, TAP_RECORD,
-    THREADS_TAKEN,
+    CERTIFICATES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION, MACHINE_INPUTS, MACHINE_OUTPUTS,
+    NEWEST_EVENT, PRODUCT_CODE, SERIAL_NUMBER, SET_CHECKSUM, SIGNALS, SOFTWARE_VERSION,
+    STATUS_RECORD, TAP_DISCARD, TAP_RECORD, THREADS_TAKEN,
 };
 use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, Order};
 use leadscrew_core::link::{
@@ -399,6 +400,21 @@ impl Link {
         Ok(entries)
     }
 
+    /// Inputs, outputs and interlocks of the machine.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn contacts(&mut self) -> LinkResult<MachineContacts> {
+        let read = self.read_number(MACHINE_INPUTS)?;
+        let outputs = self.read_number(MACHINE_OUTPUTS)?;
+        let [low, high, told, interlocks, ..] = read.to_le_bytes();
+        Ok(MachineContacts {
+            inputs: (told & 1 != 0).then_some(u16::from_le_bytes([low, high])),
+            outputs: u16::try_from(outputs).map_err(|_| self.strange(MACHINE_OUTPUTS))?,
+            interlocks: Interlocks::from_bits(interlocks),
+        })
+    }
+
     /// The inputs, without the mirrored bits after them.
     ///
     /// # Errors
@@ -416,6 +432,17 @@ impl Link {
     pub fn set_signals(&mut self, signals: Signals) -> LinkResult {
         self.write(SIGNALS, &signals.bits().to_le_bytes())
     }
+}
+
+/// Inputs and outputs of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MachineContacts {
+    /// The inputs that are on; `None` where nobody has told them.
+    pub inputs: Option<u16>,
+    /// The outputs that are on.
+    pub outputs: u16,
+    /// What is open, or has no pressure.
+    pub interlocks: Interlocks,
 }
 
 /// True for an order that no other client may undo unnoticed.

@@ -45,7 +45,7 @@ use hold::Hold;
 use meanwhile::Meanwhile;
 use round_trip::RoundTrip;
 
-pub use board::BoardParams;
+pub use board::{BoardParams, MachineContacts};
 pub use feed::Feed;
 pub use inside::Inside;
 pub use offsets::BoardOffsets;

@@ -378,5 +378,5 @@ fn codes_of_the_family_are_passed_in_the_simulation_and_refused_where_they_would
     assert_eq!(found(&program), [(4903, 2), (4903, 4)]);
     assert_eq!(code(&leadscrew(&["run", &program])), 0);
     std::fs::write(&program, text.replace("M13", "M77")).unwrap();
-    assert_eq!(found(&program), [(4019, 2)]);
+    assert_eq!(found(&program), [(4550, 2)]);
 }

@@ -53,7 +53,9 @@ fn help_and_version_are_on_every_command() {
         let example = format!("  leadscrew drives {verb}");
         assert!(stdout(&help).contains(&example), "{verb}");
     }
-    for verb in ["door", "estop", "hold", "power", "speed", "state"] {
+    for verb in [
+        "door", "estop", "hold", "input", "outputs", "power", "speed", "state",
+    ] {
         let help = leadscrew(&["sim", verb, "--help"]);
         assert_eq!(code(&help), 0, "{verb}: {}", stderr(&help));
         let example = format!("  leadscrew sim {verb}");

@@ -3,6 +3,7 @@
 mod away;
 mod clients;
 mod from;
+mod functions;
 mod life;
 mod mdi;
 mod panel;

@@ -21,9 +21,10 @@ impl BackgroundSide<'_> {
             && room(&self.ends.presses) > 0
             && let Some(asked) = self.state.device.asked()
         {
+            let snapshot = &self.state.snapshot;
             let press = plan_press(
                 &asked,
-                self.state.snapshot.referenced,
+                (snapshot.referenced, snapshot.interlocks.has_door()),
                 &self.state.params,
                 &self.state.limits,
             );

@@ -336,6 +336,10 @@ objects! {
     SIGNALS = within(item(0x5060, 0, "Signals", U16, Both), 0, Signals::BITS | Signals::MIRRORED),
         get |values, _| values.snapshot.signals(),
         set |values, value, _| values.put_signals(value);
+    MACHINE_INPUTS = item(0x5061, 0, "Machine inputs", U32, Read),
+        get |values, _| values.snapshot.machine();
+    MACHINE_OUTPUTS = item(0x5062, 0, "Machine outputs", U16, Read),
+        get |values, _| values.snapshot.machine_outputs;
 }
 
 const _: () = assert!(PROGRAM_BYTES <= u16::MAX as usize, "the credit has 16 bits");

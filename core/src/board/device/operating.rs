@@ -19,7 +19,7 @@ use crate::board::guard::Guard;
 use crate::board::ticker::State;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest};
 use crate::link::Event;
-use crate::operating::{OperatingMode, PressState, Towards};
+use crate::operating::{Interlock, OperatingMode, PressState, Towards};
 use crate::params::Params;
 use crate::units::{Axes, Length};
 
@@ -226,10 +226,13 @@ impl ObjectValues {
         let Some(point) = snapshot.left else {
             let lost = operating.left && !snapshot.in_program;
             // Where a hold is on, that is what it is for.
-            return match lost && !snapshot.operator.hold {
-                true => Err(Alarm::of(Code::WayBackLost, &[])),
-                false => Ok(Command::Resume),
-            };
+            if lost && !snapshot.operator.hold {
+                return Err(Alarm::of(Code::WayBackLost, &[]));
+            }
+            if snapshot.takes_calls() {
+                self.door_is_closed()?;
+            }
+            return Ok(Command::Resume);
         };
         if !operating.mode.runs() {
             return Ok(Command::Resume);
@@ -237,6 +240,8 @@ impl ObjectValues {
         if snapshot.state != State::Held {
             return Err(Alarm::of(Code::NotAtRest, &[]));
         }
+        self.door_is_closed()?;
+        let (operating, snapshot) = (&mut self.operating, &self.snapshot);
         if snapshot.setpoint.position == point {
             return Ok(Command::Return);
         }
@@ -382,10 +387,31 @@ impl ObjectValues {
             return Err(Alarm::of(Code::NotAtRest, &[]));
         }
         self.out_of_hole()?;
+        if let Some(interlock) = self.snapshot.interlocks.against_hand() {
+            return Err(interlocked(interlock));
+        }
         if self.snapshot.operator.hold || self.snapshot.contacts.hold {
-            return Err(Alarm::of(Code::HoldIsOn, &[]));
+            return Err(interlocked(Interlock::Hold));
         }
         Ok(())
+    }
+
+    /// Lets a program begin with the door closed and the work clamped. A line that was typed may close the chuck: the tick
+    /// asks before the spindle turns.
+    pub(super) fn let_in_guarded(&self) -> Result<(), Alarm> {
+        let against = self.snapshot.interlocks.against_start();
+        match against.filter(|_| self.operating.mode == OperatingMode::Automatic) {
+            Some(interlock) => Err(interlocked(interlock)),
+            None => Ok(()),
+        }
+    }
+
+    /// Nothing is resumed, and no reference is found, with the door open.
+    pub(super) fn door_is_closed(&self) -> Result<(), Alarm> {
+        match self.snapshot.interlocks.has_door() {
+            true => Err(interlocked(Interlock::Door)),
+            false => Ok(()),
+        }
     }
 
     /// A new press: refused or not, its renewals are no new ones.
@@ -401,6 +427,11 @@ impl ObjectValues {
             Err(alarm) => self.deny(&alarm),
         }
     }
+}
+
+/// What is asked is kept from happening by this.
+fn interlocked(by: Interlock) -> Alarm {
+    Alarm::of(Code::Interlocked, &[Arg::Interlock(by)])
 }
 
 /// What is asked needs the reference of these axes.

@@ -247,6 +247,7 @@ impl ObjectValues {
             Order::Home(axes) => {
                 self.let_in(Request::Home)?;
                 self.out_of_hole()?;
+                self.door_is_closed()?;
                 let all = axes.is_empty();
                 Command::Home(if all { Axes::ALL } else { axes })
             }
@@ -278,6 +279,7 @@ impl ObjectValues {
         self.let_in(Request::Run)?;
         self.same_offsets()?;
         self.let_in_referenced()?;
+        self.let_in_guarded()?;
         // A program is dropped together with the parameters for which it was sent.
         if self.is_changing() || !self.program_buffer.run() {
             return Err(Alarm::of(Code::NothingToRun, &[]));

@@ -1,6 +1,7 @@
 //! Starts the application again with another parameter set while the power stays on.
 
 use super::away::Away;
+use super::functions::ChuckWait;
 use super::spindle::SpindleMode;
 use super::{Notice, Setup, State, Ticker};
 use crate::board::command::Switching;
@@ -44,6 +45,10 @@ impl Ticker {
             now: _,
             jog,
             home,
+            machine,
+            function,
+            chuck_wait,
+            resuming,
             executor,
         } = self;
         *state = State::Starting;
@@ -66,6 +71,10 @@ impl Ticker {
         *notice = Some(Notice::Restart(position.unwrap_or_default(), epoch));
         journal.begin_anew(given.second);
         home.begin_anew(drives.begin_anew(&setup.figures));
+        machine.begin_anew(given.wiring);
+        machine.reset();
+        (*function, *resuming) = (None, None);
+        *chuck_wait = ChuckWait::default();
         jog.begin_anew();
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.

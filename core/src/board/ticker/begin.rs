@@ -2,6 +2,7 @@
 
 use super::away::LastPass;
 use super::course::Source;
+use super::interlock::Admitted;
 use super::{Detour, Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Switching;
@@ -14,6 +15,11 @@ impl Ticker {
     pub(super) fn take_up(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         if !self.executor.is_free() {
             return None;
+        }
+        if self.function.is_some()
+            && let Some(waits) = self.await_function(ends)
+        {
+            return Some(waits);
         }
         if self.spindle.is_entering() {
             return self.enter_rigid(ends);
@@ -55,8 +61,17 @@ impl Ticker {
     pub(super) fn start(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let task = ends.segments.peek()?;
         let segment = task.segment;
-        let events = &mut ends.events;
         let (number, line, stops) = (segment.number, segment.span.line, segment.stops);
+        match self.admit(segment) {
+            Admitted::Yes => {}
+            Admitted::Waits => return Some((number, line, Motion::Wait)),
+            Admitted::Refused(alarm) => {
+                ends.segments.take();
+                self.raise(&alarm, ends);
+                return None;
+            }
+        }
+        let events = &mut ends.events;
         let instant = match segment.action {
             Action::Planned
                 if let Some(tap) = task.tap()
@@ -111,8 +126,11 @@ impl Ticker {
                 emit(&mut ends.events, Event::Started { number, line });
                 return Some((number, line, Motion::Run));
             }
-            Action::Aux(aux) => {
+            Action::Aux(aux, row) => {
                 self.switching = Switching::Function(aux);
+                if let Some(row) = row {
+                    self.begin_function(&row, number, segment.span);
+                }
                 Event::Aux(aux)
             }
             Action::Alarm(alarm) => {

@@ -18,7 +18,10 @@ impl Ticker {
         if press.returns {
             return self.go_back_to_left(press);
         }
-        if !stands || self.operator.hold || self.journal.has_hole() {
+        // The door may have been opened since the press was planned.
+        let interlocks = self.machine.interlocks();
+        let fast = interlocks.has_door() && !press.slow || interlocks.against_hand().is_some();
+        if !stands || fast || self.operator.hold || self.journal.has_hole() {
             return self.jog.refuse(press.number);
         }
         self.note_way_out(press);

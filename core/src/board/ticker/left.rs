@@ -10,7 +10,7 @@
 //! reset or an alarm forgets the point together with the program. Must not know who moves the axes, or why.
 
 use super::course::Source;
-use super::{State, Ticker};
+use super::{Ends, State, Ticker};
 use crate::call::Position;
 use crate::motion::{Aside, AxisPress, Press};
 use crate::operating::Towards;
@@ -72,7 +72,7 @@ impl Ticker {
     /// The program goes on where it was left, if the axes stand there.
     #[cold]
     #[inline(never)]
-    pub(super) fn go_on_from_left(&mut self) {
+    pub(super) fn go_on_from_left(&mut self, ends: &mut Ends<'_>) {
         let here = self.executor.position();
         if matches!(self.state, State::Held)
             && let Some(left) = &self.left
@@ -81,7 +81,9 @@ impl Ticker {
             self.executor.take_up(&left.aside);
             self.course.take_from(left.source);
             self.left = None;
-            self.resume();
+            // It is held until nothing keeps it, and until a spindle that was stopped turns.
+            self.operator.hold = true;
+            self.resume(ends);
         }
     }
 

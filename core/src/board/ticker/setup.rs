@@ -4,6 +4,7 @@ use super::home::Wanted;
 use super::surface;
 use crate::board::drives::Figures;
 use crate::board::kept::Found;
+use crate::board::machine::Wiring;
 use crate::motion::{Arrival, AxisTravel};
 use crate::params::Params;
 use crate::spindle::Observer;
@@ -60,6 +61,7 @@ pub(super) struct Given {
     /// The most that a command under constant surface speed changes to the next, thousandths of a turn per minute.
     pub surface_step: u32,
     pub home: Wanted,
+    pub wiring: Wiring,
 }
 
 impl Given {
@@ -93,6 +95,7 @@ impl Given {
             hold_retracts: params.thread_hold_retracts(),
             surface_step: surface_step(params),
             home: Wanted::of(params),
+            wiring: Wiring::of(params),
         })
     }
 }

@@ -38,6 +38,8 @@ pub(super) struct SpindleMode {
     surface: Option<Surface>,
     /// Ticks for which leaving position mode has waited.
     waited: u32,
+    /// The door has stopped the spindle, and the program has not been resumed.
+    suspended: bool,
 }
 
 impl SpindleMode {
@@ -50,6 +52,7 @@ impl SpindleMode {
             speed: Rpm::STOPPED,
             surface: None,
             waited: 0,
+            suspended: false,
         }
     }
 
@@ -103,6 +106,31 @@ impl SpindleMode {
     pub(super) const fn stop(&mut self) {
         self.speed = Rpm::STOPPED;
         self.surface = None;
+        self.suspended = false;
+    }
+
+    /// The spindle stops, and turns again when the program goes on.
+    pub(super) const fn suspend(&mut self) {
+        self.suspended = true;
+    }
+
+    /// True while the spindle is to stand although a speed is commanded.
+    pub(super) const fn is_suspended(&self) -> bool {
+        self.suspended
+    }
+
+    /// The program goes on, with this override. True where the spindle has to come to its speed first.
+    pub(super) const fn go_on(&mut self, percent: u8) -> bool {
+        let was = core::mem::replace(&mut self.suspended, false);
+        if was {
+            self.percent = percent;
+        }
+        was && self.speed.get() != 0
+    }
+
+    /// The spindle turns, or is to turn when the program goes on.
+    pub(super) const fn is_ordered(&self) -> bool {
+        self.speed.get() != 0 || !matches!(self.rigid, Rigid::Off)
     }
 
     /// A program commands a speed, or a law for it: position mode ends. A law begins at the speed that was commanded.
@@ -115,6 +143,7 @@ impl SpindleMode {
         };
         self.surface = law.map(|law| Surface::new(&law, present));
         self.speed = speed;
+        self.suspended = false;
         self.rigid = match self.rigid {
             Rigid::On | Rigid::Leaving => Rigid::Leaving,
             Rigid::Off | Rigid::Entering { .. } => Rigid::Off,

@@ -2,6 +2,7 @@
 
 use super::{Notice, Ticker};
 use crate::alarm::{Alarm, Code};
+use crate::board::machine::Interlocks;
 use crate::board::operator::Operator;
 use crate::call::TapSpindle;
 use crate::motion::{Cut, Executor, Law, Task};
@@ -173,6 +174,24 @@ impl Ticker {
     #[must_use]
     pub const fn in_program(&self) -> bool {
         self.course.in_program()
+    }
+
+    /// The machine's inputs that are on; `None` where nobody has told them.
+    #[must_use]
+    pub const fn machine_inputs(&self) -> Option<u16> {
+        self.machine.inputs()
+    }
+
+    /// The machine's outputs that are on.
+    #[must_use]
+    pub const fn machine_outputs(&self) -> u16 {
+        self.machine.outputs()
+    }
+
+    /// What is open, or has no pressure.
+    #[must_use]
+    pub const fn interlocks(&self) -> Interlocks {
+        self.machine.interlocks()
     }
 
     /// Number of the last press, and what became of it.

@@ -25,6 +25,7 @@ impl Ticker {
         // To the nanometre, where the drives have not been moved meanwhile.
         self.remembered = self.remembered.or(Some(self.executor.position()));
         self.switching = self.switching_of_reset();
+        self.machine.reset();
         self.state = State::Starting;
     }
 
@@ -85,6 +86,7 @@ impl Ticker {
         self.jog.release();
         self.stay_away();
         self.stop_homing();
+        self.give_up_function();
         // A reset may have been on its way out of a thread: an alarm moves nothing any more.
         self.away.forget();
         self.spindle.stop();
@@ -102,6 +104,7 @@ impl Ticker {
         self.stay_away();
         self.away.forget();
         self.stop_homing();
+        self.give_up_function();
         self.spindle.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);
         let current = self.course.current(ends);
@@ -121,11 +124,13 @@ impl Ticker {
         self.course.end_program();
         self.left = None;
         self.spindle.stop();
+        self.resuming = None;
         self.stood = 0;
         match self.state {
             State::Stopping(Outcome::Alarm(alarm)) => self.state = State::Alarm(alarm),
             _ => {
                 self.switching = self.switching_of_reset();
+                self.machine.reset();
                 emit(events, Event::Reset);
                 self.state = State::Idle;
             }

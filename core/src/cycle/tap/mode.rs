@@ -122,6 +122,43 @@ impl Codes {
     }
 }
 
+/// The M codes of a block that have no meaning of their own: each is a row of the table of machine functions.
+fn functions(modal: &Modal<'_>, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
+    let row_of = |word: &Word| {
+        let code = u16::try_from(word.value.mantissa()).ok()?;
+        modal.params.function(code)
+    };
+    for (place, word) in block.free_m().enumerate() {
+        let code = word.value.mantissa();
+        let Some(row) = row_of(&word) else {
+            if modal.options.passes_machine_codes && is_machine_code(code) {
+                plan.warn(word.alarm(Code::MachineCodePassed).with([Arg::Int(code)]));
+                continue;
+            }
+            let unknown = match code {
+                1..=28 | 30..=999 => Code::FunctionMissing,
+                _ => Code::UnknownM,
+            };
+            return Err(word.alarm(unknown).with([Arg::Int(code)]));
+        };
+        let earlier = block.free_m().take(place).chain(block.m(MGroup::Coolant));
+        for other in earlier {
+            if row_of(&other).is_some_and(|other| other.excludes(&row)) {
+                return Err(exclude(Some(other), &word));
+            }
+        }
+        plan.function(word.span, row.code, row.behind);
+    }
+    Ok(())
+}
+
+/// Two M words that one block cannot have.
+fn exclude(first: Option<Word>, second: &Word) -> Alarm {
+    let code = |word: &Word| Arg::Int(word.value.mantissa());
+    let first = first.as_ref().map_or(Arg::None, code);
+    second.alarm(Code::MGroupTwice).with([first, code(second)])
+}
+
 /// What a block that concerns tapping does.
 pub(crate) enum TapPart {
     /// G30 P99, at this G word.
@@ -181,12 +218,10 @@ impl Tapping {
             self.refuse_spindle(modal, block, &codes)?;
         }
         let is_cycle = codes.tap.is_some() || (self.cycle.is_some() && codes.one_shot.is_none());
-        if !is_cycle && let Some(word) = block.m(MGroup::Clamp) {
-            let code = Arg::Int(word.value.mantissa());
-            if !modal.options.passes_machine_codes || !is_machine_code(word.value.mantissa()) {
-                return Err(word.alarm(Code::UnknownM).with([code]));
-            }
-            plan.warn(word.alarm(Code::MachineCodePassed).with([code]));
+        if !is_cycle {
+            functions(modal, block, plan)?;
+        } else if let Some(second) = block.free_m().nth(1) {
+            return Err(exclude(block.m(MGroup::Clamp), &second));
         }
         if self.cycle.is_some()
             && let Some(word) = &codes.one_shot

@@ -165,3 +165,54 @@ fn offsets_add_up() {
         ]
     );
 }
+
+/// The codes of the functions that a text switches, with the line's motion as 0.
+fn functions_on(params: &Params, text: &str) -> Vec<u16> {
+    let code = |kind| match kind {
+        CallKind::Aux(Aux::M(code)) => Some(code),
+        CallKind::Rapid(_) | CallKind::Line(..) => Some(0),
+        _ => None,
+    };
+    kinds_on(params, text)
+        .into_iter()
+        .filter_map(code)
+        .collect()
+}
+
+#[test]
+fn a_row_gives_a_code_its_place_in_the_block() {
+    // M60 before the motion, M61 behind it, M62 without an output, M8 with that of M60.
+    let params = machine(&[
+        ("9401", "601010000000"),
+        ("9402", "617020000000"),
+        ("9416", "620001010100"),
+        ("9405", "81010000000"),
+    ]);
+    assert_eq!(functions_on(&params, "M61 M62 M60 G0 X1"), [62, 60, 0, 61]);
+    assert_eq!(functions_on(&params, "G0 X1 M61\nM60"), [0, 61, 60]);
+    // A fifth code, a code twice, two of one output, and one without a row.
+    for (text, number) in [
+        ("M60 M60", 4017),
+        ("M61 M62 M61", 4017),
+        ("M8 M60", 4017),
+        ("M60 M8", 4017),
+        ("M63", 4550),
+        ("M60 M63", 4550),
+        ("M60 M62 M61 M63 M64", 4017),
+        ("M1000", 4019),
+    ] {
+        assert_eq!(number_on(&params, text), number, "{text}");
+    }
+}
+
+#[test]
+fn a_tapping_block_has_one_clamp() {
+    let params = machine(&[("9401", "601010000000"), ("9402", "617020000000")]);
+    let text = "M29 S100\nG84 Z-9 R-2 F100 M60";
+    assert_eq!(
+        read_with(text.as_bytes(), &params, Options::default()).1,
+        None
+    );
+    let text = "M29 S100\nG84 Z-9 R-2 F100 M60 M61";
+    assert_eq!(number_on(&params, text), 4017);
+}

@@ -2,17 +2,19 @@
 
 use std::path::Path;
 
-use leadscrew_core::alarm::Lang;
+use leadscrew_core::alarm::{Arg, Lang};
+use leadscrew_core::board::Interlocks;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
-use leadscrew_core::operating::OperatingMode;
+use leadscrew_core::operating::{Interlock, OperatingMode};
+use leadscrew_core::params::{CONTACTS, Contact};
 use leadscrew_core::signals::Signals;
 
 use super::{names, open, state_name, state_words};
 use crate::cli::Global;
-use crate::diagnostics::Diagnostic;
+use crate::diagnostics::{Diagnostic, figure};
 use crate::failure::Outcome;
-use crate::link::Link;
+use crate::link::{Link, MachineContacts};
 use crate::number;
 use crate::output;
 use crate::place::SourceLine;
@@ -26,6 +28,7 @@ pub fn status(global: &Global) -> Outcome {
     link.greet()?;
     let status = link.status()?;
     let mode = link.mode()?;
+    let contacts = link.contacts()?;
     let journal = link.journal()?;
     let record = TapRecord::decode(&journal).ok().flatten();
     let node = link.node().get();
@@ -78,11 +81,18 @@ pub fn status(global: &Global) -> Outcome {
             json.integer("late", i64::from(status.late));
             json.integer("credit", i64::from(status.credit));
             json.integer("signals", i64::from(status.signals & Signals::BITS));
+            match contacts.inputs {
+                Some(on) => json.text("inputs", &numbers(on)),
+                None => json.null("inputs"),
+            }
+            json.text("outputs", &numbers(contacts.outputs));
+            json.text("interlocks", &names_of(contacts.interlocks));
             json.text("parameters", &format!("{:08x}", status.parameters));
             tapping::fields(record.as_ref(), json);
         });
     }
     let mut text = words(&status, mode, node, lang);
+    text.push_str(&contact_words(&contacts, lang));
     if let Some(alarm) = alarm {
         text.push_str(&format!(
             "{:04} {}\n     {}\n",
@@ -98,6 +108,40 @@ pub fn status(global: &Global) -> Outcome {
         tell_others(&mut link, lang)?;
     }
     Ok(())
+}
+
+/// The contacts that are on, from 1 on.
+fn numbers(on: u16) -> String {
+    let numbers = (1..=CONTACTS).filter_map(Contact::new);
+    let on = numbers.filter(|contact| on & contact.bit() != 0);
+    let numbers: Vec<String> = on.map(|contact| contact.number().to_string()).collect();
+    numbers.join(" ")
+}
+
+fn names_of(interlocks: Interlocks) -> String {
+    let names: Vec<&str> = interlocks.each().map(Interlock::name).collect();
+    names.join(" ")
+}
+
+/// What is on, where anything is, and what keeps the machine from starting.
+fn contact_words(contacts: &MachineContacts, lang: Lang) -> String {
+    let mut text = String::new();
+    let on = contacts.inputs.unwrap_or_default();
+    if on != 0 || contacts.outputs != 0 {
+        let line = both!(
+            "inputs on: {inputs}; outputs on: {outputs}\n",
+            "接通的输入：{inputs}；接通的输出：{outputs}\n",
+            inputs = numbers(on),
+            outputs = numbers(contacts.outputs)
+        );
+        text.push_str(line.get(lang));
+    }
+    for interlock in contacts.interlocks.each() {
+        let words = figure(Arg::Interlock(interlock), lang, false);
+        let line = both!("interlock: {words}\n", "联锁：{words}\n");
+        text.push_str(line.get(lang));
+    }
+    text
 }
 
 /// Names the other boards on the bus.

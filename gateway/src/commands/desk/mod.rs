@@ -82,6 +82,28 @@ fn json(answer: &Answer) -> Outcome {
     output::write(&line)
 }
 
+/// Which inputs and outputs are on, for people.
+fn contact_words(view: &View, lang: Lang) -> String {
+    let list = |on: &[u8]| {
+        let numbers: Vec<String> = on.iter().map(u8::to_string).collect();
+        match numbers.is_empty() {
+            true => both!("none", "无"),
+            false => Both::same(numbers.join(" ")),
+        }
+    };
+    let (inputs, outputs) = (list(&view.inputs), list(&view.outputs));
+    both!(
+        "inputs on: {inputs}\noutputs on: {outputs}\n",
+        "接通的输入：{inputs_zh}\n接通的输出：{outputs_zh}\n",
+        inputs = inputs.en,
+        outputs = outputs.en,
+        inputs_zh = inputs.zh,
+        outputs_zh = outputs.zh
+    )
+    .get(lang)
+    .to_owned()
+}
+
 /// How a machine is, for people.
 fn words(view: &View, lang: Lang) -> String {
     let View {

@@ -5,7 +5,7 @@ use leadscrew_desk::clock::Speed;
 use leadscrew_desk::control::Request;
 use leadscrew_desk::server::wrong_speed;
 
-use super::{asked, json, name, note, words};
+use super::{asked, contact_words, json, name, note, words};
 use crate::cli::{Global, SimCommand};
 use crate::diagnostics;
 use crate::failure::{Failure, Outcome};
@@ -26,7 +26,8 @@ pub fn sim(global: &Global, named: Option<&MachineName>, command: SimCommand) ->
                 thousandths: speed.thousandths(),
             }
         }
-        SimCommand::State => Request::State,
+        SimCommand::Input { number, to } => Request::Input { number, to },
+        SimCommand::State | SimCommand::Outputs => Request::State,
     };
     let answer = asked(&name(global, named)?, &request)?;
     if global.json {
@@ -37,6 +38,9 @@ pub fn sim(global: &Global, named: Option<&MachineName>, command: SimCommand) ->
         let told = both!("note: {en}\n", "注意：{zh}\n", en = note.en, zh = note.zh);
         diagnostics::say(told.get(lang));
     }
-    let text = answer.machine.as_ref().map(|view| words(view, lang));
+    let text = answer.machine.as_ref().map(|view| match command {
+        SimCommand::Outputs | SimCommand::Input { .. } => contact_words(view, lang),
+        _ => words(view, lang),
+    });
     output::write(text.unwrap_or_default().as_bytes())
 }

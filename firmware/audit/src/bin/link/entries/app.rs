@@ -31,6 +31,7 @@ impl TickMachine for Anything {
             stop: any(),
             hold: any(),
             signals: any(),
+            machine: any(),
             trouble: None,
             unanswered: any::<bool>().then_some(Code::ClampOpen),
         }

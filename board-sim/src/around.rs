@@ -1,0 +1,84 @@
+//! What is around the simulated machine: a closed door, a clamped work piece, and devices that answer at once.
+//!
+//! Each machine function has what it switches: its input answers as soon as its output is switched. Somebody may set an
+//! input, which then stays. Must not know how the board reads its inputs.
+
+use leadscrew_core::params::{Answer, Contact, FunctionAction, Params};
+
+/// The inputs of a board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Around {
+    /// Inputs that somebody has set, and their levels.
+    set: u16,
+    levels: u16,
+    /// The door is open.
+    door_open: bool,
+    /// What devices answer.
+    answers: u16,
+}
+
+impl Around {
+    /// Opens or closes the door. It moves the input of 9423.
+    pub const fn open_door(&mut self, open: bool) {
+        self.door_open = open;
+    }
+
+    /// Sets an input on or off, or lets devices have it again.
+    pub const fn set(&mut self, input: Contact, on: Option<bool>) {
+        let bit = input.bit();
+        match on {
+            Some(true) => (self.set, self.levels) = (self.set | bit, self.levels | bit),
+            Some(false) => (self.set, self.levels) = (self.set | bit, self.levels & !bit),
+            None => self.set &= !bit,
+        }
+    }
+
+    /// The inputs that are on while these outputs are.
+    #[must_use]
+    pub fn inputs(&mut self, params: &Params, outputs: u16) -> u16 {
+        for row in params.functions() {
+            let Some(Answer { input, on }) = row.answer else {
+                continue;
+            };
+            let acts = row.switches.is_none_or(|(output, action)| {
+                (outputs & output.bit() != 0) == (action != FunctionAction::Off)
+            });
+            match (acts, on) {
+                (true, true) => self.answers |= input.bit(),
+                (true, false) => self.answers &= !input.bit(),
+                (false, _) => {}
+            }
+        }
+        let bit = |number| Contact::new(number).map_or(0, Contact::bit);
+        let held = [
+            params.chuck_pressure_input(),
+            params.tailstock_pressure_input(),
+            params.enable_input(),
+        ];
+        let chuck = bit(params.chuck_input());
+        let answered = params.functions().filter_map(|row| row.answer);
+        // A chuck that no function opens is closed.
+        let chuck = match answered
+            .map(|answer| answer.input.bit())
+            .any(|input| input == chuck)
+        {
+            true => 0,
+            false => chuck,
+        };
+        let door = bit(params.door_input());
+        let on = held
+            .into_iter()
+            .fold(self.answers | chuck, |all, input| all | bit(input));
+        let on = (on & !self.set) | (self.levels & self.set);
+        match self.door_open {
+            true => on & !door,
+            false => on | door,
+        }
+    }
+
+    /// The same as levels at the board's inputs.
+    #[must_use]
+    pub fn wires(&mut self, params: &Params, outputs: u16) -> u16 {
+        self.inputs(params, outputs) ^ params.inputs_inverted() as u16
+    }
+}

@@ -1,0 +1,91 @@
+//! Machine functions and interlocks, as somebody at the machine meets them.
+
+use serde_json::json;
+
+use crate::{LONG, User, bad, good};
+
+/// A machine with a door (input 1), and coolant: M8 and M9 switch output 1, input 2 answers M8.
+fn guarded() -> User {
+    let user = User::new();
+    let file = user.0.join("guarded.toml");
+    std::fs::write(
+        &file,
+        "door_input = 1\nm_row_1 = 81011020050\nm_row_2 = 92010000000\n",
+    )
+    .unwrap();
+    good(&user.does(&["up", "--machine", "guarded.toml"]));
+    user
+}
+
+#[test]
+fn a_program_does_not_start_with_the_door_open_and_closing_it_starts_nothing() {
+    let user = guarded();
+    let open = user.json(&["sim", "door", "open"]);
+    assert_eq!(open["note"], json!(null));
+    assert_eq!(user.json(&["status"])["interlocks"], "door");
+    let program = user.program(crate::SHORT);
+    let told = bad(&user.does(&["run", &program]), 1);
+    assert!(
+        told.contains("4506") && told.contains("the open door"),
+        "{told}"
+    );
+    good(&user.does(&["sim", "door", "close"]));
+    let status = user.json(&["status"]);
+    assert_eq!(
+        (&status["interlocks"], &status["state"]),
+        (&json!(""), &json!("idle"))
+    );
+    good(&user.does(&["run", &program]));
+}
+
+#[test]
+fn a_door_that_is_opened_holds_the_program_until_it_is_closed_and_resumed() {
+    let user = guarded();
+    let run = user.run(LONG);
+    good(&user.does(&["sim", "door", "open"]));
+    user.wait_for("hold");
+    let told = bad(&user.does(&["resume"]), 1);
+    assert!(told.contains("4506"), "{told}");
+    good(&user.does(&["sim", "door", "close"]));
+    assert_eq!(user.json(&["status"])["state"], "hold");
+    good(&user.does(&["resume"]));
+    user.wait_for("run");
+    good(&user.does(&["reset"]));
+    assert_eq!(run.wait_with_output().unwrap().status.code(), Some(4));
+}
+
+#[test]
+fn a_function_is_answered_and_an_answer_that_does_not_come_is_told() {
+    let user = guarded();
+    good(&user.does(&["mdi", "M8"]));
+    let status = user.json(&["status"]);
+    assert_eq!(
+        (&status["inputs"], &status["outputs"]),
+        (&json!("1 2"), &json!("1"))
+    );
+    let told = good(&user.does(&["sim", "outputs"]));
+    assert_eq!(told, "inputs on: 1 2\noutputs on: 1\n");
+    good(&user.does(&["mdi", "M9"]));
+    let off = user.json(&["sim", "input", "2", "off"]);
+    assert_eq!(
+        (&off["machine"]["inputs"], &off["machine"]["outputs"]),
+        (&json!([1, 2]), &json!([]))
+    );
+    let told = bad(&user.does(&["mdi", "M8"]), 4);
+    assert!(told.contains("4551") && told.contains("input 2"), "{told}");
+    good(&user.does(&["sim", "input", "2", "auto"]));
+    good(&user.does(&["reset"]));
+    good(&user.does(&["mdi", "M8"]));
+}
+
+#[test]
+fn a_code_without_a_row_says_how_to_add_one() {
+    let user = guarded();
+    let told = bad(&user.does(&["mdi", "M60"]), 1);
+    assert!(
+        told.contains("4550") && told.contains("9401 to 9416"),
+        "{told}"
+    );
+    let told = bad(&user.does(&["sim", "input", "17", "on"]), 2);
+    assert!(told.contains("1..=16"), "{told}");
+}
