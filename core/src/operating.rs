@@ -84,7 +84,39 @@ impl Towards {
     }
 }
 
-/// What became of the last press or step.
+/// How many increments a count of the handwheel is worth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum WheelFactor {
+    /// One.
+    #[default]
+    One = 1,
+    /// Ten.
+    Ten = 10,
+    /// A hundred.
+    Hundred = 100,
+}
+
+impl WheelFactor {
+    /// The factor with this number.
+    #[must_use]
+    pub const fn from_raw(raw: u8) -> Option<Self> {
+        Some(match raw {
+            1 => Self::One,
+            10 => Self::Ten,
+            100 => Self::Hundred,
+            _ => return None,
+        })
+    }
+
+    /// This many increments of `increment`.
+    #[must_use]
+    pub const fn of(self, increment: Length) -> Length {
+        Length::from_nm(increment.nm().saturating_mul(self as i64))
+    }
+}
+
+/// What became of the last press, step or claim of the handwheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum PressState {

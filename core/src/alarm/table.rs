@@ -1238,6 +1238,9 @@ codes! {
     TapSpeedNotReached = 4945, "S {0} is not reached in the depth: the tap turns at {1} at most, in phase",
         "nothing needs to be done; a smaller S, or shorter ramps (5261), would be reached",
         "在孔深范围内达不到 S {0}：最高 {1}，仍保持同步", "无需处理；减小 S 或缩短 5261 的时间即可达到";
+    /// A handwheel that is followed is too far ahead of its axis.
+    WheelTooFast = 4955, "the handwheel is turned faster than its axis follows: some of its counts are dropped", "turn it slower, take a smaller factor, or raise 9046 or 9045",
+        "手轮转动过快，轴无法跟随：部分脉冲已舍去", "请放慢转动、减小倍率，或增大 9046 或 9045";
     /// An ordinary tap whose spindle could not be stopped in time; {0} S, {1} what is reached.
     FloatSpeedNotReached = 4956, "S {0} is not reached: the spindle goes in at {1} at most, so that it can be stopped in the hole",
         "nothing needs to be done; a smaller S, a deeper Q or a shorter spindle ramp (9004) would be reached",

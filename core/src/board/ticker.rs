@@ -227,7 +227,7 @@ impl Ticker {
 
         let moved = !self.executor.is_free();
         if self.jog.is_busy() {
-            self.move_by_hand();
+            self.move_by_hand(ends);
         }
         let setpoint = &mut output.setpoint;
         self.execute(setpoint, ends);

@@ -38,7 +38,7 @@ mod wide;
 pub use arc::{ARC_TOLERANCE, Arc, ArcError};
 pub use executor::{Arrival, Conditions, Executor, Law, Motion, Setpoint};
 pub use flow::Stretch;
-pub use jog::{AxisPress, AxisTravel, Jog, JogConditions, Press};
+pub use jog::{AxisPress, AxisTravel, Jog, JogConditions, Press, Wheel};
 pub(crate) use lead::turns_over;
 pub use limits::{Limits, Pace};
 pub use line::Line;

@@ -14,24 +14,28 @@ use leadscrew_tests::machine::{calls, machine};
 use leadscrew_tests::random::Random;
 
 /// A frame of a press comes so often, in ticks.
-const RENEWAL: u64 = 20;
+pub(super) const RENEWAL: u64 = 20;
 /// Parameter 9040.
-const WINDOW: u64 = 100;
+pub(super) const WINDOW: u64 = 100;
 /// No axis of the built-in machine takes longer to brake from the speed of these tests, in ticks.
-const BRAKING: u64 = 150;
+pub(super) const BRAKING: u64 = 150;
 
-struct Hand {
-    sim: Sim,
-    gateway: Gateway,
-    session: u8,
-    press: u8,
-    ticks: u64,
-    warnings: Vec<Code>,
+pub(super) struct Hand {
+    pub(super) sim: Sim,
+    pub(super) gateway: Gateway,
+    pub(super) session: u8,
+    pub(super) press: u8,
+    pub(super) ticks: u64,
+    pub(super) warnings: Vec<Code>,
 }
 
 impl Hand {
-    fn new(mode: OperatingMode) -> Self {
-        let mut sim = machine(&Params::sheets(), &PlantOptions::default());
+    pub(super) fn new(mode: OperatingMode) -> Self {
+        Self::at_machine(mode, &Params::sheets())
+    }
+
+    pub(super) fn at_machine(mode: OperatingMode, params: &Params) -> Self {
+        let mut sim = machine(params, &PlantOptions::default());
         let gateway = Gateway::connect(&mut sim);
         let mut hand = Self {
             sim,
@@ -46,12 +50,12 @@ impl Hand {
         hand
     }
 
-    fn mode(&mut self, mode: OperatingMode) {
+    pub(super) fn mode(&mut self, mode: OperatingMode) {
         self.gateway.order(&mut self.sim, Order::Mode(mode));
         self.run(20);
     }
 
-    fn tick(&mut self) {
+    pub(super) fn tick(&mut self) {
         self.ticks += 1;
         self.sim.step();
         while let Some(event) = self.sim.event() {
@@ -62,13 +66,13 @@ impl Hand {
         self.gateway.listen(&mut self.sim);
     }
 
-    fn run(&mut self, ticks: u64) {
+    pub(super) fn run(&mut self, ticks: u64) {
         for _ in 0..ticks {
             self.tick();
         }
     }
 
-    fn until(&mut self, done: impl Fn(&Self) -> bool) {
+    pub(super) fn until(&mut self, done: impl Fn(&Self) -> bool) {
         for _ in 0..5_000 {
             if done(self) {
                 return;
@@ -78,12 +82,12 @@ impl Hand {
         panic!("it does not come to pass: {:?}", self.gateway.beat);
     }
 
-    fn at(&self) -> Position {
+    pub(super) fn at(&self) -> Position {
         self.sim.board().ticker().executor().position()
     }
 
     /// A press of the present number, with the newest beat that was heard.
-    fn jog(&self, x: Option<Towards>, z: Option<Towards>) -> Frame {
+    pub(super) fn jog(&self, x: Option<Towards>, z: Option<Towards>) -> Frame {
         JogRequest {
             session: self.session,
             press: self.press,
@@ -96,7 +100,7 @@ impl Hand {
         .frame(NODE)
     }
 
-    fn step(&self, on_z: bool, way: i32) -> Frame {
+    pub(super) fn step(&self, on_z: bool, way: i32) -> Frame {
         StepRequest {
             session: self.session,
             count: self.press,
@@ -108,7 +112,7 @@ impl Hand {
     }
 
     /// Begins a press and renews it for so many ticks. The frames that were sent come back.
-    fn hold(&mut self, z: Towards, ticks: u64) -> Vec<Frame> {
+    pub(super) fn hold(&mut self, z: Towards, ticks: u64) -> Vec<Frame> {
         self.press = self.press.wrapping_add(1);
         let mut sent = Vec::new();
         for tick in 0..ticks {
@@ -123,7 +127,7 @@ impl Hand {
     }
 
     /// Nothing moves for so many ticks.
-    fn stands(&mut self, ticks: u64) {
+    pub(super) fn stands(&mut self, ticks: u64) {
         let at = self.at();
         for _ in 0..ticks {
             self.tick();
@@ -131,7 +135,7 @@ impl Hand {
         }
     }
 
-    fn refused(&self) -> u16 {
+    pub(super) fn refused(&self) -> u16 {
         self.gateway.beat.refused
     }
 }

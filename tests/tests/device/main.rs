@@ -10,3 +10,4 @@ mod position;
 mod programs;
 mod protection;
 mod threads;
+mod wheel;

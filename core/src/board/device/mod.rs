@@ -43,6 +43,7 @@ mod table;
 mod tell;
 mod threads;
 mod values;
+mod wheel;
 
 pub use offset_store::UNMARKED;
 pub use program_buffer::PROGRAM_BYTES;
@@ -301,7 +302,9 @@ impl Device {
                     self.answer(answer);
                 }
             }
-            Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 if self.nmt.state().allows_pdo() => {
+            Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 | Service::Rpdo4
+                if self.nmt.state().allows_pdo() =>
+            {
                 self.process(service, frame, params);
             }
             // Only a node with this number sends these frames, and this is the board itself.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! RPDO1 ─► order ─► (fresh?) ─► (does the mode let it in?) ─► command to the tick
-//! RPDO2, RPDO3 ─► press or step ─► (fresh? whose? the mode?) ─► Asked, planned by the owner ─► tick
+//! RPDO2, 3, 4 ─► press, step, wheel ─► (fresh? whose? the mode?) ─► Asked, planned by the owner ─► tick
 //! ```
 //!
 //! A refusal says why: in the event log, in 5002h:06 and in TPDO5. What is refused stays refused: the renewals of a refused
@@ -13,10 +13,11 @@
 use super::mode::{Doing, Request, admit};
 use super::steps::Steps;
 use super::values::ObjectValues;
+use super::wheel::WheelWay;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::board::command::Command;
 use crate::board::guard::Guard;
-use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest};
+use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest, WheelRequest};
 use crate::link::Event;
 use crate::operating::{OperatingMode, PressState, Towards};
 use crate::params::Params;
@@ -38,8 +39,10 @@ pub struct Asked {
     pub rapid: bool,
     /// Speed of the slide in mm/min; `None`: 9041.
     pub mm_per_min: Option<u16>,
-    /// A step of this length.
+    /// A step of this length; how far a handwheel has been turned since its claim.
     pub way: Option<Length>,
+    /// A handwheel leads the axis.
+    pub wheel: bool,
     /// The last tick in which the press is alive.
     pub until: Option<u32>,
 }
@@ -65,6 +68,7 @@ pub struct Operating {
     /// How long the axes have stood since.
     stood: Periods,
     steps: Steps,
+    wheel: WheelWay,
     asked: Option<Asked>,
 }
 
@@ -226,6 +230,7 @@ impl ObjectValues {
             rapid: request.rapid,
             mm_per_min: (request.mm_per_min != 0).then_some(request.mm_per_min),
             way: None,
+            wheel: false,
             until: Some(until),
         });
     }
@@ -264,7 +269,36 @@ impl ObjectValues {
             rapid: false,
             mm_per_min: None,
             way: Some(way.abs()),
+            wheel: false,
             until: (way.abs() > SHORT).then_some(until),
+        });
+    }
+
+    /// A handwheel (RPDO4).
+    pub(super) fn wheel(&mut self, request: &WheelRequest, params: &Params) {
+        let Some(until) = self.deadline(request.echo, params) else {
+            return;
+        };
+        let Some(is_new) = self.claim(request.session, request.claim, params) else {
+            return;
+        };
+        if is_new {
+            let admitted = self.admit_by_hand(Request::Wheel);
+            self.count_press(request.session, request.claim, admitted);
+            self.operating.wheel = WheelWay::begin(request);
+        }
+        if self.operating.denied || !self.operating.wheel.turn(request, params) {
+            return;
+        }
+        self.operating.asked = Some(Asked {
+            number: self.operating.number,
+            x: (!request.on_z).then_some(Towards::Plus),
+            z: request.on_z.then_some(Towards::Plus),
+            rapid: false,
+            mm_per_min: None,
+            way: Some(self.operating.wheel.way()),
+            wheel: true,
+            until: Some(until),
         });
     }
 
