@@ -84,6 +84,32 @@ impl Towards {
     }
 }
 
+/// What a handwheel leads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Led {
+    /// The slide of X.
+    #[default]
+    X = 0,
+    /// Z.
+    Z = 1,
+    /// The program along its path.
+    Path = 2,
+}
+
+impl Led {
+    /// What has this number.
+    #[must_use]
+    pub const fn from_raw(raw: u8) -> Option<Self> {
+        Some(match raw {
+            0 => Self::X,
+            1 => Self::Z,
+            2 => Self::Path,
+            _ => return None,
+        })
+    }
+}
+
 /// How many increments a count of the handwheel is worth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]

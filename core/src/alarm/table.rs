@@ -1061,6 +1061,12 @@ codes! {
     /// More steps than wait.
     StepsWait = 4511, "three steps wait already: this one has not been taken", "wait until the axis has made them",
         "已有三步在等待：此步未被接受", "请等待该轴走完";
+    /// A thread or a tap of a program that follows the handwheel.
+    RunsByItself = 4512, "this runs by itself, without the handwheel: press start", "`leadscrew resume`, once nothing is in the way; a thread or a tap goes with its spindle",
+        "此段自行运行，不随手轮：请按启动", "确认无障碍后执行 `leadscrew resume`；螺纹与攻丝随主轴运行";
+    /// A handwheel is to lead a program, and none follows it.
+    NothingFollows = 4513, "no program follows the handwheel", "begin one that does (`leadscrew run PROGRAM --handwheel`)",
+        "没有程序跟随手轮", "请以手轮方式运行程序（`leadscrew run 程序 --handwheel`）";
     /// A step that would leave the travel: axis, how far is free.
     StepBeyondLimit = 4540, "the step would leave the travel of axis {0}: {1} are free", "make a shorter step, or look at the soft limits (1320, 1321)",
         "该步将超出 {0} 轴行程：尚余 {1}", "请减小步距，或检查软限位（1320、1321）";

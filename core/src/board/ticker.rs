@@ -14,6 +14,7 @@
 //! | [`State`] | where the machine is; every change of it is in `transition` |
 //! | `Course` | how far the program has come, and where single block stops |
 //! | `Jog` | axes that are moved by hand |
+//! | `Handwheel` | the rate of a program that follows a handwheel |
 //! | `Away` | the way out of a stroke and back |
 //! | `SpindleMode` | what the spindles are told: a speed, or position mode |
 //! | `Journal` | the entry of the tap in its hole |
@@ -26,6 +27,7 @@ mod away;
 mod begin;
 mod by_hand;
 mod course;
+mod handwheel;
 mod home;
 mod journal;
 mod setup;
@@ -40,6 +42,7 @@ use heapless::Vec;
 
 use self::away::{Away, LastPass};
 use self::course::{Course, Source};
+use self::handwheel::Handwheel;
 use self::home::Home;
 use self::journal::Journal;
 use self::setup::Given;
@@ -128,6 +131,7 @@ pub struct Ticker {
     journal: Journal,
     drives: Drives,
     jog: Jog,
+    handwheel: Handwheel,
     home: Home,
     executor: Executor,
 }
@@ -158,6 +162,7 @@ impl Ticker {
             journal: Journal::new(tap, given.second),
             drives: Drives::new(&setup.figures),
             jog: Jog::new(),
+            handwheel: Handwheel::OFF,
             home: Home::new(),
             executor: Executor::new(given.arrival),
         }
@@ -184,8 +189,11 @@ impl Ticker {
     // Called in many places.
     #[inline(never)]
     pub(super) const fn command(&mut self, command: Command) {
-        if let Command::Release = command {
-            self.jog.release();
+        match command {
+            Command::Release => self.jog.release(),
+            Command::ByWheel(on) => self.handwheel.set(on),
+            Command::Turned(way) => self.handwheel.turn(way),
+            _ => {}
         }
         self.operator.take(command);
     }
@@ -264,12 +272,17 @@ impl Ticker {
         if self.executor.has_crossed() {
             self.next_stroke(ends);
         }
+        let [feed, rapid] = if self.handwheel.is_on() {
+            self.rates_by_wheel(ends)
+        } else {
+            [self.operator.feed(), self.operator.rapid()]
+        };
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.given.ahead_x,
             ahead_z: self.given.ahead_z,
-            feed: self.operator.feed(),
-            rapid: self.operator.rapid(),
+            feed,
+            rapid,
             hold: self.operator.hold,
             // Only a waiting stroke needs to know.
             more: self.executor.is_waiting()

@@ -36,7 +36,7 @@ mod thread;
 mod wide;
 
 pub use arc::{ARC_TOLERANCE, Arc, ArcError};
-pub use executor::{Arrival, Conditions, Executor, Law, Motion, Setpoint};
+pub use executor::{Arrival, Conditions, Executor, Law, Motion, Setpoint, programmed};
 pub use flow::Stretch;
 pub use jog::{AxisPress, AxisTravel, Jog, JogConditions, Press, Wheel};
 pub(crate) use lead::turns_over;

@@ -367,6 +367,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xC736_4277),
     // References: 9050, 9058 to 9062.
     (2, 0x8222_8EC1),
+    // The handwheel: 9044 to 9046.
+    (2, 0xBFC6_9DF2),
 ];
 
 #[test]

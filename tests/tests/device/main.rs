@@ -11,3 +11,4 @@ mod programs;
 mod protection;
 mod threads;
 mod wheel;
+mod wheel_program;

@@ -2,7 +2,7 @@
 
 use leadscrew_core::alarm::Code;
 use leadscrew_core::bus::{BoardState, Order, WheelRequest};
-use leadscrew_core::operating::{OperatingMode, PressState, WheelFactor};
+use leadscrew_core::operating::{Led, OperatingMode, PressState, WheelFactor};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_tests::gateway::NODE;
@@ -41,7 +41,7 @@ impl Wheel {
     fn send(&mut self) {
         let frame = WheelRequest {
             session: self.hand.session,
-            on_z: self.on_z,
+            leads: if self.on_z { Led::Z } else { Led::X },
             factor: self.factor,
             claim: self.hand.press,
             count: self.count,

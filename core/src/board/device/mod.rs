@@ -76,7 +76,7 @@ use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
-use crate::units::Axis;
+use crate::units::{Axis, Length};
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.
 const URGENT: usize = 12;
@@ -332,6 +332,7 @@ impl Device {
         self.values.recorder.note(event);
         if let Event::Reset | Event::Finished | Event::Alarm(_) = event {
             self.values.program_buffer.close();
+            self.values.operating.end_by_wheel();
         }
     }
 
@@ -423,6 +424,11 @@ impl Device {
     /// What is asked of the axes by hand, once. Read it after the commands.
     pub const fn asked(&mut self) -> Option<Asked> {
         self.values.operating.take()
+    }
+
+    /// How far a handwheel has been turned that leads the program, once.
+    pub fn turned(&mut self) -> Option<Length> {
+        self.values.operating.take_turned()
     }
 
     /// The board's time, as TPDO5 tells it.

@@ -19,7 +19,7 @@ use crate::board::command::Command;
 use crate::board::guard::Guard;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest, WheelRequest};
 use crate::link::Event;
-use crate::operating::{OperatingMode, PressState, Towards};
+use crate::operating::{Led, OperatingMode, PressState, Towards};
 use crate::params::Params;
 use crate::units::{Axes, Length};
 
@@ -69,6 +69,10 @@ pub struct Operating {
     stood: Periods,
     steps: Steps,
     wheel: WheelWay,
+    /// The last press is the claim of a wheel that leads a program.
+    on_path: bool,
+    /// 5002h:07: the next program, or the one under way, follows a handwheel.
+    by_wheel: bool,
     asked: Option<Asked>,
 }
 
@@ -81,6 +85,24 @@ impl Operating {
     /// The beat.
     pub const fn beat(&self) -> Beat {
         Beat::new((self.time_us / 1000) as u16)
+    }
+
+    /// The next program, or the one under way, follows a handwheel.
+    pub const fn by_wheel(&self) -> bool {
+        self.by_wheel
+    }
+
+    /// No program follows a handwheel any more.
+    pub const fn end_by_wheel(&mut self) {
+        self.by_wheel = false;
+    }
+
+    /// How far a handwheel has been turned that leads a program, once.
+    pub fn take_turned(&mut self) -> Option<Length> {
+        if !self.on_path || !self.by_wheel {
+            return None;
+        }
+        Some(self.wheel.take()).filter(|way| *way != Length::ZERO)
     }
 
     /// What is asked of the axes, once.
@@ -130,6 +152,11 @@ impl ObjectValues {
             PressState::None
         } else if operating.denied {
             PressState::Refused
+        } else if operating.on_path {
+            match operating.by_wheel {
+                true => PressState::Runs,
+                false => PressState::Ended,
+            }
         } else if number == operating.number {
             state
         } else {
@@ -283,23 +310,56 @@ impl ObjectValues {
             return;
         };
         if is_new {
-            let admitted = self.admit_by_hand(Request::Wheel);
-            self.count_press(request.session, request.claim, admitted);
+            if request.leads == Led::Path {
+                self.claim_path(request);
+            } else {
+                let admitted = self.admit_by_hand(Request::Wheel);
+                self.count_press(request.session, request.claim, admitted);
+            }
             self.operating.wheel = WheelWay::begin(request);
         }
-        if self.operating.denied || !self.operating.wheel.turn(request, params) {
+        if self.operating.denied
+            || !self.operating.wheel.turn(request, params)
+            || request.leads == Led::Path
+        {
             return;
         }
         self.operating.asked = Some(Asked {
             number: self.operating.number,
-            x: (!request.on_z).then_some(Towards::Plus),
-            z: request.on_z.then_some(Towards::Plus),
+            x: (request.leads == Led::X).then_some(Towards::Plus),
+            z: (request.leads == Led::Z).then_some(Towards::Plus),
             rapid: false,
             mm_per_min: None,
             way: Some(self.operating.wheel.way()),
             wheel: true,
             until: Some(until),
         });
+    }
+
+    /// A new claim of a wheel that leads a program.
+    fn claim_path(&mut self, request: &WheelRequest) {
+        let operating = &mut self.operating;
+        (operating.session, operating.press) = (request.session, request.claim);
+        (operating.on_path, operating.denied) = (true, !operating.by_wheel);
+        if operating.by_wheel {
+            self.accept();
+        } else {
+            self.deny(&Alarm::of(Code::NothingFollows, &[]));
+        }
+    }
+
+    /// The next program follows a handwheel, or does not.
+    pub(super) fn set_by_wheel(&mut self, by_wheel: bool) -> Result<(), Alarm> {
+        if self.snapshot.in_program {
+            return Err(Alarm::of(Code::ProgramUnderWay, &[]));
+        }
+        self.operating.by_wheel = by_wheel;
+        if self.operating.on_path {
+            // What was turned while no program followed.
+            self.operating.wheel.take();
+        }
+        self.command(Command::ByWheel(by_wheel));
+        Ok(())
     }
 
     /// The last tick in which a frame with this echo moves anything; `None` for an echo that is too old or of the future.
@@ -359,6 +419,7 @@ impl ObjectValues {
         let operating = &mut self.operating;
         (operating.session, operating.press) = (session, press);
         operating.denied = admitted.is_err();
+        operating.on_path = false;
         match admitted {
             Ok(()) => {
                 operating.number = operating.number.wrapping_add(1);

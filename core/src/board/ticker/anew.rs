@@ -1,6 +1,7 @@
 //! Starts the application again with another parameter set while the power stays on.
 
 use super::away::Away;
+use super::handwheel::Handwheel;
 use super::spindle::SpindleMode;
 use super::{Notice, Setup, State, Ticker};
 use crate::board::command::Switching;
@@ -42,6 +43,7 @@ impl Ticker {
             drives,
             now: _,
             jog,
+            handwheel,
             home,
             executor,
         } = self;
@@ -65,6 +67,7 @@ impl Ticker {
         journal.begin_anew(given.second);
         home.begin_anew(drives.begin_anew(&setup.figures));
         jog.begin_anew();
+        *handwheel = Handwheel::OFF;
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.
         executor.set_position(told);

@@ -38,6 +38,7 @@ impl Ticker {
     /// The program is over. Whether the spindle stops is for the caller.
     pub(super) fn transition_to_idle(&mut self, events: &mut EventIn<'_>) {
         self.course.end_program();
+        self.handwheel.set(false);
         self.state = State::Idle;
         emit(events, Event::Finished);
     }
@@ -111,6 +112,7 @@ impl Ticker {
     pub(super) fn transition_from_stopping(&mut self, events: &mut EventIn<'_>) {
         self.note_stop();
         self.course.end_program();
+        self.handwheel.set(false);
         self.spindle.stop();
         self.stood = 0;
         match self.state {

@@ -14,7 +14,7 @@
 //! | | 3–5 | way of the slide in 0.1 µm, signed |
 //! | | 6–7 | echo |
 //! | RPDO4 | 0 | session of the operator, 1–255 |
-//! | | 1 | what the handwheel leads: 0 X, 1 Z |
+//! | | 1 | what the handwheel leads: 0 X, 1 Z, 2 a program along its path |
 //! | | 2 | increments that a count is worth: 1, 10 or 100 |
 //! | | 3 | claim: a new number for every claim |
 //! | | 4–5 | count of the wheel; it wraps |
@@ -32,7 +32,7 @@
 use super::order::Beat;
 use crate::bus::frame::{CobId, Frame, NodeId, Service};
 use crate::bus::mapping::Mapped;
-use crate::operating::{OperatingMode, PressState, Towards, WheelFactor};
+use crate::operating::{Led, OperatingMode, PressState, Towards, WheelFactor};
 
 /// RPDO2: a press, or its release.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,8 +187,8 @@ impl StepRequest {
 pub struct WheelRequest {
     /// The operator who turns it.
     pub session: u8,
-    /// Z, not X.
-    pub on_z: bool,
+    /// What it leads.
+    pub leads: Led,
     /// What a count is worth.
     pub factor: WheelFactor,
     /// Number of the claim.
@@ -209,7 +209,7 @@ impl WheelRequest {
             CobId::of(Service::Rpdo4, node),
             [
                 self.session,
-                self.on_z as u8,
+                self.leads as u8,
                 self.factor as u8,
                 self.claim,
                 a,
@@ -220,7 +220,7 @@ impl WheelRequest {
         )
     }
 
-    /// The board and its request, if `frame` is an RPDO4 with an axis and a factor that a wheel can have.
+    /// The board and its request, if `frame` is an RPDO4 with something to lead and a factor that a wheel can have.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Rpdo4, node) = frame.id().service()? else {
@@ -231,13 +231,13 @@ impl WheelRequest {
 
     /// The request in a frame that is known to carry one.
     pub(crate) fn payload(frame: &Frame) -> Option<Self> {
-        let [session, axis, factor, claim, a, b, c, d] = frame.exactly()?;
-        if session == 0 || axis > 1 {
+        let [session, leads, factor, claim, a, b, c, d] = frame.exactly()?;
+        if session == 0 {
             return None;
         }
         Some(Self {
             session,
-            on_z: axis == 1,
+            leads: Led::from_raw(leads)?,
             factor: WheelFactor::from_raw(factor)?,
             claim,
             count: u16::from_le_bytes([a, b]),
@@ -374,7 +374,7 @@ mod tests {
     fn a_wheel_has_its_bytes() {
         let wheel = WheelRequest {
             session: 3,
-            on_z: true,
+            leads: Led::Path,
             factor: WheelFactor::Hundred,
             claim: 9,
             count: 0xFFFE,
@@ -382,12 +382,12 @@ mod tests {
         };
         let frame = wheel.frame(NODE);
         assert_eq!(frame.id().get(), 0x501);
-        assert_eq!(frame.payload(), [3, 1, 100, 9, 0xFE, 0xFF, 2, 1]);
+        assert_eq!(frame.payload(), [3, 2, 100, 9, 0xFE, 0xFF, 2, 1]);
         assert_eq!(WheelRequest::decode(&frame), Some((NODE, wheel)));
         // Nobody, an unknown axis, an unknown factor.
         for bytes in [
             [0, 0, 1, 0, 0, 0, 0, 0],
-            [1, 2, 1, 0, 0, 0, 0, 0],
+            [1, 3, 1, 0, 0, 0, 0, 0],
             [1, 0, 2, 0, 0, 0, 0, 0],
         ] {
             assert_eq!(WheelRequest::decode(&Frame::of(frame.id(), bytes)), None);
