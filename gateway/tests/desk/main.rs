@@ -5,6 +5,7 @@ mod life;
 mod mdi;
 mod tutorial;
 mod typed;
+mod wheel;
 
 use std::io::Write as _;
 use std::os::unix::net::UnixStream;

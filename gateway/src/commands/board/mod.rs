@@ -8,6 +8,7 @@ mod monitor;
 mod operate;
 mod run;
 mod status;
+mod wheel;
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::BoardState;
@@ -25,6 +26,7 @@ pub use monitor::monitor;
 pub use operate::{levels, order, signal};
 pub use run::{no_figures, run};
 pub use status::status;
+pub use wheel::wheel;
 
 /// The bus and the number of the options; nothing has been said yet.
 pub fn open(global: &Global) -> Outcome<Link> {
