@@ -109,6 +109,7 @@ impl AxisPress {
 impl AxisPress {
     /// An axis that a handwheel leads, at most at `top`. Its way may turn round at any time, for which the ramp is longer
     /// than that of a press. `None` where the limits of the axis allow no motion at all.
+    #[inline(never)]
     #[must_use]
     pub fn led(axis: Axis, top: PathRate, limits: &Limits) -> Option<Self> {
         let mut limits = limits.of_axis(axis, Pace::Rapid);

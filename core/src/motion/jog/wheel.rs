@@ -95,6 +95,8 @@ impl Follower {
 
 impl JogAxis {
     /// One tick of an axis that a wheel leads, or has led. True where the operator has to know that counts were dropped.
+    // Both axes call it.
+    #[inline(never)]
     pub(super) fn follow(
         &mut self,
         at: &mut Length,
