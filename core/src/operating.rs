@@ -137,7 +137,65 @@ impl Towards {
     }
 }
 
-/// What became of the last press or step.
+/// What a handwheel leads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Led {
+    /// The slide of X.
+    #[default]
+    X = 0,
+    /// Z.
+    Z = 1,
+    /// The program along its path.
+    Path = 2,
+}
+
+impl Led {
+    /// What has this number.
+    #[must_use]
+    pub const fn from_raw(raw: u8) -> Option<Self> {
+        Some(match raw {
+            0 => Self::X,
+            1 => Self::Z,
+            2 => Self::Path,
+            _ => return None,
+        })
+    }
+}
+
+/// How many increments a count of the handwheel is worth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum WheelFactor {
+    /// One.
+    #[default]
+    One = 1,
+    /// Ten.
+    Ten = 10,
+    /// A hundred.
+    Hundred = 100,
+}
+
+impl WheelFactor {
+    /// The factor with this number.
+    #[must_use]
+    pub const fn from_raw(raw: u8) -> Option<Self> {
+        Some(match raw {
+            1 => Self::One,
+            10 => Self::Ten,
+            100 => Self::Hundred,
+            _ => return None,
+        })
+    }
+
+    /// This many increments of `increment`.
+    #[must_use]
+    pub const fn of(self, increment: Length) -> Length {
+        Length::from_nm(increment.nm().saturating_mul(self as i64))
+    }
+}
+
+/// What became of the last press, step or claim of the handwheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum PressState {

@@ -17,7 +17,7 @@ use leadscrew_core::units::Axis;
 use leadscrew_desk::control::{Contact, Door, Level, Power};
 use leadscrew_language::dialect::Control;
 
-pub use by_hand::{AxisWay, Jog, ModeName, StepLength};
+pub use by_hand::{AxisWay, Jog, ModeName, StepLength, Wheel};
 
 use crate::failure::{Failure, Outcome};
 use crate::inspection::edge::{Edge, Millimetres};
@@ -389,6 +389,11 @@ pub enum Command {
     /// The board moves only while this program lives: it comes to rest by itself when the frames stay away.
     #[command(after_help = examples::JOG)]
     Jog(Jog),
+    /// Turn a simulated handwheel that leads an axis, or a program (not with `--bus sim`)
+    ///
+    /// Its frames go over the bus, as those of a real one.
+    #[command(after_help = examples::WHEEL)]
+    Wheel(Wheel),
     /// Find the references of the axes, and wait for the end (not with `--bus sim`)
     #[command(after_help = examples::HOME)]
     Home {
@@ -630,6 +635,9 @@ pub struct Run {
     /// End after this many passes of a main program that M99 begins again [default: no end]
     #[arg(long, value_name = "N")]
     pub passes: Option<NonZeroU32>,
+    /// Go along the path as a handwheel is turned (not with `--bus sim`); threads and taps ask for a start
+    #[arg(long)]
+    pub handwheel: bool,
     /// Write the bus traffic as a candump log
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,

@@ -73,8 +73,8 @@ fn list_finds_by_number_name_and_meaning() {
         assert_eq!(out.status.code(), Some(0));
         text(&out.stdout).lines().count() - 1
     };
-    // 9042 names it too.
-    assert_eq!(lines("1420"), 4);
+    // 9042 and 9046 name it too.
+    assert_eq!(lines("1420"), 5);
     assert_eq!(lines("RAPID_RATE"), 3);
     assert_eq!(lines("5142"), 1);
     assert_eq!(lines("空运行"), 1);

@@ -1064,6 +1064,9 @@ codes! {
     /// More steps than wait.
     StepsWait = 4511, "three steps wait already: this one has not been taken", "wait until the axis has made them",
         "已有三步在等待：此步未被接受", "请等待该轴走完";
+    /// A handwheel is to lead a program, and none follows it.
+    NothingFollows = 4513, "no program follows the handwheel", "begin one that does (`leadscrew run PROGRAM --handwheel`)",
+        "没有程序跟随手轮", "请以手轮方式运行程序（`leadscrew run 程序 --handwheel`）";
     /// A step that would leave the travel: axis, how far is free.
     StepBeyondLimit = 4540, "the step would leave the travel of axis {0}: {1} are free", "make a shorter step, or look at the soft limits (1320, 1321)",
         "该步将超出 {0} 轴行程：尚余 {1}", "请减小步距，或检查软限位（1320、1321）";
@@ -1259,6 +1262,12 @@ codes! {
     TapSpeedNotReached = 4945, "S {0} is not reached in the depth: the tap turns at {1} at most, in phase",
         "nothing needs to be done; a smaller S, or shorter ramps (5261), would be reached",
         "在孔深范围内达不到 S {0}：最高 {1}，仍保持同步", "无需处理；减小 S 或缩短 5261 的时间即可达到";
+    /// A thread or a tap of a program that follows the handwheel.
+    RunsByItself = 4954, "this runs by itself, without the handwheel: press start", "`leadscrew resume`, once nothing is in the way; a thread or a tap goes with its spindle",
+        "此段自行运行，不随手轮：请按启动", "确认无障碍后执行 `leadscrew resume`；螺纹与攻丝随主轴运行";
+    /// A handwheel that is followed is too far ahead of its axis.
+    WheelTooFast = 4955, "the handwheel is turned faster than its axis follows: some of its counts are dropped", "turn it slower, take a smaller factor, or raise 9046 or 9045",
+        "手轮转动过快，轴无法跟随：部分脉冲已舍去", "请放慢转动、减小倍率，或增大 9046 或 9045";
     /// An ordinary tap whose spindle could not be stopped in time; {0} S, {1} what is reached.
     FloatSpeedNotReached = 4956, "S {0} is not reached: the spindle goes in at {1} at most, so that it can be stopped in the hole",
         "nothing needs to be done; a smaller S, a deeper Q or a shorter spindle ramp (9004) would be reached",

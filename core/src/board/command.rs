@@ -3,7 +3,7 @@
 use super::trouble::BusTrouble;
 use crate::alarm::Code;
 use crate::call::Aux;
-use crate::units::Axes;
+use crate::units::{Axes, Length};
 
 /// What a tick asks of the board's switches. This is part of the tick's output, because the next move may depend on it and
 /// the queue of [`Event`](crate::link::Event)s may be full [D191].
@@ -55,4 +55,8 @@ pub enum Command {
     SpindleOverride(u8),
     /// The press that is alive is over: axes that are moved by hand brake.
     Release,
+    /// The next program follows a handwheel, or does not.
+    ByWheel(bool),
+    /// A handwheel that leads a program has been turned by this way along its path.
+    Turned(Length),
 }

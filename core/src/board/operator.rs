@@ -91,8 +91,8 @@ impl Operator {
             Command::FeedOverride(percent) => self.feed = Override::of(clamp(percent, 0, 150)),
             Command::RapidOverride(percent) => self.rapid = Override::of(clamp(percent, 0, 100)),
             Command::SpindleOverride(percent) => self.spindle = clamp(percent, 50, 120),
-            // The presses are the ticker's.
-            Command::Release => {}
+            // Presses and the handwheel are the ticker's.
+            Command::Release | Command::ByWheel(_) | Command::Turned(_) => {}
         }
     }
 

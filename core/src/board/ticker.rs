@@ -14,6 +14,7 @@
 //! | [`State`] | where the machine is; every change of it is in `transition` |
 //! | `Course` | how far the program has come, and where single block stops |
 //! | `Jog` | axes that are moved by hand |
+//! | `Handwheel` | the rate of a program that follows a handwheel |
 //! | `Away` | the way out of a stroke and back |
 //! | `Left` | a held program whose axes are moved by hand meanwhile |
 //! | `SpindleMode` | what the spindles are told: a speed, or position mode |
@@ -29,6 +30,7 @@ mod begin;
 mod by_hand;
 mod course;
 mod functions;
+mod handwheel;
 mod home;
 mod interlock;
 mod journal;
@@ -46,6 +48,7 @@ use heapless::Vec;
 use self::away::{Away, LastPass};
 use self::course::{Course, Source};
 use self::functions::{ChuckWait, Pending};
+use self::handwheel::Handwheel;
 use self::home::Home;
 use self::journal::Journal;
 use self::left::Left;
@@ -139,6 +142,7 @@ pub struct Ticker {
     journal: Journal,
     drives: Drives,
     jog: Jog,
+    handwheel: Handwheel,
     home: Home,
     machine: Machine,
     /// A machine function that has not been answered.
@@ -176,6 +180,7 @@ impl Ticker {
             journal: Journal::new(tap, given.second),
             drives: Drives::new(&setup.figures),
             jog: Jog::new(),
+            handwheel: Handwheel::OFF,
             home: Home::new(),
             machine: Machine::new(given.wiring),
             function: None,
@@ -213,6 +218,8 @@ impl Ticker {
             }
             // Whoever holds while the spindle comes to its speed means the program.
             Command::Hold => self.resuming = None,
+            Command::ByWheel(on) => self.handwheel.set(on),
+            Command::Turned(way) => self.handwheel.turn(way),
             _ => {}
         }
         self.operator.take(command);
@@ -255,7 +262,7 @@ impl Ticker {
 
         let moved = !self.executor.is_free();
         if self.jog.is_busy() {
-            self.move_by_hand();
+            self.move_by_hand(ends);
         }
         let setpoint = &mut output.setpoint;
         self.execute(setpoint, ends);
@@ -293,12 +300,17 @@ impl Ticker {
         if self.executor.has_crossed() {
             self.next_stroke(ends);
         }
+        let [feed, rapid] = if self.handwheel.is_on() {
+            self.rates_by_wheel(ends)
+        } else {
+            [self.operator.feed(), self.operator.rapid()]
+        };
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.given.ahead_x,
             ahead_z: self.given.ahead_z,
-            feed: self.operator.feed(),
-            rapid: self.operator.rapid(),
+            feed,
+            rapid,
             hold: self.operator.hold,
             // Only a waiting stroke needs to know.
             more: self.executor.is_waiting()

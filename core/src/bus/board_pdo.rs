@@ -31,7 +31,7 @@
 mod manual;
 mod order;
 
-pub use self::manual::{BoardBeat, JogRequest, StepRequest};
+pub use self::manual::{BoardBeat, JogRequest, StepRequest, WheelRequest};
 pub use self::order::{Beat, Order, OrderGate};
 
 use postcard_schema::Schema;

@@ -37,7 +37,7 @@ mod sync;
 
 pub use board_pdo::{
     Beat, BoardBeat, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
-    JogRequest, Order, OrderGate, StepRequest,
+    JogRequest, Order, OrderGate, StepRequest, WheelRequest,
 };
 pub use cia402::{Controlword, HomingState, State, Statusword};
 pub use controller::{BusState, Controller, ErrorCounts};

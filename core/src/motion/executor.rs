@@ -13,7 +13,7 @@ mod pass;
 
 use super::flow::Stretch;
 use super::plan::{Scaling, Timed};
-use super::rate::Rate;
+use super::rate::{PathRate, Rate};
 use super::run::Run;
 use super::segment::{Action, Plan, Stops, Task};
 use super::tap::{FloatRun, Tap, TapLine, TapRun};
@@ -562,6 +562,15 @@ impl Executor {
     #[must_use]
     pub const fn is_aborting(&self) -> bool {
         self.aborting && !self.is_free()
+    }
+}
+
+/// The rate of a motion at an override of 100 %, at the measured speed of the spindle.
+#[must_use]
+pub fn programmed(timed: &Timed, observer: &Observer) -> PathRate {
+    match timed.scaling {
+        Scaling::Rapid | Scaling::Feed => timed.nominal,
+        Scaling::Turns(commanded) => turning(observer.speed(), commanded).of(timed.nominal),
     }
 }
 

@@ -1,4 +1,5 @@
-//! Axes that are moved by hand: a press moves X, Z or both until it is over; a step moves one of them by a length.
+//! Axes that are moved by hand: a press moves X, Z or both until it is over; a step moves one of them by a length; a
+//! handwheel leads one of them along (`wheel`).
 //!
 //! ```text
 //! press (which way, how fast, until when) ─► a profile for each axis ─► position
@@ -12,6 +13,7 @@
 //!
 //! Must not know who presses, over which wire, or what the drives do.
 
+use self::wheel::{Follower, Turned};
 use super::limits::{Limits, Pace};
 use super::profile::{Profile, Ramp};
 use super::rate::{PathRate, Rate};
@@ -20,6 +22,10 @@ use crate::call::Position;
 use crate::operating::{PressState, Towards};
 use crate::params::Params;
 use crate::units::{Axis, Length};
+
+mod wheel;
+
+pub use self::wheel::Wheel;
 
 /// The longest ramp of a motion by hand, in ticks.
 const TICKS: usize = 1024;
@@ -100,7 +106,26 @@ impl AxisPress {
     }
 }
 
-/// A press or a step, or its renewal.
+impl AxisPress {
+    /// An axis that a handwheel leads, at most at `top`. Its way may turn round at any time, for which the ramp is longer
+    /// than that of a press. `None` where the limits of the axis allow no motion at all.
+    #[inline(never)]
+    #[must_use]
+    pub fn led(axis: Axis, top: PathRate, limits: &Limits) -> Option<Self> {
+        let mut limits = limits.of_axis(axis, Pace::Rapid);
+        limits.acceleration /= 2;
+        limits.jerk /= 4;
+        let top = top.min(PathRate::from_raw(i32::MAX as u32));
+        let ramp = shape::ramp_within(top, &limits, TICKS as u16)?;
+        Some(Self {
+            towards: Towards::Plus,
+            speed: top.min(ramp.cap()),
+            ramp,
+        })
+    }
+}
+
+/// A press or a step, or its renewal, or a handwheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Press {
     /// Number of the press.
@@ -113,12 +138,26 @@ pub struct Press {
     pub at_rapid: bool,
     /// Planned for an open door: no axis is faster than 9043.
     pub slow: bool,
-    /// A step: the axes go this far, and no farther.
+    /// A step: the axes go this far, and no farther. Of a handwheel: how far it has been turned since its claim, with its
+    /// sign.
     pub way: Option<Length>,
+    /// A handwheel leads the axis.
+    pub wheel: Option<Wheel>,
     /// The last tick in which the press is alive; `None` for a short step, which is always made whole.
     pub until: Option<u32>,
     /// No press: the axes go back to where the program was left, each at the speed of its motion here.
     pub returns: bool,
+}
+
+impl Press {
+    /// The side to which `axis` moves by it.
+    #[must_use]
+    pub fn side(&self, axis: &AxisPress) -> Towards {
+        match (&self.wheel, self.way) {
+            (Some(_), Some(way)) => Towards::of(way),
+            _ => axis.towards,
+        }
+    }
 }
 
 /// What a tick needs to know.
@@ -146,6 +185,8 @@ struct JogAxis {
     way: Length,
     /// It has gone the whole way in this direction: the present press moves it no farther.
     arrived: Option<Towards>,
+    /// What leads it while a handwheel does.
+    follower: Follower,
 }
 
 /// The axes that are moved by hand.
@@ -168,6 +209,7 @@ impl JogAxis {
             from: Length::ZERO,
             way: Length::ZERO,
             arrived: None,
+            follower: Follower::NEW,
         }
     }
 
@@ -175,10 +217,30 @@ impl JogAxis {
         self.profile.begin_anew();
         self.moves = false;
         self.arrived = None;
+        self.follower = Follower::NEW;
     }
 
-    /// One tick. `wanted`: what the press asks of this axis.
+    /// One tick. `wanted`: what the press asks of this axis. True where counts of the handwheel are too many.
     fn tick(
+        &mut self,
+        at: &mut Length,
+        wanted: Option<&AxisPress>,
+        press: Option<&Press>,
+        rate: Rate,
+        travel: &AxisTravel,
+    ) -> bool {
+        let turned = Turned::of(wanted, press);
+        if self.follower.is_under_way() || turned.is_some() && !self.moves {
+            return self.follow(at, turned.as_ref(), travel);
+        }
+        let wanted = wanted.filter(|_| turned.is_none());
+        let way = press.and_then(|press| press.way);
+        self.go(at, wanted, way, rate, travel);
+        false
+    }
+
+    /// One tick of a press or a step.
+    fn go(
         &mut self,
         at: &mut Length,
         wanted: Option<&AxisPress>,
@@ -281,8 +343,11 @@ impl Jog {
         if number == press.number && state != PressState::None {
             return;
         }
-        (self.x.arrived, self.z.arrived) = (None, None);
-        if let Some(way) = press.way {
+        for axis in [&mut self.x, &mut self.z] {
+            axis.arrived = None;
+            axis.follower.begin_claim();
+        }
+        if let (Some(way), None) = (press.way, press.wheel) {
             if let Some(wanted) = &press.x {
                 self.x.extend(wanted, way, x);
             }
@@ -340,14 +405,14 @@ impl Jog {
         self.last
     }
 
-    /// One tick: the position moves on.
+    /// One tick: the position moves on. True, once in a claim, where a handwheel that is followed is too far ahead.
     pub fn tick(
         &mut self,
         now: &JogConditions,
         x: &AxisTravel,
         z: &AxisTravel,
         position: &mut Position,
-    ) {
+    ) -> bool {
         if let Some(until) = self.press.as_ref().and_then(|press| press.until)
             && is_over(until, now.now)
         {
@@ -358,12 +423,12 @@ impl Jog {
             Some(press) if press.at_rapid => now.rapid,
             _ => now.feed,
         };
-        let way = press.and_then(|press| press.way);
         let wanted = press.and_then(|press| press.x.as_ref());
-        self.x.tick(&mut position.x, wanted, way, rate, x);
+        let mut drops = self.x.tick(&mut position.x, wanted, press, rate, x);
         let wanted = press.and_then(|press| press.z.as_ref());
-        self.z.tick(&mut position.z, wanted, way, rate, z);
+        drops |= self.z.tick(&mut position.z, wanted, press, rate, z);
         self.note_end();
+        drops
     }
 
     /// A press in which every axis has gone its way is over.

@@ -36,9 +36,9 @@ mod thread;
 mod wide;
 
 pub use arc::{ARC_TOLERANCE, Arc, ArcError};
-pub use executor::{Arrival, Aside, Conditions, Executor, Law, Motion, Setpoint};
+pub use executor::{Arrival, Aside, Conditions, Executor, Law, Motion, Setpoint, programmed};
 pub use flow::Stretch;
-pub use jog::{AxisPress, AxisTravel, Jog, JogConditions, Press};
+pub use jog::{AxisPress, AxisTravel, Jog, JogConditions, Press, Wheel};
 pub(crate) use lead::turns_over;
 pub use limits::{Limits, Pace};
 pub use line::Line;

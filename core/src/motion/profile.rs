@@ -53,6 +53,9 @@
 //! A motion that is [begun open](Profile::begin_open) gets its input from outside, any input from 0 to v in any tick. Then
 //! only |K| ≤ 2·v holds: the speed is within v, the acceleration within v/n1, and the jerk within 2·v/(n1·n2). The ramp of
 //! such a motion has to be long enough for that. No length has to be known ahead, so further pieces may come at any time.
+//!
+//! Its input may also be [of either sign](Profile::put_in_signed), from −v to v. Then |K| ≤ 4·v and |A| ≤ 2·n2·v: the
+//! speed is within v, the acceleration within 2·v/n1, and the jerk within 4·v/(n1·n2). It turns round without a stop.
 
 use super::rate::{PathRate, Rate, Travel};
 use crate::units::{Divisor, Length};
@@ -231,6 +234,39 @@ impl<const N: usize> Profile<N> {
         let input = input.raw().min(self.ramp.cap.raw());
         self.store(input);
         self.advance(input, older)
+    }
+
+    /// One tick of an open motion with an input of either sign, in 1/256 nm and within the cap, which is at most
+    /// `i32::MAX`. Returns the way from the start of the motion, with its sign, in 2⁻¹⁶ nm. Such a motion takes no other
+    /// input.
+    pub(super) fn put_in_signed(&mut self, input: i32) -> i64 {
+        let (n1, n2) = (self.ramp.n1, self.ramp.n2);
+        let [first, second, both] =
+            [n1, n2, n1.wrapping_add(n2)].map(|ticks| i64::from(self.past(ticks) as i32));
+        let older = first.wrapping_add(second).wrapping_sub(both);
+        self.store(input as u32);
+        self.accel = self
+            .accel
+            .wrapping_add(i64::from(input))
+            .wrapping_sub(older);
+        self.speed = self.speed.wrapping_add(self.accel);
+        // The division is of numbers without sign: the cap is added before it, and taken away behind it.
+        let cap = i64::from(self.ramp.cap.raw());
+        let area = i64::from(self.ramp.area.get());
+        let raised = self.speed.wrapping_add(area.wrapping_mul(cap));
+        let dividend = ((raised as u64) << 8).wrapping_add(u64::from(self.remainder));
+        let (step, remainder) = self.ramp.area.divide(dividend);
+        self.travel = self
+            .travel
+            .wrapping_add(step)
+            .wrapping_sub((cap as u64) << 8);
+        self.remainder = remainder;
+        self.travel as i64
+    }
+
+    /// Ticks of both means of this motion: so long after the last input it stands.
+    pub(super) const fn ticks_of_ramp(&self) -> u32 {
+        self.ramp.ticks()
     }
 
     /// Gives up the rest of the motion. The motion stops as on a feed hold and is then done, wherever it stands. The

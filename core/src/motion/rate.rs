@@ -93,6 +93,21 @@ impl Rate {
         Self::from_raw(U16F16::const_from_int(percent as u32).to_bits() / 100)
     }
 
+    /// The factor by which `whole` becomes `part`, at most [`Rate::FULL`].
+    #[must_use]
+    pub const fn share(part: PathRate, whole: PathRate) -> Self {
+        if part.raw() >= whole.raw() {
+            return Self::FULL;
+        }
+        // Both in 16 bits at most, the part rounded down.
+        let shift = 16_u32.saturating_sub(whole.raw().leading_zeros());
+        let (part, whole) = (part.raw() >> shift, whole.raw() >> shift);
+        match (part << 16).checked_div(whole) {
+            Some(share) => Self::from_raw(share),
+            None => Self::HOLD,
+        }
+    }
+
     /// The product of both factors, at most [`Rate::MAX`].
     #[must_use]
     pub const fn times(self, other: Self) -> Self {
@@ -171,6 +186,19 @@ mod tests {
             Rate::percent(50).times(Rate::percent(50)),
             Rate::percent(25)
         );
+        for (part, whole, raw) in [
+            (0, 1_000, 0),
+            (1, 4, 16_384),
+            (1_000, 1_000, 65_536),
+            (2_000, 1_000, 65_536),
+            (0, 0, 65_536),
+            (1 << 30, 1 << 31, 32_768),
+            (u32::MAX - 1, u32::MAX, 65_536),
+            (1, u32::MAX, 0),
+        ] {
+            let share = Rate::share(PathRate::from_raw(part), PathRate::from_raw(whole));
+            assert_eq!(share.raw(), raw, "{part} of {whole}");
+        }
         let speed = PathRate::from_raw(1_001);
         assert_eq!(Rate::FULL.of(speed), speed);
         assert_eq!(Rate::HOLD.of(speed), PathRate::ZERO);

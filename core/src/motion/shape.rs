@@ -50,6 +50,8 @@ pub(super) fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Op
 
 /// The ramp for a motion that may go up to `cap` and has to stop at any time, within `most` ticks. Where the ramp to `cap`
 /// would be longer, the motion is slower. `None` where not even the lowest rate has so short a ramp.
+// Called for each axis in two ways.
+#[inline(never)]
 pub(super) fn ramp_within(cap: PathRate, limits: &PathLimits, most: u16) -> Option<Ramp> {
     let cap = cap.raw().min(limits.speed.raw()).max(2);
     let ticks = smallest(limits, Figure::Rate(cap)).map_or(most, |ticks| ticks.min(most));

@@ -13,6 +13,7 @@ use leadscrew_core::bus::{
     DriveStatus, Emcy, ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, HomeLimits,
     Increments, JogRequest, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order, Periods,
     Scale, SdoProtocol, SpindleCommand, SpindleDemand, Statusword, StepRequest, SyncProducer,
+    WheelRequest,
 };
 use leadscrew_core::call::{
     ArcCall, Aux, Call, CallKind, ChainPart, CutIn, Extraction, FeedRate, GrooveCall, Hand,
@@ -25,7 +26,7 @@ use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::moves::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::offsets::Offsets;
 use leadscrew_core::offsets::image::BYTES;
-use leadscrew_core::operating::{OperatingMode, PressState, Towards};
+use leadscrew_core::operating::{Led, OperatingMode, PressState, Towards, WheelFactor};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Dialect, Options, Way};
 use leadscrew_core::signals::Signals;
@@ -154,6 +155,7 @@ records! {
     BoardBeat { beat mode session press state refused }
     JogRequest { session press x z rapid mm_per_min echo }
     StepRequest { session count on_z way echo }
+    WheelRequest { session leads factor claim count echo }
     BoardFlags { hold single_block dry_run program locked }
     BoardStatus { state flags alarm count late credit }
     BoardPlace { line number }
@@ -194,6 +196,8 @@ choices! {
         OperatingMode::Manual, OperatingMode::Step, OperatingMode::Wheel, OperatingMode::Reference, OperatingMode::Mdi,
     } or OperatingMode::Automatic;
     Towards { Towards::Plus } or Towards::Minus;
+    Led { Led::X, Led::Z } or Led::Path;
+    WheelFactor { WheelFactor::One, WheelFactor::Ten } or WheelFactor::Hundred;
     PressState { PressState::None, PressState::Runs, PressState::Ended, PressState::Limit } or PressState::Refused;
     NmtState { NmtState::BootUp, NmtState::Stopped, NmtState::Operational } or NmtState::PreOperational;
     FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
@@ -229,6 +233,7 @@ choices! {
     Command {
         Command::Hold, Command::Resume, Command::Reset, Command::Stop, Command::SingleBlock(any()),
         Command::FeedOverride(any()), Command::RapidOverride(any()), Command::Trouble(any()), Command::Release,
+        Command::ByWheel(any()), Command::Turned(any()),
     } or Command::SpindleOverride(any());
     MoveKind {
         MoveKind::Rapid, MoveKind::Feed(any()),

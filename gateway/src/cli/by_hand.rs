@@ -1,10 +1,10 @@
-//! `mode` and `jog`: what is typed to operate a machine by hand.
+//! `mode`, `jog` and `wheel`: what is typed to operate a machine by hand.
 
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use leadscrew_core::bus::StepRequest;
-use leadscrew_core::operating::{OperatingMode, Towards};
+use leadscrew_core::operating::{Led, OperatingMode, Towards, WheelFactor};
 
 use crate::values::{Mistake, decimal, mistake};
 
@@ -139,6 +139,74 @@ pub struct Jog {
     /// At jog rapid (parameter 9042)
     #[arg(long)]
     pub rapid: bool,
+}
+
+/// What a handwheel leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum WheelAxis {
+    /// Cross slide.
+    #[value(name = "X", alias = "x")]
+    X,
+    /// Carriage.
+    #[value(name = "Z", alias = "z")]
+    Z,
+    /// The program under way along its path (`run --handwheel`).
+    Path,
+}
+
+impl WheelAxis {
+    /// The same for the board.
+    #[must_use]
+    pub const fn led(self) -> Led {
+        match self {
+            Self::X => Led::X,
+            Self::Z => Led::Z,
+            Self::Path => Led::Path,
+        }
+    }
+}
+
+/// How many increments a count is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FactorName {
+    /// One.
+    #[value(name = "1")]
+    One,
+    /// Ten.
+    #[value(name = "10")]
+    Ten,
+    /// A hundred.
+    #[value(name = "100")]
+    Hundred,
+}
+
+impl FactorName {
+    /// The same for the board.
+    #[must_use]
+    pub const fn factor(self) -> WheelFactor {
+        match self {
+            Self::One => WheelFactor::One,
+            Self::Ten => WheelFactor::Ten,
+            Self::Hundred => WheelFactor::Hundred,
+        }
+    }
+}
+
+/// `wheel`.
+#[derive(Args, Debug)]
+pub struct Wheel {
+    /// What it leads: `X`, `Z`, or `path`, a program that follows it
+    #[arg(value_enum, value_name = "AXIS")]
+    pub axis: WheelAxis,
+    /// How many increments a count is worth (path: micrometres)
+    #[arg(long, value_enum, default_value = "1", value_name = "F")]
+    pub factor: FactorName,
+    /// How far it is turned; below 0 towards minus
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub counts: i32,
+    /// How fast it is turned, in counts a second
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=20_000))]
+    pub rate: u16,
 }
 
 #[cfg(test)]

@@ -30,6 +30,12 @@ Examples:
   leadscrew jog X- --by 0.02 --bus can0          0.02 mm of the diameter
   leadscrew jog Z+ --by 25 --bus can0";
 
+pub(super) const WHEEL: &str = "\
+Examples:
+  leadscrew wheel Z --factor 10 --counts -250 --bus can0   2.5 mm towards minus, where the increment is 0.001 mm
+  leadscrew wheel X --counts 20 --bus can0                 0.02 mm of the diameter
+  leadscrew wheel path --factor 10 --counts 400 --bus can0 4 mm of the path of `leadscrew run PROGRAM --handwheel`";
+
 pub(super) const RETRACT: &str = "\
 Examples:
   leadscrew status --state board.flash              is a tap in a hole?

@@ -37,6 +37,12 @@ pub fn run(global: &Global, args: &Run) -> Outcome {
         }
         return board::run(global, &source, args);
     }
+    if args.handwheel {
+        return Err(Failure::Usage(both!(
+            "`--handwheel` needs a machine that somebody can turn a wheel at: `leadscrew up`, or a board (`--bus`)",
+            "`--handwheel` 需要可转动手轮的机床：`leadscrew up` 或控制板（`--bus`）"
+        )));
+    }
     carry_out(global, &source, args)
 }
 

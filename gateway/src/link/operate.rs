@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code};
-use leadscrew_core::board::device::objects::{BEAT, MODE, REFUSED};
+use leadscrew_core::board::device::objects::{BEAT, BY_WHEEL, MODE, REFUSED};
 use leadscrew_core::bus::{Beat, BoardCommand, Order};
 use leadscrew_core::link::Event;
 use leadscrew_core::operating::OperatingMode;
@@ -66,6 +66,14 @@ impl Link {
             return Ok(());
         }
         self.order(Order::Mode(mode))
+    }
+
+    /// The next program follows a handwheel, or does not.
+    ///
+    /// # Errors
+    /// A program is under way; the board does not answer.
+    pub fn set_by_wheel(&mut self, by_wheel: bool) -> LinkResult {
+        self.write(BY_WHEEL, &[u8::from(by_wheel)])
     }
 
     /// Offsets are written in any mode but the one for the reference.

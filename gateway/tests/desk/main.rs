@@ -9,6 +9,7 @@ mod mdi;
 mod panel;
 mod tutorial;
 mod typed;
+mod wheel;
 
 use std::io::Write as _;
 use std::os::unix::net::UnixStream;

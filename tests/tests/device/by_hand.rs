@@ -14,23 +14,23 @@ use leadscrew_tests::machine::{calls, machine};
 use leadscrew_tests::random::Random;
 
 /// A frame of a press comes so often, in ticks.
-const RENEWAL: u64 = 20;
+pub(super) const RENEWAL: u64 = 20;
 /// Parameter 9040.
-const WINDOW: u64 = 100;
+pub(super) const WINDOW: u64 = 100;
 /// No axis of the built-in machine takes longer to brake from the speed of these tests, in ticks.
-const BRAKING: u64 = 150;
+pub(super) const BRAKING: u64 = 150;
 
 pub(super) struct Hand {
     pub sim: Sim,
     pub gateway: Gateway,
-    session: u8,
+    pub(super) session: u8,
     pub press: u8,
-    ticks: u64,
+    pub(super) ticks: u64,
     pub warnings: Vec<Code>,
 }
 
 impl Hand {
-    fn new(mode: OperatingMode) -> Self {
+    pub(super) fn new(mode: OperatingMode) -> Self {
         Self::on(&Params::sheets(), mode)
     }
 
@@ -112,7 +112,7 @@ impl Hand {
     }
 
     /// Begins a press and renews it for so many ticks. The frames that were sent come back.
-    fn hold(&mut self, z: Towards, ticks: u64) -> Vec<Frame> {
+    pub(super) fn hold(&mut self, z: Towards, ticks: u64) -> Vec<Frame> {
         self.press = self.press.wrapping_add(1);
         let mut sent = Vec::new();
         for tick in 0..ticks {

@@ -11,3 +11,5 @@ mod position;
 mod programs;
 mod protection;
 mod threads;
+mod wheel;
+mod wheel_program;

@@ -2,6 +2,7 @@
 
 use super::BackgroundSide;
 use super::press::plan_press;
+use crate::board::command::Command;
 use crate::board::message::Order;
 use crate::board::queue::{put, room};
 use crate::board::ticker::Setup;
@@ -31,6 +32,12 @@ impl BackgroundSide<'_> {
             // There is room.
             let _ = put(&mut self.ends.presses, press);
             self.ends.order(&mut self.state.orders, Order::Press);
+        }
+        if self.ends.has_room()
+            && let Some(way) = self.state.device.turned()
+        {
+            let turned = Order::Command(Command::Turned(way));
+            self.ends.order(&mut self.state.orders, turned);
         }
         if self.ends.has_room()
             && let Some(signals) = self.state.device.signals()

@@ -1,16 +1,21 @@
 //! Plans what is asked of the axes by hand: a speed and a ramp for each.
 
 use crate::board::device::Asked;
-use crate::motion::{AxisPress, Limits, PathRate, Press};
+use crate::bus::Periods;
+use crate::motion::{AxisPress, Limits, PathRate, Press, Wheel};
 use crate::operating::Towards;
 use crate::params::Params;
-use crate::units::{Axes, Axis, Feed};
+use crate::units::{Axes, Axis, Feed, Length};
 
 /// Nanometres in a millimetre.
 const MM: i64 = 1_000_000;
 
-/// The press for the tick. No axis goes faster than its rapid (1420) and 9042; one without a reference, or that goes back to
-/// where a program was left, or with the door open, than 9043. `door`: it is open.
+/// The target of a handwheel may be so far behind it as 9046 is fast in this time: frames come every 20 to 25 ms, and each
+/// brings what was turned since the one before [D312].
+const WHEEL_MS: u32 = 50;
+
+/// The press for the tick. No axis goes faster than its rapid (1420) and 9042, or 9046 by handwheel; one without a
+/// reference, or that goes back to where a program was left, or with the door open, than 9043. `door`: it is open.
 pub fn plan_press(
     asked: &Asked,
     (referenced, door): (Axes, bool),
@@ -22,7 +27,11 @@ pub fn plan_press(
         Some(mm) => Feed::from_nm_per_min(i64::from(mm).saturating_mul(MM)),
         None => params.jog_feed(),
     };
-    let top = PathRate::of_feed(params.manual_rapid(), tick_us);
+    let highest = match asked.wheel {
+        true => params.wheel_speed(),
+        false => params.manual_rapid(),
+    };
+    let top = PathRate::of_feed(highest, tick_us);
     let speed = match asked.rapid {
         true => top,
         false => PathRate::of_feed(speed, tick_us),
@@ -33,16 +42,39 @@ pub fn plan_press(
             true => top,
             false => slow,
         };
+        if asked.wheel {
+            towards?;
+            return AxisPress::led(axis, top, limits);
+        }
         AxisPress::new((axis, towards?), (speed, top), asked.rapid, limits)
     };
+    let (x, z) = (plan(Axis::X, asked.x), plan(Axis::Z, asked.z));
+    let led = x.as_ref().or(z.as_ref()).filter(|_| asked.wheel);
     Press {
         number: asked.number,
-        x: plan(Axis::X, asked.x),
-        z: plan(Axis::Z, asked.z),
+        x,
+        z,
         at_rapid: asked.rapid,
         slow: door,
         way: asked.way,
+        wheel: led.map(|led| wheel(led, params)),
         until: asked.until,
         returns: asked.returns,
+    }
+}
+
+/// How a handwheel leads its axis.
+fn wheel(led: &AxisPress, params: &Params) -> Wheel {
+    let ticks = Periods::from_ms(WHEEL_MS, params.tick_us()).map_or(0, Periods::get);
+    let way = i64::from(led.speed.raw()).saturating_mul(ticks.into()) >> 8;
+    let follows = params.wheel_follows();
+    let more = if follows {
+        params.wheel_lag()
+    } else {
+        Length::ZERO
+    };
+    Wheel {
+        lag: Length::from_nm(way) + more,
+        warns: follows,
     }
 }

@@ -177,6 +177,14 @@ impl ObjectValues {
         self.mapped(Told::Beat, &BoardBeat::MAPPING, sub)
     }
 
+    /// 5002h:07.
+    pub(super) fn put_by_wheel(&mut self, value: u32) -> Result<(), Abort> {
+        self.set_by_wheel(value != 0).map_err(|alarm| {
+            self.deny(&alarm);
+            Abort::State
+        })
+    }
+
     /// The value with this sub-index in a PDO.
     fn mapped(&self, told: Told, mapping: &[Mapped], sub: u8) -> i64 {
         let before = mapping.iter().take_while(|mapped| mapped.object.sub != sub);

@@ -43,6 +43,7 @@ mod table;
 mod tell;
 mod threads;
 mod values;
+mod wheel;
 
 pub use offset_store::UNMARKED;
 pub use program_buffer::PROGRAM_BYTES;
@@ -75,7 +76,7 @@ use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
-use crate::units::Axis;
+use crate::units::{Axis, Length};
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.
 const URGENT: usize = 12;
@@ -301,7 +302,9 @@ impl Device {
                     self.answer(answer);
                 }
             }
-            Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 if self.nmt.state().allows_pdo() => {
+            Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 | Service::Rpdo4
+                if self.nmt.state().allows_pdo() =>
+            {
                 self.process(service, frame, params);
             }
             // Only a node with this number sends these frames, and this is the board itself.
@@ -329,6 +332,7 @@ impl Device {
         self.values.recorder.note(event);
         if let Event::Reset | Event::Finished | Event::Alarm(_) = event {
             self.values.program_buffer.close();
+            self.values.operating.end_by_wheel();
         }
     }
 
@@ -420,6 +424,11 @@ impl Device {
     /// What is asked of the axes by hand, once. Read it after the commands.
     pub const fn asked(&mut self) -> Option<Asked> {
         self.values.operating.take()
+    }
+
+    /// How far a handwheel has been turned that leads the program, once.
+    pub fn turned(&mut self) -> Option<Length> {
+        self.values.operating.take_turned()
     }
 
     /// The board's time, as TPDO5 tells it.

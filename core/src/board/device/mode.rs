@@ -14,6 +14,8 @@ pub enum Request {
     Jog,
     /// Move an axis by a length.
     Step,
+    /// Lead an axis by handwheel.
+    Wheel,
     /// Find the reference.
     Home,
     /// Begin the program, or the line.
@@ -77,10 +79,11 @@ impl Doing {
 /// # Errors
 /// [`Code::WrongMode`], [`Code::ProgramUnderWay`], [`Code::OffsetsAtWork`], [`Code::AlarmStands`], [`Code::NotAtRest`].
 pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), Alarm> {
-    use OperatingMode::{Automatic, Manual, Reference, Step};
+    use OperatingMode::{Automatic, Manual, Reference, Step, Wheel};
     let needed = match request {
         Request::Jog => Manual,
         Request::Step => Step,
+        Request::Wheel => Wheel,
         Request::Home => Reference,
         Request::Run if mode.runs() => mode,
         Request::Run => Automatic,
@@ -106,8 +109,10 @@ pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), 
         (_, Doing::Failing | Doing::Alarm) => Code::AlarmStands,
         (_, Doing::Starting | Doing::Stopping | Doing::Homing) => Code::NotAtRest,
         (_, _) if needed != mode => return Err(wrong(needed, mode)),
-        // The next press, or the next step, may come while the last one comes to rest.
-        (Request::Jog | Request::Step, Doing::ByHand) | (_, Doing::Nothing) => return Ok(()),
+        // The next press, step or claim may come while the last one comes to rest.
+        (Request::Jog | Request::Step | Request::Wheel, Doing::ByHand) | (_, Doing::Nothing) => {
+            return Ok(());
+        }
         (_, Doing::ByHand) => Code::NotAtRest,
     };
     Err(Alarm::of(refusal, &[]))
@@ -124,6 +129,7 @@ mod tests {
     const REQUESTS: [Request; 8] = [
         Request::Jog,
         Request::Step,
+        Request::Wheel,
         Request::Home,
         Request::Run,
         Request::Resume,
@@ -136,17 +142,17 @@ mod tests {
         admit(mode, request, doing).map_or_else(|alarm| alarm.number(), |()| 0)
     }
 
-    /// Columns: jog, step, home, run, resume, change, leave, offsets.
+    /// Columns: jog, step, wheel, home, run, resume, change, leave, offsets.
     #[test]
     fn the_table_at_rest() {
         use OperatingMode::{Automatic, Manual, Mdi, Reference, Step, Wheel};
         for (mode, wanted) in [
-            (Manual, [0, 4501, 4501, 4501, 0, 0, 0, 0]),
-            (Step, [4501, 0, 4501, 4501, 0, 0, 0, 0]),
-            (Wheel, [4501, 4501, 4501, 4501, 0, 0, 0, 0]),
-            (Reference, [4501, 4501, 0, 4501, 0, 0, 0, 4501]),
-            (Mdi, [4501, 4501, 4501, 0, 0, 0, 0, 0]),
-            (Automatic, [4501, 4501, 4501, 0, 0, 0, 0, 0]),
+            (Manual, [0, 4501, 4501, 4501, 4501, 0, 0, 0, 0]),
+            (Step, [4501, 0, 4501, 4501, 4501, 0, 0, 0, 0]),
+            (Wheel, [4501, 4501, 0, 4501, 4501, 0, 0, 0, 0]),
+            (Reference, [4501, 4501, 4501, 0, 4501, 0, 0, 0, 4501]),
+            (Mdi, [4501, 4501, 4501, 4501, 0, 0, 0, 0, 0]),
+            (Automatic, [4501, 4501, 4501, 4501, 0, 0, 0, 0, 0]),
         ] {
             let told = REQUESTS.map(|request| answer(mode, request, Doing::Nothing));
             assert_eq!(told, wanted, "{mode:?}");
@@ -159,48 +165,48 @@ mod tests {
         for (doing, by_hand, by_program) in [
             (
                 Doing::Program,
-                [4502, 4502, 4502, 4502, 0, 4502, 4502, 4580],
-                [4502, 4502, 4502, 4502, 0, 4502, 4502, 4580],
+                [4502, 4502, 4502, 4502, 4502, 0, 4502, 4502, 4580],
+                [4502, 4502, 4502, 4502, 4502, 0, 4502, 4502, 4580],
             ),
             (
                 Doing::Held,
-                [4502, 4502, 4502, 4502, 0, 4502, 0, 4580],
-                [4502, 4502, 4502, 4502, 0, 4502, 0, 4580],
+                [4502, 4502, 4502, 4502, 4502, 0, 4502, 0, 4580],
+                [4502, 4502, 4502, 4502, 4502, 0, 4502, 0, 4580],
             ),
             (
                 Doing::Left,
-                [0, 4501, 4502, 4502, 0, 4502, 0, 4580],
-                [4501, 4501, 4502, 4502, 0, 4502, 0, 4580],
+                [0, 4501, 4501, 4502, 4502, 0, 4502, 0, 4580],
+                [4501, 4501, 4501, 4502, 4502, 0, 4502, 0, 4580],
             ),
             (
                 Doing::ByHand,
-                [0, 4501, 4501, 4501, 0, 0, 0, 4507],
-                [4501, 4501, 4501, 4507, 0, 0, 0, 4507],
+                [0, 4501, 4501, 4501, 4501, 0, 0, 0, 4507],
+                [4501, 4501, 4501, 4501, 4507, 0, 0, 0, 4507],
             ),
             (
                 Doing::Starting,
-                [4507, 4507, 4507, 4507, 0, 0, 0, 0],
-                [4507, 4507, 4507, 4507, 0, 0, 0, 0],
+                [4507, 4507, 4507, 4507, 4507, 0, 0, 0, 0],
+                [4507, 4507, 4507, 4507, 4507, 0, 0, 0, 0],
             ),
             (
                 Doing::Homing,
-                [4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
-                [4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
             ),
             (
                 Doing::Stopping,
-                [4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
-                [4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
             ),
             (
                 Doing::Failing,
-                [4504, 4504, 4504, 4504, 0, 4504, 4504, 4507],
-                [4504, 4504, 4504, 4504, 0, 4504, 4504, 4507],
+                [4504, 4504, 4504, 4504, 4504, 0, 4504, 4504, 4507],
+                [4504, 4504, 4504, 4504, 4504, 0, 4504, 4504, 4507],
             ),
             (
                 Doing::Alarm,
-                [4504, 4504, 4504, 4504, 0, 0, 0, 0],
-                [4504, 4504, 4504, 4504, 0, 0, 0, 0],
+                [4504, 4504, 4504, 4504, 4504, 0, 0, 0, 0],
+                [4504, 4504, 4504, 4504, 4504, 0, 0, 0, 0],
             ),
         ] {
             let told = |mode| REQUESTS.map(|request| answer(mode, request, doing));

@@ -10,7 +10,7 @@ use crate::board::command::Command;
 use crate::board::ticker::State;
 use crate::bus::{
     BoardCommand, Emcy, Frame, JogRequest, NmtEvent, NmtState, PdoCommunication, Service,
-    StepRequest,
+    StepRequest, WheelRequest,
 };
 use crate::params::Params;
 
@@ -80,9 +80,10 @@ impl Device {
         self.say(boot_up);
     }
 
-    /// RPDO1, 2 or 3.
+    /// RPDO1, 2, 3 or 4.
     pub(super) fn process(&mut self, service: Service, frame: &Frame, params: &Params) {
-        let [command, jog, step] = self.values.pdos.received().map(PdoCommunication::is_valid);
+        let [command, jog, step, wheel] =
+            self.values.pdos.received().map(PdoCommunication::is_valid);
         match service {
             Service::Rpdo1 if command => self.command_of(frame, params),
             Service::Rpdo2 if jog => {
@@ -93,6 +94,11 @@ impl Device {
             Service::Rpdo3 if step => {
                 if let Some(request) = StepRequest::payload(frame) {
                     self.values.step(&request, params);
+                }
+            }
+            Service::Rpdo4 if wheel => {
+                if let Some(request) = WheelRequest::payload(frame) {
+                    self.values.wheel(&request, params);
                 }
             }
             _ => {}

@@ -5,7 +5,7 @@
 //! the board's answers and the gateway's constants come from here. A row without a clause that its access promises
 //! does not compile.
 //!
-//! Exceptions: the PDOs themselves read and write their communication objects (1400h–1402h, 1800h–1802h, 1804h), and
+//! Exceptions: the PDOs themselves read and write their communication objects (1400h–1403h, 1800h–1802h, 1804h), and
 //! `served` reads and writes the image of the parameter set and a batch of calls piece by piece.
 
 use super::item::{Access, Kind};
@@ -167,6 +167,8 @@ objects! {
     RPDO2_TRANSMISSION = transmission(0x1401);
     RPDO3_COB_ID = cob_id(0x1402, Service::Rpdo3);
     RPDO3_TRANSMISSION = transmission(0x1402);
+    RPDO4_COB_ID = cob_id(0x1403, Service::Rpdo4);
+    RPDO4_TRANSMISSION = transmission(0x1403);
     RPDO1_MAPPED_1 = map(0x1600, 1, &BoardCommand::MAPPING);
     RPDO1_MAPPED_2 = map(0x1600, 2, &BoardCommand::MAPPING);
     RPDO1_MAPPED_3 = map(0x1600, 3, &BoardCommand::MAPPING);
@@ -174,9 +176,10 @@ objects! {
     RPDO1_MAPPED_5 = map(0x1600, 5, &BoardCommand::MAPPING);
     RPDO1_MAPPED_6 = map(0x1600, 6, &BoardCommand::MAPPING);
     RPDO1_MAPPED_7 = map(0x1600, 7, &BoardCommand::MAPPING);
-    // A press and a step are no objects: alone, none of their bytes means anything.
+    // A press, a step and a wheel are no objects: alone, none of their bytes means anything.
     RPDO2_COUNT = fixed(0x1601, 0, "mapped objects", U8, 0);
     RPDO3_COUNT = fixed(0x1602, 0, "mapped objects", U8, 0);
+    RPDO4_COUNT = fixed(0x1603, 0, "mapped objects", U8, 0);
     TPDO1_COB_ID = cob_id(0x1800, Service::Tpdo1);
     TPDO1_TRANSMISSION = transmission(0x1800);
     TPDO1_EVENT_TIMER = event_timer(0x1800);
@@ -263,12 +266,15 @@ objects! {
         get |values, _| values.beat_fact(2);
     SESSION = mapped(0x5002, 3, "session that moves by hand", U8, Read),
         get |values, _| values.beat_fact(3);
-    PRESS = mapped(0x5002, 4, "last press or step", U8, Read),
+    PRESS = mapped(0x5002, 4, "last press, step or claim", U8, Read),
         get |values, _| values.beat_fact(4);
     PRESS_STATE = mapped(0x5002, 5, "what became of it", U8, Read),
         get |values, _| values.beat_fact(5);
     REFUSED = mapped(0x5002, 6, "why the last request was refused", U16, Read),
         get |values, _| values.beat_fact(6);
+    BY_WHEEL = within(item(0x5002, 7, "the next program follows the handwheel", U8, Both), 0, 1),
+        get |values, _| u8::from(values.operating.by_wheel()),
+        set |values, value, _| values.put_by_wheel(value);
     IMAGE = item(0x5010, 1, "image", Domain, Both);
     CHANGE_STATE = item(0x5010, 2, "state of the last change", U8, Read),
         get |values, _| values.parameter_store.state() as u8;

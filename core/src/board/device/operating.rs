@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! RPDO1 ─► order ─► (fresh?) ─► (does the mode let it in?) ─► command to the tick
-//! RPDO2, RPDO3 ─► press or step ─► (fresh? whose? the mode?) ─► Asked, planned by the owner ─► tick
+//! RPDO2, 3, 4 ─► press, step, wheel ─► (fresh? whose? the mode?) ─► Asked, planned by the owner ─► tick
 //! ```
 //!
 //! A refusal says why: in the event log, in 5002h:06 and in TPDO5. What is refused stays refused: the renewals of a refused
@@ -13,13 +13,14 @@
 use super::mode::{Doing, Request, admit};
 use super::steps::Steps;
 use super::values::ObjectValues;
+use super::wheel::WheelWay;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::board::command::Command;
 use crate::board::guard::Guard;
 use crate::board::ticker::State;
-use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest};
+use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest, WheelRequest};
 use crate::link::Event;
-use crate::operating::{Interlock, OperatingMode, PressState, Towards};
+use crate::operating::{Interlock, Led, OperatingMode, PressState, Towards};
 use crate::params::Params;
 use crate::units::{Axes, Length};
 
@@ -39,8 +40,10 @@ pub struct Asked {
     pub rapid: bool,
     /// Speed of the slide in mm/min; `None`: 9041.
     pub mm_per_min: Option<u16>,
-    /// A step of this length.
+    /// A step of this length; how far a handwheel has been turned since its claim.
     pub way: Option<Length>,
+    /// A handwheel leads the axis.
+    pub wheel: bool,
     /// The last tick in which the press is alive.
     pub until: Option<u32>,
     /// No press: back to where the program was left.
@@ -68,6 +71,11 @@ pub struct Operating {
     /// How long the axes have stood since.
     stood: Periods,
     steps: Steps,
+    wheel: WheelWay,
+    /// The last press is the claim of a wheel that leads a program.
+    on_path: bool,
+    /// 5002h:07: the next program, or the one under way, follows a handwheel.
+    by_wheel: bool,
     asked: Option<Asked>,
     /// A program was left, and no program has been under way since.
     left: bool,
@@ -82,6 +90,24 @@ impl Operating {
     /// The beat.
     pub const fn beat(&self) -> Beat {
         Beat::new((self.time_us / 1000) as u16)
+    }
+
+    /// The next program, or the one under way, follows a handwheel.
+    pub const fn by_wheel(&self) -> bool {
+        self.by_wheel
+    }
+
+    /// No program follows a handwheel any more.
+    pub const fn end_by_wheel(&mut self) {
+        self.by_wheel = false;
+    }
+
+    /// How far a handwheel has been turned that leads a program, once.
+    pub fn take_turned(&mut self) -> Option<Length> {
+        if !self.on_path || !self.by_wheel {
+            return None;
+        }
+        Some(self.wheel.take()).filter(|way| *way != Length::ZERO)
     }
 
     /// What is asked of the axes, once.
@@ -143,6 +169,11 @@ impl ObjectValues {
             PressState::None
         } else if operating.denied {
             PressState::Refused
+        } else if operating.on_path {
+            match operating.by_wheel {
+                true => PressState::Runs,
+                false => PressState::Ended,
+            }
         } else if number == operating.number {
             state
         } else {
@@ -256,6 +287,7 @@ impl ObjectValues {
             rapid: true,
             mm_per_min: None,
             way: None,
+            wheel: false,
             until: None,
             returns: true,
         });
@@ -297,6 +329,7 @@ impl ObjectValues {
             rapid: request.rapid,
             mm_per_min: (request.mm_per_min != 0).then_some(request.mm_per_min),
             way: None,
+            wheel: false,
             until: Some(until),
             returns: false,
         });
@@ -336,9 +369,72 @@ impl ObjectValues {
             rapid: false,
             mm_per_min: None,
             way: Some(way.abs()),
+            wheel: false,
             until: (way.abs() > SHORT).then_some(until),
             returns: false,
         });
+    }
+
+    /// A handwheel (RPDO4).
+    pub(super) fn wheel(&mut self, request: &WheelRequest, params: &Params) {
+        let Some(until) = self.deadline(request.echo, params) else {
+            return;
+        };
+        let Some(is_new) = self.claim(request.session, request.claim, params) else {
+            return;
+        };
+        if is_new {
+            if request.leads == Led::Path {
+                self.claim_path(request);
+            } else {
+                let admitted = self.admit_by_hand(Request::Wheel);
+                self.count_press(request.session, request.claim, admitted);
+            }
+            self.operating.wheel = WheelWay::begin(request);
+        }
+        if self.operating.denied
+            || !self.operating.wheel.turn(request, params)
+            || request.leads == Led::Path
+        {
+            return;
+        }
+        self.operating.asked = Some(Asked {
+            number: self.operating.number,
+            x: (request.leads == Led::X).then_some(Towards::Plus),
+            z: (request.leads == Led::Z).then_some(Towards::Plus),
+            rapid: false,
+            mm_per_min: None,
+            way: Some(self.operating.wheel.way()),
+            wheel: true,
+            until: Some(until),
+            returns: false,
+        });
+    }
+
+    /// A new claim of a wheel that leads a program.
+    fn claim_path(&mut self, request: &WheelRequest) {
+        let operating = &mut self.operating;
+        (operating.session, operating.press) = (request.session, request.claim);
+        (operating.on_path, operating.denied) = (true, !operating.by_wheel);
+        if operating.by_wheel {
+            self.accept();
+        } else {
+            self.deny(&Alarm::of(Code::NothingFollows, &[]));
+        }
+    }
+
+    /// The next program follows a handwheel, or does not.
+    pub(super) fn set_by_wheel(&mut self, by_wheel: bool) -> Result<(), Alarm> {
+        if self.snapshot.in_program {
+            return Err(Alarm::of(Code::ProgramUnderWay, &[]));
+        }
+        self.operating.by_wheel = by_wheel;
+        if self.operating.on_path {
+            // What was turned while no program followed.
+            self.operating.wheel.take();
+        }
+        self.command(Command::ByWheel(by_wheel));
+        Ok(())
     }
 
     /// The last tick in which a frame with this echo moves anything; `None` for an echo that is too old or of the future.
@@ -419,6 +515,7 @@ impl ObjectValues {
         let operating = &mut self.operating;
         (operating.session, operating.press) = (session, press);
         operating.denied = admitted.is_err();
+        operating.on_path = false;
         match admitted {
             Ok(()) => {
                 operating.number = operating.number.wrapping_add(1);

@@ -67,9 +67,11 @@ pub static GROUPS: &[Group] = &[
     group(0x1400, "RPDO1 communication"),
     group(0x1401, "RPDO2 communication"),
     group(0x1402, "RPDO3 communication"),
+    group(0x1403, "RPDO4 communication"),
     group(0x1600, "RPDO1 mapping"),
     group(0x1601, "RPDO2 mapping"),
     group(0x1602, "RPDO3 mapping"),
+    group(0x1603, "RPDO4 mapping"),
     group(0x1800, "TPDO1 communication"),
     group(0x1801, "TPDO2 communication"),
     group(0x1802, "TPDO3 communication"),
@@ -267,7 +269,7 @@ pub(super) const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Line {
 
 pub(super) const fn cob_id(index: u16, service: Service) -> Line {
     let rtr = match service {
-        Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 => 0,
+        Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 | Service::Rpdo4 => 0,
         _ => 1 << 30,
     };
     of_node(index, 1, "COB-ID", Both, rtr | service as u32)

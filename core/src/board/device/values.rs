@@ -105,9 +105,9 @@ impl Told {
     pub const ALL: [Self; 4] = [Self::Status, Self::Place, Self::Spindle, Self::Beat];
 }
 
-/// The communication of the board's PDOs: RPDO1 to 3, TPDO1 to 3, and TPDO5.
+/// The communication of the board's PDOs: RPDO1 to 4, TPDO1 to 3, and TPDO5.
 #[derive(Debug)]
-pub struct Pdos([PdoCommunication; 7]);
+pub struct Pdos([PdoCommunication; 8]);
 
 impl Pdos {
     #[inline(never)]
@@ -118,6 +118,7 @@ impl Pdos {
             PdoCommunication::received(Service::Rpdo1, node),
             PdoCommunication::received(Service::Rpdo2, node),
             PdoCommunication::received(Service::Rpdo3, node),
+            PdoCommunication::received(Service::Rpdo4, node),
             PdoCommunication::sent(Service::Tpdo1, node, event_ms),
             PdoCommunication::sent(Service::Tpdo2, node, event_ms),
             PdoCommunication::sent(Service::Tpdo3, node, event_ms),
@@ -125,21 +126,21 @@ impl Pdos {
         ])
     }
 
-    /// RPDO1, 2 and 3.
-    pub const fn received(&self) -> [&PdoCommunication; 3] {
-        let [command, jog, step, ..] = &self.0;
-        [command, jog, step]
+    /// RPDO1, 2, 3 and 4.
+    pub const fn received(&self) -> [&PdoCommunication; 4] {
+        let [command, jog, step, wheel, ..] = &self.0;
+        [command, jog, step, wheel]
     }
 
     /// The PDOs of [`Told::ALL`].
     pub fn sent(&self, place: usize) -> Option<&PdoCommunication> {
-        let [_, _, _, sent @ ..] = &self.0;
+        let [_, _, _, _, sent @ ..] = &self.0;
         sent.get(place)
     }
 
     /// Event timer of the status.
     pub const fn event_ms(&self) -> u16 {
-        let [_, _, _, status, ..] = &self.0;
+        let [_, _, _, _, status, ..] = &self.0;
         status.event_ms()
     }
 
@@ -149,10 +150,11 @@ impl Pdos {
             0x1400 => 0,
             0x1401 => 1,
             0x1402 => 2,
-            0x1800 => 3,
-            0x1801 => 4,
-            0x1802 => 5,
-            0x1804 => 6,
+            0x1403 => 3,
+            0x1800 => 4,
+            0x1801 => 5,
+            0x1802 => 6,
+            0x1804 => 7,
             _ => usize::MAX,
         }
     }

@@ -2,6 +2,7 @@
 
 use super::away::Away;
 use super::functions::ChuckWait;
+use super::handwheel::Handwheel;
 use super::spindle::SpindleMode;
 use super::{Notice, Setup, State, Ticker};
 use crate::board::command::Switching;
@@ -44,6 +45,7 @@ impl Ticker {
             drives,
             now: _,
             jog,
+            handwheel,
             home,
             machine,
             function,
@@ -76,6 +78,7 @@ impl Ticker {
         (*function, *resuming) = (None, None);
         *chuck_wait = ChuckWait::default();
         jog.begin_anew();
+        *handwheel = Handwheel::OFF;
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.
         executor.set_position(told);

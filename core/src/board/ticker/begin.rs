@@ -32,6 +32,9 @@ impl Ticker {
             return None;
         }
         let stops = self.course.next(ends)?.stops;
+        if self.handwheel.is_on() && self.asks_for_start(ends) {
+            return None;
+        }
         if self.course.pauses_before(stops, self.operator.single_block)
             || self.operator.hold && !stops.hold_not_before
         {

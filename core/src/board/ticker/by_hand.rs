@@ -2,7 +2,9 @@
 //!
 //! Says when a press may move the machine, and ends it where something else does. Must not know who presses.
 
-use super::{State, Ticker};
+use super::{Ends, State, Ticker, emit};
+use crate::alarm::{Alarm, Code};
+use crate::link::Event;
 use crate::motion::{AxisTravel, JogConditions, Press};
 use crate::units::Axis;
 
@@ -49,7 +51,7 @@ impl Ticker {
     /// One tick of the axes that are moved by hand.
     #[cold]
     #[inline(never)]
-    pub(super) fn move_by_hand(&mut self) {
+    pub(super) fn move_by_hand(&mut self, ends: &mut Ends<'_>) {
         if self.operator.hold {
             self.jog.release();
             self.stay_away();
@@ -61,7 +63,10 @@ impl Ticker {
         };
         let mut position = self.executor.position();
         let (x, z) = self.travel();
-        self.jog.tick(&conditions, &x, &z, &mut position);
+        if self.jog.tick(&conditions, &x, &z, &mut position) {
+            let warning = Alarm::of(Code::WheelTooFast, &[]);
+            emit(&mut ends.events, Event::Warning(warning));
+        }
         self.executor.set_position(position);
     }
 }

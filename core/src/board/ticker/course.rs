@@ -180,6 +180,11 @@ impl Course {
         self.paused
     }
 
+    /// The program stops before the next segment.
+    pub(super) const fn pause(&mut self) {
+        self.paused = true;
+    }
+
     /// The operator lets the program go on.
     pub(super) const fn resume(&mut self) {
         self.paused = false;

@@ -120,13 +120,19 @@ impl Ticker {
     #[inline(never)]
     pub(super) fn note_way_out(&mut self, press: &Press) {
         let here = self.executor.position();
-        if let Some(left) = &mut self.left
-            && left.aside.position() == here
-        {
-            left.first = match (&press.x, &press.z) {
-                (None, Some(z)) => (true, z.towards),
-                (Some(x), _) => (false, x.towards),
-                (None, None) => left.first,
+        if let Some(left) = &mut self.left {
+            let point = left.aside.position();
+            let out = |on_z| along(on_z, here) - along(on_z, point);
+            // As long as one axis alone has left, its side counts, whichever way it went first.
+            left.first = match (out(false), out(true)) {
+                (Length::ZERO, Length::ZERO) => match (&press.x, &press.z) {
+                    (None, Some(z)) => (true, press.side(z)),
+                    (Some(x), _) => (false, press.side(x)),
+                    (None, None) => left.first,
+                },
+                (x, Length::ZERO) => (false, Towards::of(x)),
+                (Length::ZERO, z) => (true, Towards::of(z)),
+                _ => left.first,
             };
         }
     }

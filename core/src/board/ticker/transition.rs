@@ -39,6 +39,7 @@ impl Ticker {
     /// The program is over. Whether the spindle stops is for the caller.
     pub(super) fn transition_to_idle(&mut self, events: &mut EventIn<'_>) {
         self.course.end_program();
+        self.handwheel.set(false);
         self.state = State::Idle;
         emit(events, Event::Finished);
     }
@@ -123,6 +124,7 @@ impl Ticker {
         self.note_stop();
         self.course.end_program();
         self.left = None;
+        self.handwheel.set(false);
         self.spindle.stop();
         self.resuming = None;
         self.stood = 0;

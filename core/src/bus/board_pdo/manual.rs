@@ -13,10 +13,16 @@
 //! | | 2 | axis: 0 X, 1 Z |
 //! | | 3–5 | way of the slide in 0.1 µm, signed |
 //! | | 6–7 | echo |
+//! | RPDO4 | 0 | session of the operator, 1–255 |
+//! | | 1 | what the handwheel leads: 0 X, 1 Z, 2 a program along its path |
+//! | | 2 | increments that a count is worth: 1, 10 or 100 |
+//! | | 3 | claim: a new number for every claim |
+//! | | 4–5 | count of the wheel; it wraps |
+//! | | 6–7 | echo |
 //! | TPDO5 | 0–1 | 5002h:01: beat, the board's time in ms |
 //! | | 2 | 5002h:02: mode of operation of the machine, see [`OperatingMode`] |
 //! | | 3 | 5002h:03: session that owns the jogging; 0: none |
-//! | | 4 | 5002h:04: its last press |
+//! | | 4 | 5002h:04: its last press, step or claim |
 //! | | 5 | 5002h:05: what became of it, see [`PressState`] |
 //! | | 6–7 | 5002h:06: number of the alarm for which the last request was refused; 0: none |
 //!
@@ -26,7 +32,7 @@
 use super::order::Beat;
 use crate::bus::frame::{CobId, Frame, NodeId, Service};
 use crate::bus::mapping::Mapped;
-use crate::operating::{OperatingMode, PressState, Towards};
+use crate::operating::{Led, OperatingMode, PressState, Towards, WheelFactor};
 
 /// RPDO2: a press, or its release.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,6 +182,70 @@ impl StepRequest {
     }
 }
 
+/// RPDO4: a handwheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WheelRequest {
+    /// The operator who turns it.
+    pub session: u8,
+    /// What it leads.
+    pub leads: Led,
+    /// What a count is worth.
+    pub factor: WheelFactor,
+    /// Number of the claim.
+    pub claim: u8,
+    /// Where the wheel is. It wraps.
+    pub count: u16,
+    /// The newest beat that the sender has heard.
+    pub echo: Beat,
+}
+
+impl WheelRequest {
+    /// The frame to the board `node`.
+    #[must_use]
+    pub const fn frame(self, node: NodeId) -> Frame {
+        let [a, b] = self.count.to_le_bytes();
+        let [c, d] = self.echo.ms().to_le_bytes();
+        Frame::of(
+            CobId::of(Service::Rpdo4, node),
+            [
+                self.session,
+                self.leads as u8,
+                self.factor as u8,
+                self.claim,
+                a,
+                b,
+                c,
+                d,
+            ],
+        )
+    }
+
+    /// The board and its request, if `frame` is an RPDO4 with something to lead and a factor that a wheel can have.
+    #[must_use]
+    pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
+        let (Service::Rpdo4, node) = frame.id().service()? else {
+            return None;
+        };
+        Some((node, Self::payload(frame)?))
+    }
+
+    /// The request in a frame that is known to carry one.
+    pub(crate) fn payload(frame: &Frame) -> Option<Self> {
+        let [session, leads, factor, claim, a, b, c, d] = frame.exactly()?;
+        if session == 0 {
+            return None;
+        }
+        Some(Self {
+            session,
+            leads: Led::from_raw(leads)?,
+            factor: WheelFactor::from_raw(factor)?,
+            claim,
+            count: u16::from_le_bytes([a, b]),
+            echo: Beat::new(u16::from_le_bytes([c, d])),
+        })
+    }
+}
+
 /// TPDO5 of the board: its beat, its mode, and what became of the last press.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardBeat {
@@ -185,7 +255,7 @@ pub struct BoardBeat {
     pub mode: OperatingMode,
     /// The session that owns the jogging; 0: none.
     pub session: u8,
-    /// Number of its last press or step.
+    /// Number of its last press, step or claim.
     pub press: u8,
     /// What became of it.
     pub state: PressState,
@@ -297,6 +367,30 @@ mod tests {
             let frame = step.frame(NODE);
             assert_eq!(frame.id().get(), 0x401);
             assert_eq!(StepRequest::decode(&frame), Some((NODE, step)));
+        }
+    }
+
+    #[test]
+    fn a_wheel_has_its_bytes() {
+        let wheel = WheelRequest {
+            session: 3,
+            leads: Led::Path,
+            factor: WheelFactor::Hundred,
+            claim: 9,
+            count: 0xFFFE,
+            echo: Beat::new(0x0102),
+        };
+        let frame = wheel.frame(NODE);
+        assert_eq!(frame.id().get(), 0x501);
+        assert_eq!(frame.payload(), [3, 2, 100, 9, 0xFE, 0xFF, 2, 1]);
+        assert_eq!(WheelRequest::decode(&frame), Some((NODE, wheel)));
+        // Nobody, an unknown axis, an unknown factor.
+        for bytes in [
+            [0, 0, 1, 0, 0, 0, 0, 0],
+            [1, 3, 1, 0, 0, 0, 0, 0],
+            [1, 0, 2, 0, 0, 0, 0, 0],
+        ] {
+            assert_eq!(WheelRequest::decode(&Frame::of(frame.id(), bytes)), None);
         }
     }
 

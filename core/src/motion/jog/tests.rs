@@ -61,6 +61,7 @@ impl Bench {
             at_rapid: false,
             slow: false,
             way: None,
+            wheel: None,
             until: Some(until),
             returns: false,
         };
@@ -75,21 +76,38 @@ impl Bench {
             at_rapid: false,
             slow: false,
             way: Some(way),
+            wheel: None,
             until: None,
             returns: false,
         };
         self.jog.press(&press, &self.x, &self.z);
     }
 
-    /// One tick, within every limit of the axes.
-    fn tick(&mut self) {
+    /// A claim of the handwheel on Z, or its next frame: turned so far since its beginning.
+    fn turn(&mut self, number: u8, way: Length, wheel: Wheel, until: u32) {
+        let z = AxisPress::led(Axis::Z, speed(3_000), &self.limits);
+        let press = Press {
+            number,
+            x: None,
+            z,
+            at_rapid: false,
+            way: Some(way),
+            wheel: Some(wheel),
+            until: Some(until),
+        };
+        self.jog.press(&press, &self.x, &self.z);
+    }
+
+    /// One tick, within every limit of the axes. True where counts of a wheel are told to be too many.
+    fn tick(&mut self) -> bool {
         self.now = self.now.wrapping_add(1);
         let conditions = JogConditions {
             now: self.now,
             feed: self.feed,
             rapid: self.rapid,
         };
-        self.jog
+        let drops = self
+            .jog
             .tick(&conditions, &self.x, &self.z, &mut self.position);
         let new = [self.position.x.nm(), self.position.z.nm()];
         for (place, axis) in [Axis::X, Axis::Z].into_iter().enumerate() {
@@ -109,6 +127,7 @@ impl Bench {
         self.past = [new, self.past[0], self.past[1]];
         assert!(self.position.x >= self.x.low && self.position.x <= self.x.high);
         assert!(self.position.z >= self.z.low && self.position.z <= self.z.high);
+        drops
     }
 
     fn rest(&mut self) {
@@ -287,4 +306,239 @@ fn whatever_is_pressed_the_axes_keep_their_limits() {
         }
         assert!(!bench.jog.is_busy(), "seed {seed}");
     });
+}
+
+/// 50 ms of 3 m/min.
+const DROPS: Wheel = Wheel {
+    lag: mm_tenths(25),
+    warns: false,
+};
+const FOLLOWS: Wheel = Wheel {
+    lag: mm_tenths(35),
+    warns: true,
+};
+const ALIVE: u32 = u32::MAX / 4;
+/// No axis of the bench needs longer to come to rest behind a wheel, in ticks.
+const RUN_OUT: u32 = 300;
+
+const fn mm_tenths(tenths: i64) -> Length {
+    Length::from_nm(tenths * MM / 10)
+}
+
+impl Bench {
+    fn ticks(&mut self, ticks: u32) -> u32 {
+        (0..ticks).map(|_| u32::from(self.tick())).sum()
+    }
+
+    /// From `-250 mm` on.
+    fn in_the_middle() -> Self {
+        let mut bench = Self::new();
+        bench.position.z = mm(-250);
+        bench.past = [[0, -250 * MM]; 3];
+        bench
+    }
+}
+
+#[test]
+fn an_axis_comes_to_rest_where_the_wheel_has_led_it_and_a_claim_alone_moves_nothing() {
+    let mut bench = Bench::in_the_middle();
+    bench.turn(1, Length::ZERO, DROPS, ALIVE);
+    bench.ticks(100);
+    assert!(bench.jog.is_busy() && !bench.jog.moves());
+    for way in [1_000, 101_000, 1_101_000, 1_100_000, -1_000_000] {
+        bench.turn(1, Length::from_nm(way), DROPS, ALIVE);
+        bench.ticks(RUN_OUT);
+        assert_eq!(bench.position.z, mm(-250) + Length::from_nm(way));
+        assert!(!bench.jog.moves());
+    }
+    assert_eq!(bench.jog.last(), (1, PressState::Runs));
+    // The next claim counts from there, and the feed override does not act.
+    bench.feed = Rate::HOLD;
+    bench.turn(2, mm(2), DROPS, ALIVE);
+    bench.ticks(RUN_OUT);
+    assert_eq!(bench.position.z, mm(-249));
+}
+
+#[test]
+fn turned_against_the_end_of_its_travel_an_axis_stands_there_exactly_and_turns_back_at_once() {
+    let mut bench = Bench::new();
+    bench.position.z = mm(-3);
+    bench.past = [[0, -3 * MM]; 3];
+    for step in 1..=200 {
+        bench.turn(1, mm_tenths(step), DROPS, ALIVE);
+        bench.ticks(5);
+    }
+    bench.ticks(RUN_OUT);
+    assert_eq!(bench.position.z, mm(0));
+    bench.turn(1, mm_tenths(199), DROPS, ALIVE);
+    bench.ticks(RUN_OUT);
+    assert_eq!(bench.position.z, mm_tenths(-1));
+}
+
+#[test]
+fn beyond_its_travel_an_axis_is_led_back_only() {
+    let mut bench = Bench::in_the_middle();
+    bench.z.high = mm(-251);
+    // Within the travel again from the fourth on. In tenths of a millimetre: turned so far, at so much.
+    for (way, at) in [
+        (10, -2_500),
+        (5, -2_505),
+        (10, -2_505),
+        (-10, -2_525),
+        (10, -2_510),
+    ] {
+        bench.turn(1, mm_tenths(way), DROPS, ALIVE);
+        // Without what `Bench::tick` asserts of the travel.
+        let conditions = JogConditions {
+            now: 0,
+            feed: Rate::FULL,
+            rapid: Rate::FULL,
+        };
+        for _ in 0..RUN_OUT {
+            bench
+                .jog
+                .tick(&conditions, &bench.x, &bench.z, &mut bench.position);
+        }
+        assert_eq!(bench.position.z, mm_tenths(at));
+    }
+}
+
+#[test]
+fn without_frames_the_target_freezes_and_a_dead_claim_leads_nothing() {
+    let mut bench = Bench::in_the_middle();
+    bench.turn(1, mm(2), DROPS, 20);
+    bench.ticks(20);
+    assert_eq!(bench.jog.last(), (1, PressState::Runs));
+    bench.tick();
+    assert_eq!(bench.jog.last(), (1, PressState::Ended));
+    bench.rest();
+    // 20 ticks of 50 µm.
+    assert_eq!(bench.position.z, mm(-249));
+    bench.turn(1, mm(4), DROPS, ALIVE);
+    bench.ticks(RUN_OUT);
+    assert_eq!(bench.position.z, mm(-249));
+    // A new claim while the axis comes to rest from the one before.
+    bench.turn(2, mm(1), DROPS, ALIVE);
+    bench.ticks(10);
+    bench.turn(3, mm(1), DROPS, ALIVE);
+    bench.ticks(RUN_OUT);
+    assert_eq!(bench.position.z, mm(-249) + mm_tenths(15));
+}
+
+#[test]
+fn what_a_wheel_is_turned_too_fast_is_dropped_or_told_once_in_a_claim() {
+    for (wheel, told) in [(DROPS, 0), (FOLLOWS, 1)] {
+        let mut bench = Bench::in_the_middle();
+        for claim in 1..=2 {
+            let at = bench.position.z;
+            bench.turn(claim, mm(20), wheel, ALIVE);
+            let mut warned = bench.ticks(RUN_OUT);
+            assert_eq!(bench.position.z - at, wheel.lag);
+            bench.turn(claim, mm(40), wheel, ALIVE);
+            warned += bench.ticks(RUN_OUT);
+            assert_eq!(bench.position.z - at, wheel.lag + wheel.lag);
+            assert_eq!(warned, told);
+        }
+    }
+}
+
+/// A press follows a wheel, and a wheel a press, before the axis stands.
+#[test]
+fn a_press_and_a_wheel_take_turns_from_rest_only() {
+    let mut bench = Bench::in_the_middle();
+    let z = bench.ask(Axis::Z, Towards::Minus, 2_000);
+    bench.press(1, None, Some(z), 50);
+    bench.ticks(50);
+    bench.turn(2, mm(1), DROPS, ALIVE);
+    bench.ticks(2 * RUN_OUT);
+    let at = bench.position.z;
+    bench.turn(2, mm(3), DROPS, ALIVE);
+    bench.ticks(20);
+    bench.step(3, z, mm(1));
+    bench.ticks(2 * RUN_OUT);
+    assert_eq!(bench.position.z, at + mm(1) - mm(1));
+    assert_eq!(bench.jog.last(), (3, PressState::Ended));
+}
+
+/// However a wheel is turned: never beyond a limit of position, speed, acceleration or jerk, which [`Bench::tick`] asserts;
+/// always the two means of a target that never leaves the travel; and at rest the axis stands on it.
+#[test]
+fn however_a_wheel_is_turned_its_axis_keeps_its_limits() {
+    leadscrew_seed::volume(13, |seed| {
+        let mut state = seed | 1;
+        let mut random = |below: u64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % below
+        };
+        let mut bench = Bench::in_the_middle();
+        let most = speed(3_000).raw() as i64;
+        let (mut way, mut taken) = (0_i64, 0_i64);
+        let mut target = -250 * MM * 256;
+        let (low, high) = (-500 * MM * 256, 0);
+        bench.turn(1, Length::ZERO, DROPS, ALIVE);
+        for _ in 0..leadscrew_seed::amount(60, 600) {
+            let step = [1_000, 10_000, 100_000][random(3) as usize];
+            let counts = random(61) as i64 - 30;
+            for _ in 0..random(20) {
+                way += step * counts;
+                bench.turn(1, Length::from_nm(way), DROPS, ALIVE);
+                for _ in 0..random(30) {
+                    bench.tick();
+                    // The same again, from its definition.
+                    let lag = DROPS.lag.nm() * 256;
+                    let left = (way * 256 - taken).clamp(-lag, lag);
+                    let left = left.max(low - target).min(high - target);
+                    let step = left.clamp(-most, most);
+                    taken = way * 256 - left + step;
+                    target += step;
+                }
+            }
+            if random(4) == 0 {
+                bench.ticks(RUN_OUT);
+                let lag = DROPS.lag.nm() * 256;
+                let left = (way * 256 - taken).clamp(-lag, lag);
+                target = (target + left).clamp(low, high);
+                taken = way * 256;
+                assert_eq!(bench.position.z.nm() * 256, target, "seed {seed}");
+            }
+        }
+    });
+}
+
+/// A wheel that is turned no faster than its axis may go loses no count, however often and wherever it turns round.
+#[test]
+fn a_wheel_within_its_speed_loses_no_count() {
+    let mut state = 12_345_u64;
+    let mut random = |below: u64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    let mut bench = Bench::in_the_middle();
+    let (mut counted, mut count) = (0_u64, 0_i64);
+    let all = leadscrew_seed::amount(100_000, 10_000_000) as u64;
+    while counted < all {
+        // 50 µm in a tick are 50 counts of a micrometre.
+        let rate = random(50) as i64 + 1;
+        let towards = match count {
+            ..-200_000 => 1,
+            200_000.. => -1,
+            _ => random(2) as i64 * 2 - 1,
+        };
+        for _ in 0..random(400) {
+            count += towards * rate;
+            counted += rate as u64;
+            bench.turn(1, Length::from_nm(count * 1_000), DROPS, ALIVE);
+            bench.tick();
+        }
+        if random(20) == 0 {
+            bench.ticks(RUN_OUT);
+            assert_eq!(bench.position.z.nm(), -250 * MM + count * 1_000);
+        }
+    }
+    bench.ticks(RUN_OUT);
+    assert_eq!(bench.position.z.nm(), -250 * MM + count * 1_000);
 }

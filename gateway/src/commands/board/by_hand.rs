@@ -19,9 +19,9 @@ use crate::output;
 use crate::words::{Both, both};
 
 /// A press is renewed so often: with the beat of up to 10 ms before, well within the dead man's 100 ms.
-const RENEWAL: Duration = Duration::from_millis(20);
+pub(super) const RENEWAL: Duration = Duration::from_millis(20);
 /// The board's answer to a press comes with its beat, every 10 ms by default.
-const ANSWER: Duration = Duration::from_secs(1);
+pub(super) const ANSWER: Duration = Duration::from_secs(1);
 
 /// Enter has been pressed.
 static ENTER: AtomicBool = AtomicBool::new(false);
@@ -125,7 +125,7 @@ impl Wish {
 
 /// How a press has ended.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum End {
+pub(super) enum End {
     /// As it was asked.
     Done,
     /// At the limit of the travel.
@@ -144,11 +144,10 @@ struct Press {
 impl Press {
     /// A session of this process, and a number that the board has not seen of it.
     fn new(link: &Link, wish: Wish) -> Self {
-        let session = (std::process::id() % 255 + 1) as u8;
-        let last = link.seen.beat.filter(|told| told.session == session);
+        let (session, number) = own(link);
         Self {
             session,
-            number: last.map_or(1, |told| told.press.wrapping_add(1)),
+            number,
             wish,
         }
     }
@@ -218,16 +217,23 @@ impl Press {
     }
 }
 
+/// The session of this process, and a number that the board has not seen of it.
+pub(super) fn own(link: &Link) -> (u8, u8) {
+    let session = (std::process::id() % 255 + 1) as u8;
+    let last = link.seen.beat.filter(|told| told.session == session);
+    (session, last.map_or(1, |told| told.press.wrapping_add(1)))
+}
+
 /// Why the board does not move.
-fn refusal(link: &mut Link) -> Failure {
+pub(super) fn refusal(link: &mut Link) -> Failure {
     match link.refusal() {
         Err(trouble) => trouble.into(),
         Ok(Some(reason)) => link.refused_by(reason).into(),
         Ok(None) => {
             let node = link.node().get();
             Failure::Bus(both!(
-                "node {node} does not answer to a press: its RPDO2, RPDO3 and TPDO5 have to be in use (1401h, 1402h, 1804h)",
-                "节点 {node} 对手动请求没有应答：其 RPDO2、RPDO3 与 TPDO5 须启用（1401h、1402h、1804h）"
+                "node {node} does not answer to a press: its RPDO2 to RPDO4 and TPDO5 have to be in use (1401h to 1403h, 1804h)",
+                "节点 {node} 对手动请求没有应答：其 RPDO2 至 RPDO4 与 TPDO5 须启用（1401h 至 1403h、1804h）"
             ))
         }
     }
@@ -254,7 +260,7 @@ fn await_enter(global: &Global) {
 }
 
 /// Where the machine has come to.
-fn tell(global: &Global, link: &mut Link, end: End) -> Outcome {
+pub(super) fn tell(global: &Global, link: &mut Link, end: End) -> Outcome {
     // The answer comes before the axis stands.
     link.wait_at_rest()?;
     let status = link.status()?;

@@ -9,6 +9,7 @@ mod operate;
 mod resume;
 mod run;
 mod status;
+mod wheel;
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::BoardState;
@@ -27,6 +28,7 @@ pub use operate::{levels, order, signal};
 pub use resume::resume;
 pub use run::{no_figures, run};
 pub use status::status;
+pub use wheel::wheel;
 
 /// The bus and the number of the options; nothing has been said yet.
 pub fn open(global: &Global) -> Outcome<Link> {

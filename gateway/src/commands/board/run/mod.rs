@@ -130,7 +130,15 @@ pub fn perform<'a>(
     interrupt::defer(UnderWay::Machine);
     let (_, threads) = link.certificates()?;
     let bar = tell::bar(report.moves, global.json, setup.lang);
-    let (mut ran, outcome) = work::carry_out(&setup, source, &mut link, status, &threads, bar);
+    let (mut ran, outcome) = work::carry_out(
+        &setup,
+        source,
+        &mut link,
+        status,
+        &threads,
+        args.handwheel,
+        bar,
+    );
     for diagnostic in ran.alarms.iter().chain(&ran.warnings) {
         diagnostics::print(diagnostic, setup.colour);
     }

@@ -5,6 +5,7 @@
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use indicatif::ProgressBar;
+use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::call::Position;
@@ -79,6 +80,7 @@ pub fn carry_out(
     link: &mut Link,
     status: Status,
     threads: &[ThreadCertificate],
+    by_wheel: bool,
     bar: ProgressBar,
 ) -> (Ran, Outcome) {
     let mut runner = Runner {
@@ -95,6 +97,7 @@ pub fn carry_out(
         late: status.late,
         before: 0,
         checked: status,
+        by_wheel,
         held: false,
         bar,
     };
@@ -147,6 +150,8 @@ struct Runner<'a> {
     /// Moves of the passes before this one.
     before: u64,
     bar: ProgressBar,
+    /// The program follows a handwheel.
+    by_wheel: bool,
     /// The hold has been reported.
     held: bool,
     /// Times of reading the certificates of threads.
@@ -266,6 +271,7 @@ impl Runner<'_> {
             }
             // In virtual time the board waits from here on before it overwrites a certificate.
             self.link.take_threads(self.ran.threads.whole())?;
+            self.link.set_by_wheel(self.by_wheel)?;
             self.link.order(Order::Run)?;
             *started = true;
         }
@@ -515,6 +521,11 @@ impl Runner<'_> {
             Event::Alarm(alarm) => {
                 let alarm = placed(alarm, self.ran.line);
                 self.ran.alarms.push(feeder.words(&alarm));
+            }
+            Event::Warning(warning) if warning.code == Code::RunsByItself => {
+                let words = feeder.words(&warning);
+                self.bar
+                    .suspend(|| diagnostics::print(&words, self.setup.colour));
             }
             // What an operator was refused is told where it was asked.
             Event::Warning(warning) if BY_MODE.contains(&warning.number()) => {}

@@ -8,7 +8,7 @@ use leadscrew_core::bus::{
     Abort, Beat, BoardBeat, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer,
     HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, JogRequest, NmtSlave, Object, Objects,
     Order, OrderGate, PdoCommunication, SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload,
-    Service, StepRequest,
+    Service, StepRequest, WheelRequest,
 };
 
 /// Calls all entries of this module.
@@ -146,6 +146,8 @@ fn board_pdos() {
     sink(JogRequest::decode(&any()));
     sink(any::<StepRequest>().frame(any()));
     sink(StepRequest::decode(&any()));
+    sink(any::<WheelRequest>().frame(any()));
+    sink(WheelRequest::decode(&any()));
     sink(Order::from_raw(any()));
     sink(any::<BoardCommand>().frame(any()));
     sink(BoardCommand::order(any(), any()));
