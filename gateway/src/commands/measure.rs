@@ -11,6 +11,7 @@ use crate::inspection::samples::Cutting;
 use crate::inspection::{Cut, picture, result, sheet};
 use crate::json::Json;
 use crate::output;
+use crate::page;
 use crate::plot;
 use crate::profiles::Chosen;
 use crate::setup::Setup;
@@ -54,7 +55,7 @@ pub fn run(setup: &Setup, args: &Measure) -> Outcome {
                 let title = super::plot::title(&args.program);
                 let drawn = plot::svg(&title, &picture::sheets(&cuts, setup.lang), setup.lang);
                 let all = if ending == "html" {
-                    plot::page(&title, &drawn, &sheet::text(&cuts, setup.lang), setup.lang)
+                    page::sheet(&title, &drawn, &sheet::text(&cuts, setup.lang), setup.lang)
                 } else {
                     drawn
                 };

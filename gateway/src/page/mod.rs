@@ -4,12 +4,14 @@
 //! Turns strokes and samples into text; knows nothing of programs or machines. What the page does with them is
 //! `page.js`.
 
+mod sheet;
 mod way;
 
 use std::fmt::Write as _;
 
 use leadscrew_core::alarm::Lang;
 
+pub use self::sheet::sheet;
 pub use self::way::Way;
 
 use crate::json::Json;

@@ -10,7 +10,7 @@ mod time;
 
 pub use path::{Kind, Stroke, View};
 pub use series::{Envelope, Sample};
-pub use thread::{Chip, Curve, Line, Sheet, page, svg};
+pub use thread::{Chip, Curve, Line, Sheet, svg};
 
 use leadscrew_core::alarm::Lang;
 use svg::node::element::{Group, Rectangle, Style, Text};

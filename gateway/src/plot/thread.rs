@@ -115,26 +115,6 @@ pub fn svg(title: &str, sheets: &[Sheet], lang: Lang) -> String {
     format!("{document}\n")
 }
 
-/// A page that needs nothing else: the picture, and the sheet as text.
-#[must_use]
-pub fn page(title: &str, svg: &str, sheet: &str, lang: Lang) -> String {
-    let escaped = |text: &str| {
-        text.replace('&', "&amp;")
-            .replace('<', "&lt;")
-            .replace('>', "&gt;")
-            .replace('"', "&quot;")
-    };
-    format!(
-        "<!doctype html>\n<html lang=\"{code}\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n\
-         :root{{color-scheme:light dark}}\nbody{{max-width:1280px;margin:1rem auto;font-family:system-ui,sans-serif}}\n\
-         svg{{width:100%;height:auto}}\npre{{font:14px/1.45 ui-monospace,monospace;overflow-x:auto}}\n</style>\n</head>\n\
-         <body>\n{svg}<pre>\n{sheet}</pre>\n</body>\n</html>\n",
-        code = pick(lang, "en", "zh"),
-        title = escaped(title),
-        sheet = escaped(sheet),
-    )
-}
-
 /// One thread; returns the lower edge.
 fn draw(body: &mut Group, top: f64, n: usize, sheet: &Sheet, lang: Lang) -> f64 {
     body.append(text(MARGIN, top, "sheet", &sheet.name));
@@ -329,7 +309,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_thread_of_nothing_is_a_picture_and_a_page() {
+    fn a_thread_of_nothing_is_a_picture() {
         let sheet = Sheet {
             name: "<M1>".into(),
             figures: String::new(),
@@ -344,8 +324,5 @@ mod tests {
             "{drawn}"
         );
         assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
-        let page = page("a & b", &drawn, "1 < 2\n", Lang::Zh);
-        assert!(page.contains("<title>a &amp; b</title>") && page.contains("1 &lt; 2\n"));
-        assert!(page.contains("lang=\"zh\"") && !page.contains("http-equiv"));
     }
 }

@@ -269,7 +269,7 @@ fn pictures_pages_and_results_as_files() {
     );
     let text = std::fs::read_to_string(&page).unwrap();
     assert!(
-        text.starts_with("<!doctype html>") && text.contains("<svg ") && text.contains("</html>")
+        text.starts_with("<!DOCTYPE html>") && text.contains("<svg ") && text.contains("</html>")
     );
     assert!(
         text.contains("通规可以通过") && text.contains("最大实体"),

@@ -39,6 +39,30 @@ fn a_wrong_lead() {
     }
 }
 
+/// A left-hand thread goes towards the face while the part turns the same way.
+#[test]
+fn towards_the_face() {
+    let made = Made {
+        lead: 3.002,
+        ..bolt()
+    };
+    let stock = made.stock();
+    let mut cutter =
+        crate::Cutter::new(crate::Work::new(stock, crate::Grid::of(&stock)), made.tool);
+    for mut sample in made.samples(0) {
+        sample.z = Mm(-made.turns * 3.0) - sample.z;
+        cutter.push(sample);
+    }
+    let found = measure(&cutter.finish(), &made.thread).unwrap();
+    within(found.lead.error.0, 0.002, 0.05);
+    within(found.pitch.mean, 37.9, 1e-5);
+    assert!(
+        found.drunkenness.worst.um() < 0.1,
+        "{:?}",
+        found.drunkenness
+    );
+}
+
 #[test]
 fn a_drunken_thread() {
     for (order, amplitude) in [(1, 0.005), (2, 0.002), (5, 0.003)] {
