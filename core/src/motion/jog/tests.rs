@@ -91,9 +91,11 @@ impl Bench {
             x: None,
             z,
             at_rapid: false,
+            slow: false,
             way: Some(way),
             wheel: Some(wheel),
             until: Some(until),
+            returns: false,
         };
         self.jog.press(&press, &self.x, &self.z);
     }
