@@ -341,9 +341,16 @@ pub enum Command {
     /// Without `--node` it names the other boards on the bus, too, which takes as long as they are silent at a time.
     #[command(after_help = examples::STATUS)]
     Status,
-    /// A live view of the board (not with `--bus sim`)
+    /// The panel: a live view of the board, and keys that operate it (not with `--bus sim`)
+    ///
+    /// `?` shows the keys. An axis moves while its arrow key is held where the terminal tells when a key is let go (kitty's
+    /// keyboard protocol); else arrows are steps.
     #[command(after_help = examples::MONITOR)]
-    Monitor,
+    Monitor {
+        /// Look only: no key but q does anything
+        #[arg(long)]
+        watch: bool,
+    },
     /// Feed hold (not with `--bus sim`)
     #[command(after_help = examples::HOLD)]
     Hold,
@@ -668,6 +675,18 @@ pub enum OverrideName {
     Rapid,
     /// Spindle.
     Spindle,
+}
+
+impl OverrideName {
+    /// The lowest and the highest percentage.
+    #[must_use]
+    pub const fn range(self) -> (u8, u8) {
+        match self {
+            Self::Feed => (0, 150),
+            Self::Rapid => (0, 100),
+            Self::Spindle => (50, 120),
+        }
+    }
 }
 
 /// `params`.

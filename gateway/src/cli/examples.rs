@@ -111,8 +111,9 @@ Examples:
   leadscrew status --state board.flash           what a simulated board has kept";
 
 pub(super) const MONITOR: &str = "\
-Example:
-  leadscrew monitor --bus can0     q ends the view";
+Examples:
+  leadscrew monitor --bus can0             ? shows the keys, q ends it
+  leadscrew monitor --bus can0 --watch     looks only";
 
 pub(super) const HOLD: &str = "\
 Example:

@@ -77,7 +77,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Up(args) => desk::up(&cli.global, args),
         Command::Down { name } => desk::down(&cli.global, name.as_ref()),
         Command::Sim { name, command } => desk::sim(&cli.global, name.as_ref(), *command),
-        Command::Monitor if is_real(cli) => board::monitor(&cli.global),
+        Command::Monitor { watch } if is_real(cli) => board::monitor(&cli.global, *watch),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
         Command::Resume if is_real(cli) => board::order(&cli.global, Order::Resume),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),

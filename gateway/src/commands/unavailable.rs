@@ -64,7 +64,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Offsets { .. } => "offsets",
         Command::Touch(_) => "touch",
         Command::Status => "status",
-        Command::Monitor => "monitor",
+        Command::Monitor { .. } => "monitor",
         Command::Hold => "hold",
         Command::Resume => "resume",
         Command::Home { .. } => "home",

@@ -6,7 +6,7 @@
 //! transfer  SDO transfers of whole values      feed     a program in batches, as the board has room
 //! params    a parameter set as a transaction   inside   a simulated board in this process, as a bus
 //! hold      the immediate hold                 round_trip  the time of an answer
-//! operate   mode, beat, refusals
+//! operate   mode, beat, refusals           meanwhile  work that goes on while this side waits
 //! ```
 //!
 //! A [`Link`] is one end of a bus and one board on it. It hears all frames while it waits: statuses, emergencies and
@@ -18,6 +18,7 @@ mod board;
 mod feed;
 mod hold;
 mod inside;
+mod meanwhile;
 mod offsets;
 mod operate;
 mod params;
@@ -41,6 +42,7 @@ use leadscrew_core::bus::{
 };
 
 use hold::Hold;
+use meanwhile::Meanwhile;
 use round_trip::RoundTrip;
 
 pub use board::BoardParams;
@@ -96,7 +98,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    fn note(&mut self, frame: &Frame, board: NodeId, own: NodeId) {
+    pub(crate) fn note(&mut self, frame: &Frame, board: NodeId, own: NodeId) {
         if let Some((command, node)) = NmtCommand::decode(frame)
             && node.is_none_or(|node| node == board)
         {
@@ -206,6 +208,8 @@ pub struct Link {
     listened: Duration,
     /// The immediate hold.
     hold: Hold,
+    /// Work that goes on while this side waits.
+    meanwhile: Meanwhile,
     /// Data heard.
     pub seen: Seen,
 }
@@ -252,6 +256,7 @@ impl Link {
             round_trip: RoundTrip::default(),
             listened: Duration::ZERO,
             hold: Hold::default(),
+            meanwhile: Meanwhile::default(),
             seen: Seen::default(),
         }
     }
@@ -352,6 +357,7 @@ impl Link {
     ) -> LinkResult<bool> {
         loop {
             self.hold_at_once()?;
+            self.go_on_meanwhile()?;
             let now = Instant::now();
             if let Some(beat) = &mut self.beat
                 && now >= beat.next
@@ -360,7 +366,7 @@ impl Link {
                 self.send(&[NmtState::Operational.frame(self.own)])?;
             }
             let wake = self.beat.map_or(until, |beat| beat.next.min(until));
-            let patience = wake.saturating_duration_since(now).min(GLANCE);
+            let patience = wake.saturating_duration_since(now).min(self.glance());
             let mut packets = std::mem::take(&mut self.packets);
             packets.clear();
             let received = self.can.receive(&mut packets, patience);

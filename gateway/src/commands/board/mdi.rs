@@ -187,43 +187,6 @@ impl Place {
         })
     }
 
-    /// The words that would set it.
-    fn words(&self) -> String {
-        let carried = &self.carried;
-        let unit = match carried.unit {
-            LengthUnit::Inch => 20,
-            LengthUnit::Metric => 21,
-        };
-        let (feed_mode, speed_mode) = (
-            98 + u8::from(carried.per_turn),
-            97 - u8::from(carried.in_surface),
-        );
-        let mut words = format!(
-            "G{:02} G{} G{unit} G{} G{feed_mode} G{speed_mode}",
-            carried.motion, carried.plane, carried.system
-        );
-        match carried.feed {
-            CarriedFeed::None => {}
-            CarriedFeed::PerMinute(feed) => {
-                words += &format!(" F{}", number::text::<6>(feed.nm_per_min()));
-            }
-            CarriedFeed::PerTurn(feed) => {
-                words += &format!(" F{}", number::text::<6>(feed.nm()));
-            }
-        }
-        let speed = match carried.surface {
-            Some(surface) if carried.in_surface => number::text::<9>(surface.nm_per_min()),
-            _ => carried.speed.to_string(),
-        };
-        let turns = match carried.direction {
-            1 => 3,
-            -1 => 4,
-            _ => 5,
-        };
-        words += &format!(" S{speed} M{turns:02} T--{:02}", carried.offset);
-        words
-    }
-
     /// X as a diameter, and Z, by the work zero and by the machine's.
     fn places(&self) -> [String; 4] {
         let (at, zero) = (self.position, self.origin);
@@ -233,7 +196,7 @@ impl Place {
     }
 
     fn text(&self, when: &str, lang: Lang) -> String {
-        let words = self.words();
+        let words = words(&self.carried);
         let [x, z, mx, mz] = self.places();
         let told = both!(
             "{when}  {words}   X {x}  Z {z}   (machine X {mx}  Z {mz})\n",
@@ -244,12 +207,55 @@ impl Place {
 
     fn fields(&self, json: &mut Json) {
         let (at, zero) = (self.position, self.origin);
-        json.text("modal", &self.words());
+        json.text("modal", &words(&self.carried));
         json.decimal::<6>("x", (at.x - zero.x).nm().saturating_mul(2));
         json.decimal::<6>("z", (at.z - zero.z).nm());
         json.decimal::<6>("mx", at.x.nm().saturating_mul(2));
         json.decimal::<6>("mz", at.z.nm());
     }
+}
+
+/// The words that would set what is in force.
+pub fn words(carried: &Carried) -> String {
+    let unit = match carried.unit {
+        LengthUnit::Inch => 20,
+        LengthUnit::Metric => 21,
+    };
+    let (feed_mode, speed_mode) = (
+        98 + u8::from(carried.per_turn),
+        97 - u8::from(carried.in_surface),
+    );
+    let mut words = format!(
+        "G{:02} G{} G{unit} G{} G{feed_mode} G{speed_mode}",
+        carried.motion, carried.plane, carried.system
+    );
+    match carried.feed {
+        CarriedFeed::None => {}
+        CarriedFeed::PerMinute(feed) => {
+            words += &format!(" F{}", number::text::<6>(feed.nm_per_min()));
+        }
+        CarriedFeed::PerTurn(feed) => {
+            words += &format!(" F{}", number::text::<6>(feed.nm()));
+        }
+    }
+    let speed = match carried.surface {
+        Some(surface) if carried.in_surface => number::text::<9>(surface.nm_per_min()),
+        _ => carried.speed.to_string(),
+    };
+    let turns = match carried.direction {
+        1 => 3,
+        -1 => 4,
+        _ => 5,
+    };
+    words += &format!(" S{speed} M{turns:02} T--{:02}", carried.offset);
+    words
+}
+
+/// What holds on a board for the next typed line; `None`: as at power-on, or something else has run since.
+pub fn in_force(global: &Global, status: &Status) -> Option<Carried> {
+    let mut carried = Memory::load(global).ok()?.behind(status)?;
+    carried.direction = status.command.get().signum() as i8;
+    Some(carried)
 }
 
 /// What the last line has left, and on which board.

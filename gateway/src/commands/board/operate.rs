@@ -58,10 +58,11 @@ fn tell(global: &Global, link: &Link) -> Outcome {
 
 /// Sets an override.
 pub fn levels(global: &Global, what: OverrideName, percent: Percent) -> Outcome {
-    let (low, high, name, sub) = match what {
-        OverrideName::Feed => (0, 150, "feed", 4),
-        OverrideName::Rapid => (0, 100, "rapid", 5),
-        OverrideName::Spindle => (50, 120, "spindle", 6),
+    let (low, high) = what.range();
+    let (name, sub) = match what {
+        OverrideName::Feed => ("feed", 4),
+        OverrideName::Rapid => ("rapid", 5),
+        OverrideName::Spindle => ("spindle", 6),
     };
     let wanted = percent.0;
     let within = u8::try_from(wanted).ok();

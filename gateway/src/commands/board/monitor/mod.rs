@@ -1,36 +1,53 @@
-//! `monitor`: a live view of a board, drawn on the terminal until somebody has seen enough. It looks and changes nothing.
+//! `monitor`: the panel of a terminal. It shows a board, and its keys operate it.
+//!
+//! ```text
+//! terminal ─ events ─► panel ─► keys     which wish, and whether it may be
+//!                        │ ├──► hand     a press while its key is held, a step
+//!                        │ └──► orders   orders and levels until the board has them
+//!                        └ asks ─► here: reads the board, begins typed lines (typed), has it drawn (view, draw)
+//! ```
+//!
+//! The panel has its turn wherever the link waits ([`Link::meanwhile`]): no transfer delays a hold or a release.
 
+mod draw;
+mod hand;
+mod keys;
+mod orders;
+mod panel;
+mod terminal;
+mod told;
+mod typed;
 mod view;
+mod zeros;
 
 use std::collections::VecDeque;
-use std::io::IsTerminal as _;
-use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::io::{self, IsTerminal as _};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use leadscrew_core::alarm::Alarm;
-use leadscrew_core::board::Event;
-use leadscrew_core::bus::{BoardSpindle, Frame, NodeId, Object};
-use leadscrew_core::link::Logged;
-use ratatui::crossterm::event::{self, Event as Input, KeyCode, KeyEventKind, KeyModifiers};
+use leadscrew_core::board::device::objects::BEAT;
+use leadscrew_core::bus::{Beat, BoardSpindle, Frame, NodeId, Object};
+use leadscrew_core::link::Status;
+use ratatui::DefaultTerminal;
+use ratatui::crossterm::event::{Event as Input, KeyCode, KeyEventKind};
 
-use super::open;
+use self::panel::{Ask, Open, Panel};
+use self::typed::Typed;
+use self::view::{Tone, View};
+use self::zeros::Zeros;
+use super::{mdi, open};
 use crate::cli::Global;
-use crate::diagnostics::Diagnostic;
+use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
-use crate::link::{Link, Traffic};
-use crate::place::SourceLine;
-use crate::source::SourceFile;
-use crate::words::both;
-
-pub use view::{View, draw};
+use crate::link::{Link, LinkResult, Seen, Traffic};
+use crate::words::{Both, both};
 
 /// Between two pictures.
 const PICTURE: Duration = Duration::from_millis(50);
 /// Between two readings of the status record.
-const STATUS: Duration = Duration::from_millis(200);
-/// Between two readings of the event log.
+const STATUS: Duration = Duration::from_millis(100);
+/// Between two readings of the event log, and of what else changes seldom.
 const LOG: Duration = Duration::from_secs(1);
 /// Over which the load of the bus is measured.
 const LOAD: Duration = Duration::from_millis(500);
@@ -40,10 +57,12 @@ const BUS_KBIT: Object = Object::new(0x2000 + 9020, 0);
 const FD_KBIT: Object = Object::new(0x2000 + 9032, 0);
 /// Errors and messages kept for the picture.
 const KEPT: usize = 240;
+/// Entries of the log that are older than the panel and shown all the same.
+const BEFORE: u32 = 8;
 
-/// Shows the board until a key ends it.
-pub fn monitor(global: &Global) -> Outcome {
-    if !std::io::stdout().is_terminal() {
+/// Shows the board, and lets keys operate it unless `watch`, until a key ends it.
+pub fn monitor(global: &Global, watch: bool) -> Outcome {
+    if !io::stdout().is_terminal() {
         return Err(Failure::Usage(both!(
             "`monitor` draws on a terminal, and standard output is none; `status --json` is for programs",
             "`monitor` 需要终端，而标准输出不是终端；程序请用 `status --json`"
@@ -54,99 +73,312 @@ pub fn monitor(global: &Global) -> Outcome {
     link.hear_status()?;
     // The load of the bus is everybody's.
     link.hear_everything()?;
-    let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
-    let rates = [kbit, link.read_number(FD_KBIT).unwrap_or(kbit)];
     interrupt::defer(UnderWay::Computed);
-    interrupt::before_the_end(give_back);
-    DRAWING.store(true, Ordering::Relaxed);
-    let taken = ratatui::try_init().map_err(|error| Failure::stdout(&error));
-    let result = taken.and_then(|mut terminal| watch(global, &mut link, rates, &mut terminal));
-    give_back();
+    interrupt::before_the_end(terminal::give_back);
+    let keys = !watch && terminal::has_keys();
+    let result = terminal::take()
+        .and_then(|drawn| Ok((drawn, keys && terminal::listen()?)))
+        .map_err(|error| Failure::stdout(&error))
+        .and_then(|(drawn, tells_release)| {
+            Session::new(global, link, keys, tells_release)?.carry_out(drawn)
+        });
+    terminal::give_back();
     result
 }
 
-/// The whole terminal is drawn on.
-static DRAWING: AtomicBool = AtomicBool::new(false);
+/// What the terminal and the bus share.
+struct Shared {
+    panel: Panel,
+    /// Keys operate the machine; else they only end the view.
+    keys: bool,
+    over: bool,
+    /// The terminal cannot be read any more.
+    trouble: Option<io::Error>,
+}
 
-/// Gives the terminal back as it was, where it was taken.
-fn give_back() {
-    if DRAWING.swap(false, Ordering::Relaxed) {
-        // A terminal that is gone takes nothing back.
-        let _ = ratatui::try_restore();
+impl Shared {
+    /// Has what the terminal has said act, and gives the frames that follow.
+    fn turn(&mut self, seen: &Seen, now: Instant) -> Vec<Frame> {
+        match terminal::said() {
+            Ok(said) => {
+                for input in &said {
+                    if self.keys {
+                        self.panel.input(input, seen, now);
+                    } else {
+                        self.over |= ends(input);
+                    }
+                }
+            }
+            Err(error) => self.trouble = Some(error),
+        }
+        self.over |= self.panel.is_over();
+        self.panel.frames(seen, now)
     }
 }
 
-fn watch(
-    global: &Global,
-    link: &mut Link,
-    [kbit, fd_kbit]: [u64; 2],
-    terminal: &mut ratatui::DefaultTerminal,
-) -> Outcome {
-    let mut view = View::new(&global.bus.to_string(), link.node().get(), global.lang());
-    let node = link.node();
-    link.seen.traffic = Traffic::default();
-    let mut since = Instant::now();
-    let (mut looked, mut read) = (None::<Instant>, None::<Instant>);
-    let mut last_event = link.newest_event()?.saturating_sub(8);
-    let mut boots = link.seen.boots;
-    loop {
-        let next = Instant::now() + PICTURE;
-        let errors = &mut view.errors;
-        link.listen(next, &mut |frame| {
-            note_error(errors, frame, node);
-            false
-        })?;
-        link.check_alive()?;
-        if link.seen.boots != boots {
-            // It says no process data before somebody has started it.
-            boots = link.seen.boots;
-            link.start_node()?;
+/// A key that ends a view without keys.
+fn ends(input: &Input) -> bool {
+    let Input::Key(key) = input else {
+        return false;
+    };
+    key.kind == KeyEventKind::Press
+        && (matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) || keys::is_control(*key, 'c'))
+}
+
+/// Work that comes again after a time.
+struct Every {
+    time: Duration,
+    last: Option<Instant>,
+}
+
+impl Every {
+    const fn new(time: Duration) -> Self {
+        Self { time, last: None }
+    }
+
+    fn is_due(&mut self, now: Instant) -> bool {
+        let due = self.last.is_none_or(|last| now >= last + self.time);
+        if due {
+            self.last = Some(now);
         }
-        if since.elapsed() >= LOAD {
-            let ms = since.elapsed().as_millis() as u64;
-            let traffic = std::mem::take(&mut link.seen.traffic);
-            view.load_percent = traffic.load(kbit, fd_kbit, ms).min(999);
-            since = Instant::now();
-        }
-        if looked.is_none_or(|at| at.elapsed() >= STATUS) {
-            looked = Some(Instant::now());
-            view.status = Some(link.status()?);
-        }
-        if read.is_none_or(|at| at.elapsed() >= LOG) {
-            read = Some(Instant::now());
-            for entry in link.events_behind(last_event)? {
-                last_event = last_event.max(entry.number);
-                note_event(&mut view, &entry);
-            }
-        }
-        view.pdo = link.seen.status;
-        view.spindle = link.seen.spindle;
-        view.place = link.seen.place;
-        terminal
-            .draw(|frame| draw(frame, &view))
-            .map_err(|error| Failure::stdout(&error))?;
-        // Ctrl-C is a key here; where the signal comes from elsewhere, the terminal is left as it was all the same.
-        if ends().map_err(|error| Failure::stdout(&error))? || interrupt::requested() {
-            return Ok(());
-        }
+        due
     }
 }
 
-/// A key that ends the view has been pressed.
-fn ends() -> std::io::Result<bool> {
-    while event::poll(Duration::ZERO)? {
-        if let Input::Key(key) = event::read()?
-            && key.kind == KeyEventKind::Press
-        {
-            let control = key.modifiers.contains(KeyModifiers::CONTROL);
-            match key.code {
-                KeyCode::Char('q') | KeyCode::Esc => return Ok(true),
-                KeyCode::Char('c') if control => return Ok(true),
-                _ => {}
+/// One panel at work.
+struct Session<'a> {
+    global: &'a Global,
+    link: Link,
+    shared: Arc<Mutex<Shared>>,
+    keys: bool,
+    view: View,
+    zeros: Zeros,
+    typed: Option<Typed>,
+    rates: [u64; 2],
+    last_event: u32,
+    record_read: Option<Instant>,
+}
+
+impl<'a> Session<'a> {
+    fn new(global: &'a Global, mut link: Link, keys: bool, tells_release: bool) -> Outcome<Self> {
+        let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
+        let rates = [kbit, link.read_number(FD_KBIT).unwrap_or(kbit)];
+        let last_event = link.newest_event()?.saturating_sub(BEFORE);
+        let node = link.node();
+        // A session of this process.
+        let session = (std::process::id() % 255 + 1) as u8;
+        let shared = Arc::new(Mutex::new(Shared {
+            panel: Panel::new(node, session, global.lang(), tells_release),
+            keys,
+            over: false,
+            trouble: None,
+        }));
+        let turns = Arc::clone(&shared);
+        link.meanwhile(move |seen, now| locked(&turns).turn(seen, now));
+        link.seen.traffic = Traffic::default();
+        Ok(Self {
+            global,
+            keys,
+            view: View::new(&global.bus.to_string(), node.get(), global.lang()),
+            link,
+            shared,
+            zeros: Zeros::default(),
+            typed: None,
+            rates,
+            last_event,
+            record_read: None,
+        })
+    }
+
+    fn shared(&self) -> MutexGuard<'_, Shared> {
+        locked(&self.shared)
+    }
+
+    fn answer(&self, words: &Both, tone: Tone) {
+        self.shared().panel.answer(words, tone);
+    }
+
+    /// What a board that lives does not answer is told, and asked again later.
+    fn tolerate<T>(&mut self, read: LinkResult<T>) -> Outcome<Option<T>> {
+        match read {
+            Ok(read) => Ok(Some(read)),
+            Err(trouble) => {
+                self.link.check_alive()?;
+                if let Some(words) = Failure::from(trouble).words() {
+                    self.answer(&words, Tone::Bad);
+                }
+                Ok(None)
             }
         }
     }
-    Ok(false)
+
+    fn carry_out(mut self, mut drawn: DefaultTerminal) -> Outcome {
+        let (mut status, mut log, mut load) =
+            (Every::new(STATUS), Every::new(LOG), Every::new(LOAD));
+        let mut loaded = Instant::now();
+        let mut boots = self.link.seen.boots;
+        loop {
+            let node = self.link.node();
+            let errors = &mut self.view.errors;
+            self.link.listen(Instant::now() + PICTURE, &mut |frame| {
+                note_error(errors, frame, node);
+                false
+            })?;
+            self.link.check_alive()?;
+            if self.link.seen.boots != boots {
+                // It says no process data before somebody has started it.
+                boots = self.link.seen.boots;
+                self.link.start_node()?;
+            }
+            let now = Instant::now();
+            if load.is_due(now) {
+                let ms = loaded.elapsed().as_millis() as u64;
+                let traffic = std::mem::take(&mut self.link.seen.traffic);
+                let [kbit, fd_kbit] = self.rates;
+                self.view.load_percent = traffic.load(kbit, fd_kbit, ms.max(1)).min(999);
+                loaded = Instant::now();
+            }
+            if status.is_due(now) {
+                self.read_status()?;
+            }
+            if log.is_due(now) {
+                self.read_log()?;
+            }
+            self.do_asked()?;
+            self.draw(&mut drawn)?;
+            let mut shared = self.shared();
+            if let Some(error) = shared.trouble.take() {
+                return Err(Failure::stdout(&error));
+            }
+            // Ctrl-C is a key here; where the signal comes from elsewhere, the terminal is left as it was all the same.
+            if shared.over || interrupt::requested() {
+                return Ok(());
+            }
+        }
+    }
+
+    fn read_status(&mut self) -> Outcome {
+        let read = self.link.status();
+        if let Some(status) = self.tolerate(read)? {
+            let now = Instant::now();
+            self.record_read = Some(now);
+            self.view.record = Some((status, Duration::ZERO));
+            self.shared().panel.note_record(status, now);
+        }
+        if self.link.seen.beat.is_none() {
+            // A board above node 31 sends no beat.
+            let read = self.link.read_number(BEAT);
+            let beat = self.tolerate(read)?;
+            let read = self.link.mode();
+            let mode = self.tolerate(read)?;
+            if let (Some(beat), Some(mode)) = (beat, mode) {
+                self.shared().panel.note_asked(Beat::new(beat as u16), mode);
+            }
+        }
+        Ok(())
+    }
+
+    fn read_log(&mut self) -> Outcome {
+        let read = self.link.events_behind(self.last_event);
+        for entry in self.tolerate(read)?.unwrap_or_default() {
+            self.last_event = self.last_event.max(entry.number);
+            if let Some(told) = told::told(&entry, self.view.lang) {
+                if self.view.messages.len() == KEPT {
+                    self.view.messages.pop_front();
+                }
+                self.view.messages.push_back(told);
+            }
+        }
+        if let Some((status, _)) = self.view.record {
+            self.read_zeros(&status)?;
+        }
+        Ok(())
+    }
+
+    fn read_zeros(&mut self, status: &Status) -> Outcome {
+        self.zeros.note(mdi::in_force(self.global, status));
+        let read = self.zeros.follow(&mut self.link, status);
+        self.tolerate(read)?;
+        Ok(())
+    }
+
+    /// Does what the panel has asked, and asks a typed line whether it has ended.
+    fn do_asked(&mut self) -> Outcome {
+        let asks = self.shared().panel.asks();
+        for ask in asks {
+            match ask {
+                Ask::Refusal | Ask::NoPress => {
+                    let read = self.link.refusal();
+                    match self.tolerate(read)? {
+                        Some(Some(reason)) => self.answer(&alarm_words(&reason), Tone::Care),
+                        Some(None) if ask == Ask::NoPress => {
+                            self.answer(&panel::broken(), Tone::Care);
+                        }
+                        _ => {}
+                    }
+                }
+                Ask::Line(line) => match Typed::begin(self.global, &line) {
+                    Ok(typed) => {
+                        self.typed = Some(typed);
+                        let words = both!("under way: {line}", "正在执行：{line}");
+                        self.answer(&words, Tone::Plain);
+                    }
+                    Err(error) => {
+                        let (words, tone) = typed::not_begun(&error);
+                        self.answer(&words, tone);
+                    }
+                },
+                Ask::NextSystem => self.zeros.next_system(),
+                Ask::NextTool => self.zeros.next_tool(),
+            }
+        }
+        if let Some((words, tone)) = self.typed.as_ref().and_then(Typed::answer) {
+            self.typed = None;
+            self.answer(&words, tone);
+        }
+        self.shared().panel.typed = self.typed.is_some();
+        Ok(())
+    }
+
+    fn draw(&mut self, drawn: &mut DefaultTerminal) -> Outcome {
+        let now = Instant::now();
+        let seen = &self.link.seen;
+        let shared = locked(&self.shared);
+        let panel = &shared.panel;
+        let view = &mut self.view;
+        view.pdo = seen.status.zip(panel.age(now));
+        if let (Some((_, age)), Some(read)) = (&mut view.record, self.record_read) {
+            *age = now.saturating_duration_since(read);
+        }
+        view.mode = panel.mode(seen);
+        view.spindle = seen.spindle;
+        view.place = seen.place;
+        view.zero = self.zeros.zero();
+        view.modal = self.zeros.carried.as_ref().map(mdi::words);
+        let mut page = Vec::new();
+        if self.keys {
+            view.prompt = panel.prompt();
+            view.hint = panel.hint(seen);
+            if panel.open == Open::Help {
+                page = panel::help(view.lang);
+            }
+        }
+        drop(shared);
+        drawn
+            .draw(|frame| {
+                draw::draw(frame, view);
+                if !page.is_empty() {
+                    draw::draw_help(frame, view, &page);
+                }
+            })
+            .map(|_| ())
+            .map_err(|error| Failure::stdout(&error))
+    }
+}
+
+fn locked(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
+    // What a panic has left is only shown; the board moves nothing by it.
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Keeps what this board says of its synchronism; another one's is not in its picture.
@@ -158,35 +390,6 @@ fn note_error(errors: &mut VecDeque<u64>, frame: &Frame, board: NodeId) {
         }
         errors.push_back(error.nm().unsigned_abs());
     }
-}
-
-fn note_event(view: &mut View, entry: &Logged) {
-    let words = |alarm: &Alarm| {
-        let source = SourceFile::new(Path::new(""));
-        let told = Diagnostic::new(alarm, &source, view.lang, false);
-        format!("{:04} {}", told.number, told.message)
-    };
-    let (line, text) = match &entry.event {
-        Event::Alarm(alarm) | Event::Warning(alarm) => (alarm.span.line, words(alarm)),
-        Event::Finished => (
-            0,
-            both!("program finished", "程序结束").get(view.lang).into(),
-        ),
-        Event::Reset => (0, both!("reset", "复位").get(view.lang).into()),
-        Event::Held => (0, both!("feed hold", "进给保持").get(view.lang).into()),
-        _ => return,
-    };
-    let place = if line > 0 {
-        both!("line {line}: ", "第 {line} 行：", line = SourceLine(line))
-            .get(view.lang)
-            .to_owned()
-    } else {
-        String::new()
-    };
-    if view.messages.len() == KEPT {
-        view.messages.pop_front();
-    }
-    view.messages.push_back(format!("{place}{text}"));
 }
 
 #[cfg(test)]

@@ -1,0 +1,261 @@
+//! Axes moved by the arrow keys: a press while its key is held, or one step.
+//!
+//! Time and what was heard are arguments; frames come out. A press lives while the terminal goes on telling that its key is
+//! down [D321]: a terminal that is gone tells no release.
+
+use std::time::{Duration, Instant};
+
+use leadscrew_core::bus::{Beat, Frame, JogRequest, NodeId, StepRequest};
+use leadscrew_core::operating::{PressState, Towards};
+
+use crate::cli::AxisWay;
+use crate::link::Seen;
+
+/// A press is renewed so often: with the beat of up to 10 ms before, well within the dead man's 100 ms.
+const RENEWAL: Duration = Duration::from_millis(20);
+/// The board's answer to a press comes with its beat, every 10 ms by default.
+const ANSWER: Duration = Duration::from_secs(1);
+/// A keyboard repeats a key that is held for the first time within this time.
+const FIRST_REPEAT: Duration = Duration::from_secs(1);
+/// And then within this.
+const NEXT_REPEAT: Duration = Duration::from_millis(250);
+
+/// How a press or a step has ended, where that is worth a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// At a limit of the travel.
+    Limit,
+    /// By the board: a hold, an alarm, another order, or frames that came too late.
+    Broken,
+    /// The terminal has told no more that the key is down.
+    Untold,
+    /// Not let in; the board says why.
+    Refused,
+    /// The board has not answered.
+    Unanswered,
+}
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Doing {
+    Press {
+        way: AxisWay,
+        rapid: bool,
+        /// The key is held.
+        held: bool,
+        /// Until then, unless it is told again.
+        until: Instant,
+    },
+    Step {
+        on_z: bool,
+        way: i32,
+    },
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Active {
+    doing: Doing,
+    begun: Instant,
+    /// When it was let go.
+    released: Option<Instant>,
+    /// The next frame.
+    next: Instant,
+}
+
+/// The hand of this side.
+#[derive(Debug)]
+pub struct Hand {
+    node: NodeId,
+    session: u8,
+    number: u8,
+    active: Option<Active>,
+    ended: Option<End>,
+}
+
+impl Hand {
+    /// Nothing is pressed.
+    #[must_use]
+    pub const fn new(node: NodeId, session: u8) -> Self {
+        Self {
+            node,
+            session,
+            number: 0,
+            active: None,
+            ended: None,
+        }
+    }
+
+    /// A key is held, as far as the terminal tells.
+    #[must_use]
+    pub fn presses(&self) -> bool {
+        matches!(
+            self.active,
+            Some(Active {
+                doing: Doing::Press { held: true, .. },
+                ..
+            })
+        )
+    }
+
+    /// Begins a press.
+    pub fn press(&mut self, way: AxisWay, rapid: bool, seen: &Seen, now: Instant) {
+        let doing = Doing::Press {
+            way,
+            rapid,
+            held: true,
+            until: now + FIRST_REPEAT,
+        };
+        self.begin(doing, seen, now);
+    }
+
+    /// Begins a step, in 0.1 µm of the slide; not before the last one is over, so that a key that repeats makes one step
+    /// at a time.
+    pub fn step(&mut self, on_z: bool, way: i32, seen: &Seen, now: Instant) {
+        if self.active.is_none() {
+            self.begin(Doing::Step { on_z, way }, seen, now);
+        }
+    }
+
+    fn begin(&mut self, doing: Doing, seen: &Seen, now: Instant) {
+        // Each has a number that the board has not seen of this session.
+        let told = seen.beat.filter(|told| told.session == self.session);
+        let last = told.map_or(self.number, |told| told.press);
+        self.number = last.wrapping_add(1);
+        self.ended = None;
+        self.active = Some(Active {
+            doing,
+            begun: now,
+            released: None,
+            next: now,
+        });
+    }
+
+    /// The terminal tells that a key is still down. Another one, or Shift let go, ends the press.
+    pub fn still_held(&mut self, which: AxisWay, fast: bool, now: Instant) {
+        let Some(Active {
+            doing:
+                Doing::Press {
+                    way,
+                    rapid,
+                    held: true,
+                    until,
+                },
+            ..
+        }) = &mut self.active
+        else {
+            return;
+        };
+        if *way != which || *rapid != fast {
+            self.release(now);
+        } else if now < *until {
+            *until = now + NEXT_REPEAT;
+        }
+    }
+
+    /// Ends a press: its key was let go, or anything else has happened.
+    pub fn release(&mut self, now: Instant) {
+        if let Some(active) = &mut self.active
+            && let Doing::Press { held, .. } = &mut active.doing
+            && *held
+        {
+            *held = false;
+            active.released = Some(now);
+            active.next = now;
+        }
+    }
+
+    /// What is to be sent now.
+    pub fn frame(&mut self, seen: &Seen, now: Instant) -> Option<Frame> {
+        if let Some(Active {
+            doing: Doing::Press {
+                held: true, until, ..
+            },
+            ..
+        }) = self.active
+            && now >= until
+        {
+            self.release(now);
+            self.ended = Some(End::Untold);
+        }
+        self.heed(seen, now);
+        let active = self.active.as_mut().filter(|active| now >= active.next)?;
+        active.next = now + RENEWAL;
+        let echo = seen.beat?.beat;
+        Some(frame(
+            active.doing,
+            self.session,
+            self.number,
+            echo,
+            self.node,
+        ))
+    }
+
+    /// Sees what has become of it.
+    fn heed(&mut self, seen: &Seen, now: Instant) {
+        let Some(active) = self.active else {
+            return;
+        };
+        let told = seen
+            .beat
+            .filter(|told| told.session == self.session && told.press == self.number);
+        let released = active.released.is_some();
+        let is_step = matches!(active.doing, Doing::Step { .. });
+        let end = match told.map(|told| told.state) {
+            Some(PressState::Runs | PressState::None) => {
+                // The board brakes by itself where nobody renews.
+                if active.released.is_some_and(|at| now >= at + ANSWER) {
+                    self.active = None;
+                }
+                return;
+            }
+            Some(PressState::Ended) if released || is_step => None,
+            Some(PressState::Ended) => Some(End::Broken),
+            Some(PressState::Limit) => Some(End::Limit),
+            Some(PressState::Refused) => Some(End::Refused),
+            None if now < active.begun + ANSWER => return,
+            // Let go before its first frame.
+            None if released => None,
+            None => Some(End::Unanswered),
+        };
+        self.active = None;
+        self.ended = self.ended.or(end);
+    }
+
+    /// How the last one has ended; told once.
+    pub const fn ended(&mut self) -> Option<End> {
+        match self.active {
+            Some(_) => None,
+            None => self.ended.take(),
+        }
+    }
+}
+
+fn frame(doing: Doing, session: u8, number: u8, echo: Beat, node: NodeId) -> Frame {
+    match doing {
+        Doing::Step { on_z, way } => StepRequest {
+            session,
+            count: number,
+            on_z,
+            way,
+            echo,
+        }
+        .frame(node),
+        Doing::Press {
+            way, rapid, held, ..
+        } => {
+            let towards = |on_z: bool| -> Option<Towards> {
+                (held && way.on_z == on_z).then_some(way.towards)
+            };
+            JogRequest {
+                session,
+                press: number,
+                x: towards(false),
+                z: towards(true),
+                rapid,
+                mm_per_min: 0,
+                echo,
+            }
+            .frame(node)
+        }
+    }
+}

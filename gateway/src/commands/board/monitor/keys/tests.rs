@@ -1,0 +1,213 @@
+use super::*;
+
+const TODAY: [OperatingMode; 6] = OperatingMode::ALL;
+
+fn key(code: KeyCode) -> KeyEvent {
+    KeyEvent::new(code, KeyModifiers::NONE)
+}
+
+fn letter(letter: char) -> KeyEvent {
+    key(KeyCode::Char(letter))
+}
+
+/// A machine at rest in this mode, on a terminal that tells when a key is let go.
+fn at_rest(mode: OperatingMode) -> Situation {
+    Situation {
+        mode: Some(mode),
+        state: BoardState::Idle,
+        program: false,
+        hold: false,
+        old: false,
+        beats: true,
+        tells_release: true,
+        typed: false,
+    }
+}
+
+#[test]
+fn each_key_has_its_wish() {
+    use OverrideName::{Feed, Rapid, Spindle};
+    let way = |on_z, towards| AxisWay { on_z, towards };
+    for (keys, expected) in [
+        ("  ", Some(Wish::Hold)),
+        ("\u{3000}", Some(Wish::Hold)),
+        ("sS", Some(Wish::Stop)),
+        ("rR", Some(Wish::Resume)),
+        ("e", Some(Wish::Reset)),
+        ("g", Some(Wish::Start)),
+        ("h", Some(Wish::Home)),
+        ("m", Some(Wish::Modes)),
+        ("uU", Some(Wish::Override(Feed, 10))),
+        ("j", Some(Wish::Override(Feed, -10))),
+        ("i", Some(Wish::Override(Rapid, 25))),
+        ("k", Some(Wish::Override(Rapid, -25))),
+        ("o", Some(Wish::Override(Spindle, 10))),
+        ("l", Some(Wish::Override(Spindle, -10))),
+        ("b", Some(Wish::SingleBlock)),
+        ("1", Some(Wish::Increment(StepLength { tenths: 10 }))),
+        ("2", Some(Wish::Increment(StepLength { tenths: 100 }))),
+        ("3", Some(Wish::Increment(StepLength { tenths: 1_000 }))),
+        ("4", Some(Wish::Increment(StepLength { tenths: 10_000 }))),
+        ("w", Some(Wish::NextSystem)),
+        ("t", Some(Wish::NextTool)),
+        (":：", Some(Wish::Line)),
+        ("?？", Some(Wish::Help)),
+        ("q", Some(Wish::Quit)),
+        ("acdfnpvxyz05-+.,/", None),
+    ] {
+        for one in keys.chars() {
+            assert_eq!(wish(letter(one)), expected, "{one:?}");
+        }
+    }
+    for (code, expected) in [
+        (KeyCode::Up, way(false, Towards::Plus)),
+        (KeyCode::Down, way(false, Towards::Minus)),
+        (KeyCode::Right, way(true, Towards::Plus)),
+        (KeyCode::Left, way(true, Towards::Minus)),
+    ] {
+        let arrow = |speed| Some(Wish::Arrow(expected, speed));
+        assert_eq!(wish(key(code)), arrow(Speed::Feed));
+        let shifted = KeyEvent::new(code, KeyModifiers::SHIFT);
+        assert_eq!(wish(shifted), arrow(Speed::Rapid));
+        assert_eq!(wish(KeyEvent::new(code, KeyModifiers::CONTROL)), None);
+    }
+    assert_eq!(wish(key(KeyCode::F(8))), Some(Wish::Hold));
+    assert_eq!(wish(key(KeyCode::F(9))), Some(Wish::Stop));
+    for code in [KeyCode::Enter, KeyCode::Esc, KeyCode::F(1), KeyCode::Tab] {
+        assert_eq!(wish(key(code)), None, "{code:?}");
+    }
+    let control = |letter| KeyEvent::new(KeyCode::Char(letter), KeyModifiers::CONTROL);
+    assert_eq!(wish(control('c')), Some(Wish::Quit));
+    assert_eq!(wish(control('g')), None);
+    assert_eq!(wish(control('s')), None);
+}
+
+#[test]
+fn each_mode_has_its_letter() {
+    let of: String = TODAY
+        .map(|mode| {
+            ('a'..='z')
+                .filter(|letter| mode_of(*letter) == Some(mode))
+                .collect::<String>()
+        })
+        .join(" ");
+    assert_eq!(of, "m i w r d a");
+}
+
+/// Mode by mode: what is passed on is a dot, what is refused its alarm.
+#[test]
+fn what_a_mode_refuses_says_which_mode_is_needed() {
+    let arrow = Wish::Arrow(
+        AxisWay {
+            on_z: false,
+            towards: Towards::Plus,
+        },
+        Speed::Feed,
+    );
+    let table = |situation: &dyn Fn(OperatingMode) -> Situation, wish: Wish| {
+        TODAY
+            .map(|mode| match refusal(wish, situation(mode)) {
+                None => ".".to_owned(),
+                Some(words) => words.en.chars().take(4).collect(),
+            })
+            .join(" ")
+    };
+    for (wish, expected) in [
+        (arrow, ". . 4501 4501 4501 4501"),
+        (Wish::Home, "4501 4501 4501 . 4501 4501"),
+        (Wish::Start, "4501 4501 4501 4501 . ."),
+        (Wish::Line, "4501 4501 4501 4501 . 4501"),
+        (Wish::Resume, ". . . . . ."),
+        (Wish::Modes, ". . . . . ."),
+        (Wish::Reset, ". . . . . ."),
+        (Wish::Hold, ". . . . . ."),
+        (Wish::Stop, ". . . . . ."),
+    ] {
+        assert_eq!(table(&at_rest, wish), expected, "{wish:?}");
+    }
+    let program = |mode| Situation {
+        program: true,
+        state: BoardState::Run,
+        ..at_rest(mode)
+    };
+    let alarm = |mode| Situation {
+        state: BoardState::Alarm,
+        ..at_rest(mode)
+    };
+    for wish in [arrow, Wish::Home, Wish::Start, Wish::Line] {
+        let all = |number: &str| [number; 6].join(" ");
+        assert_eq!(table(&program, wish), all("4502"), "{wish:?}");
+        assert_eq!(table(&alarm, wish), all("4504"), "{wish:?}");
+    }
+    let words = refusal(arrow, at_rest(OperatingMode::Automatic)).unwrap();
+    assert_eq!(
+        words.en,
+        "4501 this needs the machine in mode manual, and it is in mode automatic; change the mode first (`leadscrew mode \
+         manual`), while the machine stands"
+    );
+    assert!(
+        words.zh.starts_with("4501 此操作需要 manual 方式"),
+        "{}",
+        words.zh
+    );
+}
+
+#[test]
+fn arrows_need_a_key_that_is_let_go_a_beat_and_no_hold() {
+    let arrow = Wish::Arrow(
+        AxisWay {
+            on_z: true,
+            towards: Towards::Minus,
+        },
+        Speed::Rapid,
+    );
+    let told = |now| refusal(arrow, now).map_or(String::new(), |words| words.en);
+    for mode in [OperatingMode::Manual, OperatingMode::Step] {
+        let now = at_rest(mode);
+        assert_eq!(told(now), "");
+        let hold = Situation { hold: true, ..now };
+        assert!(told(hold).starts_with("4506 "), "{}", told(hold));
+        let beats = false;
+        assert!(told(Situation { beats, ..now }).contains("sends no beat"));
+    }
+    let silent = |mode| Situation {
+        tells_release: false,
+        ..at_rest(mode)
+    };
+    let manual = told(silent(OperatingMode::Manual));
+    assert!(
+        manual.contains("does not tell when a key is let go"),
+        "{manual}"
+    );
+    assert_eq!(told(silent(OperatingMode::Step)), "");
+}
+
+#[test]
+fn by_old_values_nothing_is_ordered_but_what_halts() {
+    let old = Situation {
+        old: true,
+        ..at_rest(OperatingMode::Mdi)
+    };
+    for wish in [
+        Wish::Resume,
+        Wish::Start,
+        Wish::Home,
+        Wish::Modes,
+        Wish::Line,
+        Wish::SingleBlock,
+        Wish::Override(OverrideName::Feed, 10),
+    ] {
+        let words = refusal(wish, old).map(|words| words.en).unwrap_or_default();
+        assert!(words.contains("is old"), "{wish:?}: {words}");
+    }
+    for wish in [Wish::Hold, Wish::Stop, Wish::Reset, Wish::Help, Wish::Quit] {
+        assert_eq!(refusal(wish, old), None, "{wish:?}");
+    }
+    let typed = Situation {
+        typed: true,
+        ..at_rest(OperatingMode::Mdi)
+    };
+    assert!(refusal(Wish::Quit, typed).is_some());
+    assert!(refusal(Wish::Line, typed).is_some());
+    assert_eq!(refusal(Wish::Hold, typed), None);
+}

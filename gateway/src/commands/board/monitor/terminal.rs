@@ -1,0 +1,69 @@
+//! The terminal that the panel is drawn on: taken, asked whether it tells when a key is let go, and given back as it was.
+
+use std::io::{IsTerminal as _, Result, stdin, stdout};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use ratatui::DefaultTerminal;
+use ratatui::crossterm::event::{
+    self, DisableBracketedPaste, DisableFocusChange, EnableBracketedPaste, EnableFocusChange,
+    Event, KeyboardEnhancementFlags, PopKeyboardEnhancementFlags, PushKeyboardEnhancementFlags,
+};
+use ratatui::crossterm::execute;
+use ratatui::crossterm::terminal::supports_keyboard_enhancement;
+
+/// The whole terminal is drawn on.
+static DRAWING: AtomicBool = AtomicBool::new(false);
+/// It has been told to say more of its keys and its focus.
+static TELLING: AtomicBool = AtomicBool::new(false);
+/// And when they are let go.
+static TELLS_RELEASE: AtomicBool = AtomicBool::new(false);
+
+/// Both ends of it are there: something is drawn on, and keys are pressed on.
+pub fn has_keys() -> bool {
+    stdin().is_terminal()
+}
+
+/// Takes it.
+pub fn take() -> Result<DefaultTerminal> {
+    DRAWING.store(true, Ordering::Relaxed);
+    ratatui::try_init()
+}
+
+/// Has it tell what the panel goes by: pastes as such, focus, and, where it can, when a key is let go. True where it can.
+pub fn listen() -> Result<bool> {
+    TELLING.store(true, Ordering::Relaxed);
+    execute!(stdout(), EnableBracketedPaste, EnableFocusChange)?;
+    // One that does not answer cannot.
+    let tells = supports_keyboard_enhancement().unwrap_or(false);
+    if tells {
+        TELLS_RELEASE.store(true, Ordering::Relaxed);
+        let flags = KeyboardEnhancementFlags::DISAMBIGUATE_ESCAPE_CODES
+            | KeyboardEnhancementFlags::REPORT_EVENT_TYPES;
+        execute!(stdout(), PushKeyboardEnhancementFlags(flags))?;
+    }
+    Ok(tells)
+}
+
+/// Gives it back as it was, where it was taken.
+pub fn give_back() {
+    // A terminal that is gone takes nothing back.
+    if TELLS_RELEASE.swap(false, Ordering::Relaxed) {
+        let _ = execute!(stdout(), PopKeyboardEnhancementFlags);
+    }
+    if TELLING.swap(false, Ordering::Relaxed) {
+        let _ = execute!(stdout(), DisableFocusChange, DisableBracketedPaste);
+    }
+    if DRAWING.swap(false, Ordering::Relaxed) {
+        let _ = ratatui::try_restore();
+    }
+}
+
+/// What it has said since.
+pub fn said() -> Result<Vec<Event>> {
+    let mut said = Vec::new();
+    while event::poll(Duration::ZERO)? {
+        said.push(event::read()?);
+    }
+    Ok(said)
+}
