@@ -3,6 +3,7 @@
 mod clients;
 mod life;
 mod mdi;
+mod panel;
 mod tutorial;
 mod typed;
 

@@ -91,6 +91,8 @@ struct Shared {
     panel: Panel,
     /// Keys operate the machine; else they only end the view.
     keys: bool,
+    /// The first picture has been drawn, or is about to be.
+    shown: bool,
     over: bool,
     /// The terminal cannot be read any more.
     trouble: Option<io::Error>,
@@ -99,6 +101,9 @@ struct Shared {
 impl Shared {
     /// Has what the terminal has said act, and gives the frames that follow.
     fn turn(&mut self, seen: &Seen, now: Instant) -> Vec<Frame> {
+        if !self.shown {
+            return Vec::new();
+        }
         match terminal::said() {
             Ok(said) => {
                 for input in &said {
@@ -170,6 +175,7 @@ impl<'a> Session<'a> {
         let shared = Arc::new(Mutex::new(Shared {
             panel: Panel::new(node, session, global.lang(), tells_release),
             keys,
+            shown: false,
             over: false,
             trouble: None,
         }));
@@ -217,6 +223,12 @@ impl<'a> Session<'a> {
             (Every::new(STATUS), Every::new(LOG), Every::new(LOAD));
         let mut loaded = Instant::now();
         let mut boots = self.link.seen.boots;
+        self.read_log()?;
+        self.read_status()?;
+        // What was typed before anything could be seen was not meant for a machine.
+        terminal::said().map_err(|error| Failure::stdout(&error))?;
+        self.shared().shown = true;
+        self.draw(&mut drawn)?;
         loop {
             let node = self.link.node();
             let errors = &mut self.view.errors;
@@ -238,11 +250,11 @@ impl<'a> Session<'a> {
                 self.view.load_percent = traffic.load(kbit, fd_kbit, ms.max(1)).min(999);
                 loaded = Instant::now();
             }
-            if status.is_due(now) {
-                self.read_status()?;
-            }
             if log.is_due(now) {
                 self.read_log()?;
+            }
+            if status.is_due(now) {
+                self.read_status()?;
             }
             self.do_asked()?;
             self.draw(&mut drawn)?;

@@ -1,0 +1,221 @@
+//! The panel on a terminal of its own: keys are typed, and the machine is asked what has come of them.
+
+use std::fs::File;
+use std::io::{Read as _, Write as _};
+use std::os::fd::AsFd as _;
+use std::process::Child;
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use nix::pty::{OpenptyResult, Winsize, openpty};
+use nix::sys::termios::{Termios, tcgetattr};
+use serde_json::Value;
+
+use crate::{LIMIT, User, bad};
+
+/// What the program asks a terminal: which of kitty's flags it has, and what it is.
+const QUESTION: &[u8] = b"\x1b[?u\x1b[c";
+/// Such flags, and a plain terminal. One without them says the latter alone.
+const WITH_RELEASE: &[u8] = b"\x1b[?0u\x1b[?62c";
+const WITHOUT: &[u8] = b"\x1b[?62c";
+
+struct Terminal {
+    ends: OpenptyResult,
+    before: Termios,
+    child: Child,
+    keys: File,
+    drawn: Arc<Mutex<Vec<u8>>>,
+    reader: JoinHandle<()>,
+}
+
+impl Terminal {
+    /// A panel on a terminal that answers so to the question.
+    fn start(user: &User, args: &[&str], answer: &'static [u8]) -> Self {
+        let size = Winsize {
+            ws_row: 24,
+            ws_col: 80,
+            ws_xpixel: 0,
+            ws_ypixel: 0,
+        };
+        let ends = openpty(Some(&size), None).unwrap();
+        let before = tcgetattr(&ends.slave).unwrap();
+        let end = || ends.slave.try_clone().unwrap();
+        let child = user
+            .command(&[&["monitor"], args].concat())
+            .stdin(end())
+            .stdout(end())
+            .stderr(end())
+            .spawn()
+            .unwrap();
+        let keys = File::from(ends.master.try_clone().unwrap());
+        let (mut output, mut answers) = (keys.try_clone().unwrap(), keys.try_clone().unwrap());
+        // What is drawn has to be taken, or the panel would wait for room.
+        let drawn = Arc::new(Mutex::new(Vec::new()));
+        let all = Arc::clone(&drawn);
+        let reader = std::thread::spawn(move || {
+            let (mut bytes, mut answered) = ([0; 4096], false);
+            // Ends with an error once nobody has the other end.
+            while let Ok(count @ 1..) = output.read(&mut bytes) {
+                let mut drawn = all.lock().unwrap();
+                drawn.extend_from_slice(&bytes[..count]);
+                if !answered && drawn.windows(QUESTION.len()).any(|at| at == QUESTION) {
+                    answered = true;
+                    answers.write_all(answer).unwrap();
+                }
+            }
+        });
+        let terminal = Self {
+            ends,
+            before,
+            child,
+            keys,
+            drawn,
+            reader,
+        };
+        // Typed before anything can be seen it is for nobody.
+        (&terminal.keys).write_all(b"s").unwrap();
+        terminal.wait_for("G54");
+        terminal
+    }
+
+    fn text(&self) -> String {
+        String::from_utf8_lossy(&self.drawn.lock().unwrap()).into_owned()
+    }
+
+    /// Waits until it has drawn this.
+    #[track_caller]
+    fn wait_for(&self, text: &str) {
+        let end = Instant::now() + LIMIT;
+        while !self.text().contains(text) {
+            assert!(Instant::now() < end, "{:?}", self.text());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    fn types(&mut self, keys: &str) {
+        self.keys.write_all(keys.as_bytes()).unwrap();
+    }
+
+    /// Its exit code, and what it has drawn. The terminal is what it was.
+    #[track_caller]
+    fn end(mut self) -> (Option<i32>, String) {
+        let code = self.child.wait().unwrap().code();
+        let after = tcgetattr(self.ends.slave.as_fd()).unwrap();
+        assert_eq!(after.local_flags, self.before.local_flags);
+        assert_eq!(after.input_flags, self.before.input_flags);
+        assert_eq!(after.output_flags, self.before.output_flags);
+        let drawn = Arc::clone(&self.drawn);
+        drop((self.ends, self.keys));
+        self.reader.join().unwrap();
+        let drawn = drawn.lock().unwrap();
+        (code, String::from_utf8_lossy(&drawn).into_owned())
+    }
+}
+
+/// Waits until the board says so.
+#[track_caller]
+fn wait(user: &User, done: impl Fn(&Value) -> bool) -> Value {
+    let end = Instant::now() + LIMIT;
+    loop {
+        let status = user.json(&["status", "--node", "1"]);
+        if done(&status) {
+            return status;
+        }
+        assert!(Instant::now() < end, "{status}");
+    }
+}
+
+fn mz(status: &Value) -> f64 {
+    status["mz"].as_f64().unwrap()
+}
+
+#[test]
+fn keys_change_the_mode_run_a_line_jog_hold_and_leave() {
+    let user = User::with_machine();
+    let mut terminal = Terminal::start(&user, &[], WITH_RELEASE);
+    terminal.types("md");
+    wait(&user, |status| status["mode"] == "mdi");
+    // A line, which Space holds and resume lets go on.
+    terminal.types(":G98 G1 Z-1 F20\r");
+    user.wait_for("run");
+    terminal.types(" ");
+    user.wait_for("hold");
+    // Nobody leaves while it is under way.
+    terminal.types("q");
+    terminal.types("r\r");
+    wait(&user, |status| {
+        mz(status) == -1.0 && status["state"] == "idle"
+    });
+    // Whether the line has ended here too is shown, not told: the mode changes once it has.
+    let end = Instant::now() + LIMIT;
+    while user.json(&["status", "--node", "1"])["mode"] != "manual" {
+        terminal.types("mm");
+        assert!(Instant::now() < end);
+    }
+    // Left, and its repetitions: towards Z minus, for as long as it takes.
+    let end = Instant::now() + LIMIT;
+    while mz(&user.json(&["status", "--node", "1"])) > -1.1 {
+        assert!(Instant::now() < end);
+        terminal.types("\x1b[1;1:1D");
+        for _ in 0..10 {
+            std::thread::sleep(Duration::from_millis(30));
+            terminal.types("\x1b[1;1:2D");
+        }
+        terminal.types("\x1b[1;1:3D");
+    }
+    let place = wait(&user, |status| status["state"] == "idle");
+    let still = |status: &Value| mz(status) == mz(&user.json(&["status", "--node", "1"]));
+    wait(&user, still);
+    assert!(mz(&place) < -1.0);
+    terminal.types("jj");
+    wait(&user, |status| status["override"]["feed"] == 80);
+    terminal.types("s");
+    user.wait_for("alarm");
+    terminal.types("e\r");
+    user.wait_for("idle");
+    terminal.types("q");
+    let (code, drawn) = terminal.end();
+    assert_eq!(code, Some(0));
+    // The flags of the keyboard are set on the picture's screen and taken back before it is left.
+    assert!(drawn.contains("\x1b[>3u"), "{drawn:?}");
+    let behind = "\x1b[<1u\x1b[?1004l\x1b[?2004l\x1b[?1049l";
+    assert!(drawn.ends_with(behind), "{drawn:?}");
+}
+
+#[test]
+fn without_a_release_an_arrow_is_a_step_and_the_panel_says_so() {
+    let user = User::with_machine();
+    let mut terminal = Terminal::start(&user, &["--lang", "zh"], WITHOUT);
+    // In manual it moves nothing.
+    terminal.types("\x1b[D");
+    terminal.wait_for("能");
+    terminal.types("mi");
+    wait(&user, |status| status["mode"] == "step");
+    terminal.types("4\x1b[D");
+    wait(&user, |status| mz(status) == -1.0);
+    terminal.types("q");
+    let (code, drawn) = terminal.end();
+    assert_eq!(code, Some(0));
+    assert!(!drawn.contains("\x1b[>3u"));
+}
+
+#[test]
+fn who_watches_orders_nothing_and_a_pipe_is_no_terminal() {
+    let user = User::with_machine();
+    let mut terminal = Terminal::start(&user, &["--watch"], WITHOUT);
+    terminal.types("s m d e\r r\r");
+    terminal.types("q");
+    let (code, drawn) = terminal.end();
+    assert_eq!(code, Some(0));
+    assert!(!drawn.contains("\x1b[?u"));
+    let status = user.json(&["status", "--node", "1"]);
+    assert_eq!(
+        (&status["state"], &status["mode"], &status["hold"]),
+        (&"idle".into(), &"manual".into(), &false.into())
+    );
+    for args in [&["monitor"][..], &["monitor", "--watch"]] {
+        let told = bad(&user.does(args), 2);
+        assert!(told.contains("`status --json` is for programs"), "{told}");
+    }
+}
