@@ -30,6 +30,9 @@ const HEARTBEAT: Duration = Duration::from_millis(200);
 const BEGINS: Duration = Duration::from_millis(500);
 /// An override is counted from the last one that was sent within this time: the board's own comes later.
 const JUST_SENT: Duration = Duration::from_millis(600);
+/// Enter that comes sooner behind another key is none: text that is pasted into a terminal which does not say so comes as
+/// keys, all at once.
+const DELIBERATE: Duration = Duration::from_millis(50);
 /// No block is longer.
 const LONGEST_LINE: usize = 200;
 
@@ -88,6 +91,8 @@ pub struct Panel {
     /// Since when references are being found, and the next heartbeat.
     homing: Option<(Instant, Instant)>,
     asks: Vec<Ask>,
+    /// When the last key was pressed.
+    last_key: Option<Instant>,
     quit: bool,
 }
 
@@ -111,6 +116,7 @@ impl Panel {
             sent: [None; 3],
             homing: None,
             asks: Vec::new(),
+            last_key: None,
             quit: false,
         }
     }
@@ -201,6 +207,10 @@ impl Panel {
             // A key that is held asks once, but for those that are typed.
             (KeyEventKind::Repeat, _) if !matches!(self.open, Open::Line(_)) => return,
             (KeyEventKind::Repeat | KeyEventKind::Press, _) => {}
+        }
+        let before = self.last_key.replace(now);
+        if key.code == KeyCode::Enter && before.is_some_and(|at| now < at + DELIBERATE) {
+            return;
         }
         let pressed = self.hand.presses();
         self.hand.release(now);

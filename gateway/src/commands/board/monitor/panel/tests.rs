@@ -115,11 +115,13 @@ impl Bench {
 
     fn types(&mut self, text: &str) {
         for letter in text.chars() {
-            let code = match letter {
-                '\n' => KeyCode::Enter,
-                letter => KeyCode::Char(letter),
-            };
-            self.key(code, KeyEventKind::Press);
+            if letter == '\n' {
+                // As a person does.
+                self.pass(50);
+                self.key(KeyCode::Enter, KeyEventKind::Press);
+            } else {
+                self.key(KeyCode::Char(letter), KeyEventKind::Press);
+            }
         }
     }
 
@@ -365,12 +367,33 @@ fn what_moves_is_named_first_and_any_other_key_drops_it() {
 }
 
 #[test]
+fn what_is_pasted_as_keys_begins_nothing() {
+    let mut bench = Bench::in_mode(OperatingMode::Mdi, true);
+    for text in ["r", ":G0 X1"] {
+        bench.types(text);
+        bench.pass(49);
+        bench.key(KeyCode::Enter, KeyEventKind::Press);
+        bench.key(KeyCode::Enter, KeyEventKind::Press);
+        assert_ne!(bench.panel.open, Open::Nothing);
+        bench.pass(50);
+        assert_eq!((bench.orders(), bench.panel.asks()), (vec![], vec![]));
+        // Enter that a person presses then is meant.
+        bench.key(KeyCode::Enter, KeyEventKind::Press);
+        assert_eq!(bench.panel.open, Open::Nothing);
+        bench.pass(100);
+        let begun = bench.orders().len() + bench.panel.asks().len();
+        assert!(begun > 0, "{text}");
+        bench.sent.clear();
+    }
+}
+
+#[test]
 fn a_named_start_that_has_waited_asks_again_whether_it_may() {
     let mut bench = Bench::in_mode(OperatingMode::Automatic, true);
     bench.types("r");
     // Nothing is heard for so long.
     bench.ms += 251;
-    bench.types("\n");
+    bench.key(KeyCode::Enter, KeyEventKind::Press);
     assert!(bench.panel.prompt().text.contains("is old"));
     bench.pass(50);
     assert_eq!(bench.orders(), []);

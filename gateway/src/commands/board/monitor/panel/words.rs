@@ -63,6 +63,7 @@ impl Panel {
                 both!("arrows: {step} mm (1-4)", "方向键：{step} mm（1-4）")
             }
             Some(OperatingMode::Mdi) => both!(": types a line", ": 输入程序行"),
+            Some(OperatingMode::Automatic) => both!("g begins, r goes on", "g 启动，r 恢复"),
             Some(OperatingMode::Reference) => both!("h finds references", "h 回零"),
             Some(mode) => Both::same(mode_words(mode, self.lang)),
             None => Both::default(),
