@@ -134,6 +134,12 @@ fn the_picture_is_that_of_its_file() {
 }
 
 #[test]
+fn the_picture_of_the_page_is_a_true_one() {
+    let page = include_str!("../../../../../../docs/panel.md");
+    assert!(page.contains(&picture(&view(Lang::En), 80, 24)));
+}
+
+#[test]
 fn what_is_old_says_so() {
     let mut view = view(Lang::En);
     let age = |ms| Duration::from_millis(ms);
