@@ -57,3 +57,55 @@ impl Link {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+    use std::sync::{Arc, Mutex};
+
+    use leadscrew_board_sim::plant::Flash;
+    use leadscrew_core::bus::{BoardCommand, Order, Service};
+
+    use super::super::bench::{Fate, between, machine};
+    use super::*;
+
+    #[test]
+    fn a_hold_goes_out_in_the_middle_of_a_transfer_without_an_answer() {
+        let inside = machine(Flash::erased());
+        let (asked, sent) = (
+            Arc::new(AtomicBool::new(false)),
+            Arc::new(Mutex::new(Vec::new())),
+        );
+        let (asks, all) = (Arc::clone(&asked), Arc::clone(&sent));
+        let is_request =
+            |frame: &Frame| matches!(frame.id().service(), Some((Service::SdoRequest, _)));
+        let mut link = between(
+            &inside,
+            move |frame| {
+                all.lock().unwrap().push(*frame);
+                if is_request(frame) {
+                    asks.store(true, Ordering::Relaxed);
+                    return Fate::Lost(None);
+                }
+                Fate::Arrives
+            },
+            |frame| frame,
+        );
+        let node = link.node();
+        let hold = BoardCommand::order(Order::Hold, 0).frame(node);
+        let turns = Arc::new(AtomicU32::new(0));
+        let counted = Arc::clone(&turns);
+        link.meanwhile(move |_, _| {
+            // The work sees that a request is out, and orders once.
+            let is_out = asked.swap(false, Ordering::Relaxed);
+            counted.fetch_add(u32::from(is_out), Ordering::Relaxed);
+            is_out.then_some(hold).into_iter().collect()
+        });
+        link.set_patience(Duration::from_millis(100));
+        assert!(link.status().is_err());
+        let sent = sent.lock().unwrap();
+        assert!(is_request(&sent[0]));
+        assert_eq!(sent[1], hold);
+        assert!(turns.load(Ordering::Relaxed) > 0);
+    }
+}
