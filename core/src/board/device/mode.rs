@@ -99,8 +99,12 @@ pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), 
         )
         | (Request::Leave, Doing::Held | Doing::Left) => return Ok(()),
         (Request::Offsets, Doing::Program | Doing::Held | Doing::Left) => Code::OffsetsAtWork,
-        (Request::Jog | Request::Step | Request::Wheel, Doing::Left) if needed == mode => return Ok(()),
-        (Request::Jog | Request::Step | Request::Wheel, Doing::Left) => return Err(wrong(needed, mode)),
+        (Request::Jog | Request::Step | Request::Wheel, Doing::Left) if needed == mode => {
+            return Ok(());
+        }
+        (Request::Jog | Request::Step | Request::Wheel, Doing::Left) => {
+            return Err(wrong(needed, mode));
+        }
         (_, Doing::Program | Doing::Held | Doing::Left) => Code::ProgramUnderWay,
         (Request::Offsets, Doing::Failing) => Code::NotAtRest,
         // A table moves nothing: neither an alarm nor drives that are off keep it from being written [D315].

@@ -4,7 +4,7 @@
 
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::bus::BoardState;
-use leadscrew_core::operating::{OperatingMode, Towards};
+use leadscrew_core::operating::{Interlock, OperatingMode, Towards};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 use crate::cli::{AxisWay, OverrideName, StepLength};
@@ -228,7 +228,8 @@ fn arrow(now: Situation) -> Option<Both> {
         return Some(words);
     }
     if now.hold {
-        return Some(alarm_words(&Alarm::of(Code::HoldIsOn, &[])));
+        let hold = [Arg::Interlock(Interlock::Hold)];
+        return Some(alarm_words(&Alarm::of(Code::Interlocked, &hold)));
     }
     if !now.beats {
         return Some(both!(
