@@ -109,7 +109,8 @@ pub(super) const RUN: &str = "\
 Examples:
   leadscrew run examples/shaft.nc
   leadscrew run part.nc --tolerance 1.0 --json
-  leadscrew run part.nc --spindle-ripple 10@5 --tolerance 1.3";
+  leadscrew run part.nc --spindle-ripple 10@5 --tolerance 1.3
+  leadscrew run part.nc --from 12 --bus can0      start at line 12, which has to be typed";
 
 pub(super) const PARAMS: &str = "\
 Examples:
@@ -150,7 +151,8 @@ Example:
 
 pub(super) const RESUME: &str = "\
 Example:
-  leadscrew resume --bus can0     behind a hold, M00 or M01";
+  leadscrew resume --bus can0     behind a hold, M00 or M01
+A held program whose axes were jogged: the first brings them back, the second goes on.";
 
 pub(super) const HOME: &str = "\
 Examples:

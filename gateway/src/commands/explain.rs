@@ -77,7 +77,13 @@ const SUBJECTS: &[(u16, &str, &str, &str)] = &[
         "operating.md",
     ),
     (4579, "machine functions", "机床辅助功能", "operating.md"),
-    (4599, "offsets and tools", "偏置与刀具", "tools.md"),
+    (4589, "offsets and tools", "偏置与刀具", "tools.md"),
+    (
+        4599,
+        "away and back, start at a line",
+        "离开与返回、从某行启动",
+        "operating.md",
+    ),
     (4699, "nose radius and corners", "刀尖半径与倒角", "nose.md"),
     (
         4849,

@@ -1,7 +1,7 @@
 //! A held program is left, its axes are moved by hand, and it goes on where it was held [D255].
 
 use super::by_hand::Hand;
-use leadscrew_core::board::State;
+use leadscrew_core::board::{Inputs, State};
 use leadscrew_core::bus::{BoardState, Object, Order, SdoProtocol};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::{Certificate, Status, ThreadReader, ThreadState};
@@ -424,6 +424,55 @@ fn what_a_left_program_lets_in() {
     assert!(hand.gateway.status.flags.program);
     hand.run(400);
     assert_eq!(hand.gateway.status.state, BoardState::Hold);
+}
+
+/// The contact of feed hold stops what a hand moves, and the way back; while it is open nothing moves.
+#[test]
+fn the_contact_of_feed_hold_stops_both() {
+    let contact = |hand: &mut Hand, hold| {
+        hand.sim.set_pins(Inputs {
+            hold,
+            ..Inputs::default()
+        });
+    };
+    let params = Params::sheets();
+    let mut hand = Hand::begin(&params, PARTS);
+    assert!(hand.held_after(1_500));
+    let point = hand.at();
+    hand.mode(OperatingMode::Manual);
+    hand.press += 1;
+    for tick in 0..300 {
+        if tick % 20 == 0 {
+            let press = hand.jog(Some(Towards::Plus), None);
+            hand.sim.receive(&press);
+        }
+        if tick == 200 {
+            contact(&mut hand, true);
+        }
+        hand.tick();
+    }
+    hand.run(200);
+    assert_eq!(hand.state(), State::Held);
+    assert!(hand.at().x > point.x);
+    hand.press += 1;
+    let press = hand.jog(Some(Towards::Plus), None);
+    hand.sim.receive(&press);
+    hand.stands(100);
+    assert_eq!(hand.refused(), 4506);
+    hand.mode(OperatingMode::Automatic);
+    hand.order(Order::Resume);
+    hand.stands(200);
+    contact(&mut hand, false);
+    hand.order(Order::Resume);
+    hand.run(100);
+    assert_eq!(hand.state(), State::ByHand);
+    contact(&mut hand, true);
+    hand.run(200);
+    assert_eq!(hand.state(), State::Held);
+    hand.stands(100);
+    contact(&mut hand, false);
+    hand.comes_back();
+    assert_eq!(hand.at(), point);
 }
 
 /// With a tap in its hole nothing leaves it but the way out.
