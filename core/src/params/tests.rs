@@ -367,10 +367,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xC736_4277),
     // References: 9050, 9058 to 9062.
     (2, 0x8222_8EC1),
-    // Machine functions and interlocks: 9401 to 9429.
-    (2, 0xFDF7_977F),
-    // The handwheel: 9044 to 9046.
-    (2, 0xBFC6_9DF2),
+    // The handwheel: 9044 to 9046; machine functions and interlocks: 9401 to 9429.
+    (2, 0x6828_BF6E),
 ];
 
 #[test]
