@@ -1051,7 +1051,8 @@ codes! {
     /// Another session moves the machine by hand.
     AnotherOperator = 4505, "another operator moves the machine by hand", "let them finish; one moves it at a time",
         "另一操作者正在手动移动机床", "请等其结束；同一时间只能由一人移动";
-    /// An interlock keeps the machine from starting, turning its spindle or moving; {0} is the [interlock](crate::operating::Interlock).
+    /// Something keeps the machine from starting, turning its spindle or moving; {0} the
+    /// [interlock](crate::operating::Interlock).
     Interlocked = 4506, "{0} keeps the machine from this", "remove what keeps it; then give the order again, and resume what is held",
         "{0}禁止此操作", "请先排除；然后重新下达指令，并恢复被保持的程序";
     /// The machine starts, comes to rest, or is moved by hand.

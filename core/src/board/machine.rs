@@ -3,6 +3,7 @@
 //! Inputs mean what the parameters say; an input that nobody has told counts as the worse value [D271]. Must not know what
 //! follows from it: the ticker does.
 
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::operating::Interlock;
 use crate::params::{Answer, Contact, FunctionAction, FunctionRow, Params};
 
@@ -109,6 +110,13 @@ impl Interlocks {
             false => self,
         }
     }
+}
+
+/// What was asked for is kept from happening by this.
+#[cold]
+#[inline(never)]
+pub(super) fn interlocked(by: Interlock, span: Span) -> Alarm {
+    Alarm::new(Code::Interlocked, span).with([Arg::Interlock(by)])
 }
 
 /// A change that somebody has to look at.
@@ -246,6 +254,7 @@ impl Machine {
     }
 
     /// An input that answers for an output that is on, and is gone: the two.
+    #[inline(never)]
     pub(super) fn lost(&self) -> Option<(Contact, Contact)> {
         let mut outputs = (1..=crate::params::CONTACTS).filter_map(Contact::new);
         outputs.find_map(|output| {

@@ -240,8 +240,8 @@ impl Params {
         for value in self.function_values() {
             let row = FunctionRow::of(value);
             let means = row.is_some_and(|row| {
-                let others = self.functions().filter(|other| other.code == row.code);
-                !matches!(row.code, 1..=5 | 24..=27 | 29 | 30 | 98 | 99) && others.count() == 1
+                !matches!(row.code, 1..=5 | 24..=27 | 29 | 30 | 98 | 99)
+                    && self.function(row.code) == Some(row)
             });
             if value != 0 && !means {
                 reasons.add(Code::FunctionUnusable, &[Arg::Int(value)]);

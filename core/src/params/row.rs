@@ -75,14 +75,18 @@ pub struct FunctionRow {
 
 impl FunctionRow {
     /// The row that a value of 9401 to 9416 means; `None` for 0, and for one that means nothing.
+    #[inline(never)]
     #[must_use]
     pub const fn of(value: i64) -> Option<Self> {
-        let Some((code, rest)) = digits(value, 10_000_000_000) else {
+        // Two halves of 32 bits: CCC H OO, and A II TTTT.
+        if value <= 0 || value >= 10_000_000_000_000 {
             return None;
-        };
-        let time_ms = ((rest % 10_000) as u32).saturating_mul(10);
-        let (input, answers) = (rest / 10_000 % 100, rest / 1_000_000 % 10);
-        let (output, how) = (rest / 10_000_000 % 100, rest / 1_000_000_000);
+        }
+        let front = (value / 10_000_000) as u32;
+        let back = (value % 10_000_000) as u32;
+        let (code, how, output) = (front / 1000, front / 100 % 10, front % 100);
+        let (answers, input) = (back / 1_000_000, back / 10_000 % 100);
+        let time_ms = (back % 10_000).saturating_mul(10);
         let answer = match (answers, Contact::new(input as u8)) {
             (0, None) => None,
             (1 | 2, Some(input)) => Some(Answer {
@@ -100,11 +104,7 @@ impl FunctionRow {
         };
         // What waits needs a time, and what does nothing is no row.
         let waits = answer.is_some() || matches!(switches, Some((_, Action::Pulse)));
-        if code == 0
-            || code > 999
-            || (switches.is_none() && answer.is_none())
-            || waits == (time_ms == 0)
-        {
+        if code == 0 || (switches.is_none() && answer.is_none()) || waits == (time_ms == 0) {
             return None;
         }
         Some(Self {
@@ -123,20 +123,9 @@ impl FunctionRow {
     }
 }
 
-/// A number, split behind `unit`; `None` for one that is not above zero.
-const fn digits(value: i64, unit: u64) -> Option<(u64, u64)> {
-    if value <= 0 {
-        return None;
-    }
-    let value = value as u64;
-    match (value.checked_div(unit), value.checked_rem(unit)) {
-        (Some(head), Some(rest)) => Some((head, rest)),
-        _ => None,
-    }
-}
-
 impl Params {
     /// The row of an M code.
+    #[inline(never)]
     #[must_use]
     pub fn function(&self, code: u16) -> Option<FunctionRow> {
         self.functions().find(|row| row.code == code)

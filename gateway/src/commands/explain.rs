@@ -76,7 +76,7 @@ const SUBJECTS: &[(u16, &str, &str, &str)] = &[
         "手动操作与回零",
         "operating.md",
     ),
-    (4579, "machine functions", "机床辅助功能", "operating.md"),
+    (4579, "machine functions", "机床辅助功能", "functions.md"),
     (4589, "offsets and tools", "偏置与刀具", "tools.md"),
     (
         4599,

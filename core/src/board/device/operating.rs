@@ -14,9 +14,10 @@ use super::mode::{Doing, Request, admit};
 use super::steps::Steps;
 use super::values::ObjectValues;
 use super::wheel::WheelWay;
-use crate::alarm::{Alarm, Arg, Code};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::command::Command;
 use crate::board::guard::Guard;
+use crate::board::machine::interlocked;
 use crate::board::ticker::State;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest, WheelRequest};
 use crate::link::Event;
@@ -484,10 +485,10 @@ impl ObjectValues {
         }
         self.out_of_hole()?;
         if let Some(interlock) = self.snapshot.interlocks.against_hand() {
-            return Err(interlocked(interlock));
+            return Err(interlocked(interlock, Span::default()));
         }
         if self.snapshot.operator.hold || self.snapshot.contacts.hold {
-            return Err(interlocked(Interlock::Hold));
+            return Err(interlocked(Interlock::Hold, Span::default()));
         }
         Ok(())
     }
@@ -497,7 +498,7 @@ impl ObjectValues {
     pub(super) fn let_in_guarded(&self) -> Result<(), Alarm> {
         let against = self.snapshot.interlocks.against_start();
         match against.filter(|_| self.operating.mode == OperatingMode::Automatic) {
-            Some(interlock) => Err(interlocked(interlock)),
+            Some(interlock) => Err(interlocked(interlock, Span::default())),
             None => Ok(()),
         }
     }
@@ -505,7 +506,7 @@ impl ObjectValues {
     /// Nothing is resumed, and no reference is found, with the door open.
     pub(super) fn door_is_closed(&self) -> Result<(), Alarm> {
         match self.snapshot.interlocks.has_door() {
-            true => Err(interlocked(Interlock::Door)),
+            true => Err(interlocked(Interlock::Door, Span::default())),
             false => Ok(()),
         }
     }
@@ -524,11 +525,6 @@ impl ObjectValues {
             Err(alarm) => self.deny(&alarm),
         }
     }
-}
-
-/// What is asked is kept from happening by this.
-fn interlocked(by: Interlock) -> Alarm {
-    Alarm::of(Code::Interlocked, &[Arg::Interlock(by)])
 }
 
 /// What is asked needs the reference of these axes.

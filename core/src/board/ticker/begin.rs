@@ -6,6 +6,7 @@ use super::interlock::Admitted;
 use super::{Detour, Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Switching;
+use crate::board::machine::interlocked;
 use crate::link::Event;
 use crate::motion::{Action, Motion, Scaling};
 
@@ -68,7 +69,8 @@ impl Ticker {
         match self.admit(segment) {
             Admitted::Yes => {}
             Admitted::Waits => return Some((number, line, Motion::Wait)),
-            Admitted::Refused(alarm) => {
+            Admitted::Refused(by) => {
+                let alarm = interlocked(by, segment.span);
                 ends.segments.take();
                 self.raise(&alarm, ends);
                 return None;

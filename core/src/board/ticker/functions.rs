@@ -84,7 +84,7 @@ impl Ticker {
     /// The chuck is not opened before the spindle has stood for a second, and not at all while it is told to turn.
     #[cold]
     #[inline(never)]
-    pub(super) fn open_chuck(&mut self, span: Span) -> Admitted {
+    pub(super) fn open_chuck(&mut self) -> Admitted {
         let wait = &mut self.chuck_wait;
         wait.waited = wait.waited.saturating_add(1);
         wait.stood = match self.observer.is_turning() {
@@ -94,8 +94,7 @@ impl Ticker {
         let second = self.given.second;
         let limit = self.given.arrival.speed_ticks.saturating_add(second);
         if self.spindle.is_ordered() || wait.waited > limit {
-            let alarm = Alarm::new(Code::Interlocked, span);
-            return Admitted::Refused(alarm.with([Arg::Interlock(Interlock::Spindle)]));
+            return Admitted::Refused(Interlock::Spindle);
         }
         if wait.stood <= second {
             return Admitted::Waits;

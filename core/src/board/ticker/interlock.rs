@@ -5,7 +5,8 @@
 
 use super::away::LastPass;
 use super::{Ends, Outcome, State, Ticker, emit};
-use crate::alarm::{Alarm, Arg, Code};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::board::machine::interlocked;
 use crate::call::Aux;
 use crate::link::Event;
 use crate::motion::{Action, Phase, Segment, ThreadRun};
@@ -15,7 +16,7 @@ use crate::operating::Interlock;
 pub(super) enum Admitted {
     Yes,
     Waits,
-    Refused(Alarm),
+    Refused(Interlock),
 }
 
 impl Ticker {
@@ -50,7 +51,7 @@ impl Ticker {
     }
 
     fn open_door(&mut self, ends: &mut Ends<'_>) {
-        let alarm = Alarm::of(Code::Interlocked, &[Arg::Interlock(Interlock::Door)]);
+        let alarm = interlocked(Interlock::Door, Span::default());
         self.resuming = None;
         match self.state {
             State::Homing => {
@@ -115,14 +116,11 @@ impl Ticker {
             Action::Aux(Aux::M(code), _)
                 if *code != 0 && *code == self.machine.chuck_open_code() =>
             {
-                return self.open_chuck(segment.span);
+                return self.open_chuck();
             }
             _ => None,
         };
-        refusal.map_or(Admitted::Yes, |interlock| {
-            let alarm = Alarm::new(Code::Interlocked, segment.span);
-            Admitted::Refused(alarm.with([Arg::Interlock(interlock)]))
-        })
+        refusal.map_or(Admitted::Yes, Admitted::Refused)
     }
 
     /// What keeps an axis from moving for a program.
@@ -143,7 +141,7 @@ impl Ticker {
             false => self.refuses_motion(),
         };
         if let Some(interlock) = refusal {
-            let alarm = Alarm::of(Code::Interlocked, &[Arg::Interlock(interlock)]);
+            let alarm = interlocked(interlock, Span::default());
             return emit(&mut ends.events, Event::Warning(alarm));
         }
         if self.spindle.go_on(self.operator.spindle_percent()) {
