@@ -27,12 +27,8 @@ pub struct Operator {
     cut_off: bool,
     /// A reset. It waits while the machine comes to rest on an alarm [D110].
     reset: bool,
-    /// Continue in the next tick.
-    resume: bool,
-    /// Leave the held program, as soon as it is held.
-    leave: bool,
-    /// Go on with the program that was left, in the next tick.
-    back: bool,
+    /// What becomes of a held program in the next tick.
+    next: Next,
     /// Home these axes in the next tick.
     home: Option<Axes>,
     /// Give up homing in the next tick.
@@ -55,9 +51,7 @@ impl Operator {
             trouble: None,
             cut_off: false,
             reset: false,
-            resume: false,
-            leave: false,
-            back: false,
+            next: Next::Stay,
             home: None,
             cancel: false,
         }
@@ -69,11 +63,13 @@ impl Operator {
         match command {
             Command::Hold => {
                 self.hold = true;
-                (self.resume, self.back) = (false, false);
+                if !self.is_to_leave() {
+                    self.next = Next::Stay;
+                }
             }
-            Command::Resume => self.resume = true,
-            Command::Leave => self.leave = true,
-            Command::Return => self.back = true,
+            Command::Resume => self.next = Next::GoOn,
+            Command::Leave => self.next = Next::Leave,
+            Command::Return => self.next = Next::Return,
             Command::Home(axes) => self.home = Some(axes),
             Command::Cancel => self.cancel = true,
             Command::Reset => {
@@ -125,22 +121,30 @@ impl Operator {
 
     /// True, once, after a resume.
     pub(super) const fn takes_resume(&mut self) -> bool {
-        core::mem::replace(&mut self.resume, false)
+        let asked = matches!(self.next, Next::GoOn);
+        if asked {
+            self.next = Next::Stay;
+        }
+        asked
     }
 
     /// True, once, after a return.
     pub(super) const fn takes_return(&mut self) -> bool {
-        core::mem::replace(&mut self.back, false)
+        let asked = matches!(self.next, Next::Return);
+        if asked {
+            self.next = Next::Stay;
+        }
+        asked
     }
 
-    /// The program is to be left.
+    /// The program is to be left, as soon as it is held.
     pub(super) const fn is_to_leave(&self) -> bool {
-        self.leave
+        matches!(self.next, Next::Leave)
     }
 
     /// It has been left, or cannot be.
     pub(super) const fn leaves(&mut self) {
-        self.leave = false;
+        self.next = Next::Stay;
     }
 
     /// True, once, after homing is to be given up.
@@ -159,9 +163,7 @@ impl Operator {
         self.stop.is_some()
             || self.trouble.is_some()
             || self.reset
-            || self.resume
-            || self.leave
-            || self.back
+            || !matches!(self.next, Next::Stay)
             || self.home.is_some()
             || self.cancel
     }
@@ -205,6 +207,19 @@ impl Operator {
     pub const fn spindle_percent(&self) -> u8 {
         self.spindle
     }
+}
+
+/// What becomes of a held program. The later order counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Next {
+    /// Nothing.
+    Stay,
+    /// It goes on.
+    GoOn,
+    /// It goes on where it was left.
+    Return,
+    /// It is left.
+    Leave,
 }
 
 /// An override, and its rate, which every tick needs.
