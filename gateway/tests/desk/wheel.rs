@@ -32,7 +32,7 @@ fn a_program_follows_the_wheel_to_its_end_and_a_thread_asks() {
     let user = User::with_machine();
     let program = user.program("M3 S600\nG98 G1 Z-2 F300\nG92 X-2 Z-8 F1\nG98 G1 Z-3 F300\nM30\n");
     let run = ["run", &program, "--handwheel"];
-    let run = user
+    let mut run = user
         .command(&run)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -41,16 +41,22 @@ fn a_program_follows_the_wheel_to_its_end_and_a_thread_asks() {
     let end = Instant::now() + LIMIT;
     let state = |user: &User| user.json(&["status"])["state"].clone();
     let turns = |user: &User| {
-        // Refused where no program follows yet, or any more.
+        // Refused where no program follows any more.
         let _ = user.does(&["wheel", "path", "--factor", "100", "--counts", "20"]);
     };
     while state(&user) != "hold" {
         assert!(Instant::now() < end);
-        turns(&user);
+        if run.try_wait().unwrap().is_some() {
+            let ended = run.wait_with_output().unwrap();
+            panic!("it ended before its thread: {}", text(&ended.stderr));
+        }
+        // A refusal before the program has begun would look to `run` like one of its own.
+        if state(&user) != "idle" {
+            turns(&user);
+        }
     }
     assert_eq!(user.json(&["status"])["mz"], -2);
     good(&user.does(&["resume"]));
-    let mut run = run;
     while run.try_wait().unwrap().is_none() {
         assert!(Instant::now() < end);
         turns(&user);
