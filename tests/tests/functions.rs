@@ -20,7 +20,7 @@ use leadscrew_tests::limits::first_excess;
 use leadscrew_tests::machine::{Ran, calls, machine, run};
 use leadscrew_tests::params::with;
 
-/// M8 switches output 1 on, and input 1 answers within 2 s; M9 switches it off. M60 pulses output 2 for 200 ms; M61 switches
+/// M8 switches output 1 on, and input 1 answers within 2 s, M9 turns it off. M60 pulses output 2 for 200 ms. M61 switches
 /// output 5 on until input 2 is off, within a second. M62 waits for input 3. M10 closes the chuck (output 3, input 4), M11
 /// opens it.
 fn rows() -> Vec<(&'static str, i64)> {
