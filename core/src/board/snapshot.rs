@@ -5,7 +5,7 @@ use super::operator::Operator;
 use super::ticker::{Outcome, State, Ticker};
 use crate::alarm::{Alarm, Code};
 use crate::bus::BoardState;
-use crate::call::{Position, TapSpindle};
+use crate::call::TapSpindle;
 use crate::journal::TapRecord;
 use crate::motion::{Cut, Motion, Setpoint};
 use crate::operating::PressState;
@@ -31,8 +31,8 @@ pub struct Snapshot {
     pub setpoint: Setpoint,
     /// A program is under way.
     pub in_program: bool,
-    /// The point where a held program was left.
-    pub left: Option<Position>,
+    /// A held program was left.
+    pub has_left: bool,
     /// The thread or hole of the last segment that was carried to its end.
     pub done: Cut,
     /// Angle of the spindle at the last SYNC.
@@ -75,7 +75,7 @@ impl Snapshot {
             state: ticker.state(),
             setpoint: *setpoint,
             in_program: ticker.in_program(),
-            left: ticker.left(),
+            has_left: ticker.has_left(),
             done: ticker.done(),
             spindle: ticker.observer().angle(),
             speed: ticker.observer().speed(),

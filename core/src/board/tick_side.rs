@@ -228,8 +228,10 @@ impl<'a> TickSide<'a> {
             self.carry_out(order);
         }
         let ticker = &mut self.tick.ticker;
-        let can_be_held = ticker.takes_calls() || matches!(ticker.state(), State::ByHand);
-        if inputs.hold && can_be_held && !ticker.operator().reset_waits() {
+        if inputs.hold
+            && (ticker.takes_calls() || matches!(ticker.state(), State::ByHand))
+            && !ticker.operator().reset_waits()
+        {
             ticker.command(Command::Hold);
         }
     }

@@ -12,8 +12,19 @@
 //! | PC2 | CN7-35 | clamp feedback | closed to ground: clamped |
 //! | PC3 | CN7-37 | clamp | high: clamp |
 //! | PB0 | CN7-34, A3 | spindle enable | high: enabled |
-//! | PC4 to PC11 | CN10-34, 6, 4, 19, 2, 1, CN7-1, 2 | inputs 1 to 8 of the machine | closed to ground: on |
-//! | PB11 to PB15 | CN10-18, 16, 30, 28, 26 | outputs 1 to 5 of the machine | high: on |
+//! | PC4 | CN10-34 | input 1 of the machine | closed to ground: on |
+//! | PC5 | CN10-6 | input 2 of the machine | closed to ground: on |
+//! | PC6 | CN10-4 | input 3 of the machine | closed to ground: on |
+//! | PC7 | CN10-19 | input 4 of the machine | closed to ground: on |
+//! | PC8 | CN10-2 | input 5 of the machine | closed to ground: on |
+//! | PC9 | CN10-1 | input 6 of the machine | closed to ground: on |
+//! | PC10 | CN7-1 | input 7 of the machine | closed to ground: on |
+//! | PC11 | CN7-2 | input 8 of the machine | closed to ground: on |
+//! | PB11 | CN10-18 | output 1 of the machine | high: on |
+//! | PB12 | CN10-16 | output 2 of the machine | high: on |
+//! | PB13 | CN10-30 | output 3 of the machine | high: on |
+//! | PB14 | CN10-28 | output 4 of the machine | high: on |
+//! | PB15 | CN10-26 | output 5 of the machine | high: on |
 //! | PA5 | CN10-11, D13 | LED LD2 | high: on |
 //!
 //! The bus does not use PB8 and PB9: PB8 is BOOT0 at a reset, and a transceiver at rest pulls it high, which starts the

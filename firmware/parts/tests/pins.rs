@@ -35,8 +35,37 @@ fn pin(row: &str) -> &str {
         .unwrap_or_default()
 }
 
+/// The text with its loops over pins written out.
+fn unrolled(text: &str) -> String {
+    let mut lines = text.lines();
+    let mut out = String::new();
+    while let Some(line) = lines.next() {
+        let range = line.trim().strip_prefix("for pin in ");
+        let Some((first, last)) =
+            range.and_then(|range| range.strip_suffix(" {")?.split_once(".."))
+        else {
+            out.push_str(line);
+            out.push('\n');
+            continue;
+        };
+        let body: Vec<&str> = lines
+            .by_ref()
+            .take_while(|line| line.trim() != "}")
+            .collect();
+        let number = |text: &str| text.parse::<u8>().expect("a number");
+        for pin in number(first)..number(last) {
+            for line in &body {
+                out.push_str(&line.replace("(pin,", &format!("({pin},")));
+                out.push('\n');
+            }
+        }
+    }
+    out
+}
+
 /// Every pin whose mode is set.
 fn used(text: &str) -> Vec<String> {
+    let text = &unrolled(text);
     text.split(".moder().modify(")
         .zip(text.split(".moder().modify(").skip(1))
         .flat_map(|(before, behind)| {
@@ -52,11 +81,11 @@ fn used(text: &str) -> Vec<String> {
 
 /// Every pin with which `setter` is called, and the value. A register for half a port says which half.
 fn given(text: &str, setter: &str) -> Vec<(String, String)> {
-    let (mut port, mut first) = ("", 0);
+    let (mut port, mut first) = (String::new(), 0);
     let mut given = Vec::new();
-    for line in text.lines() {
+    for line in unrolled(text).lines() {
         if let Some((_, behind)) = line.split_once("GPIO") {
-            port = behind.get(..1).unwrap_or_default();
+            port = behind.get(..1).unwrap_or_default().to_owned();
             first = if line.contains(".afr(1)") { 8 } else { 0 };
         }
         let Some((_, call)) = line.split_once(setter) else {
@@ -107,7 +136,7 @@ fn what_may_be_open_is_pulled_up_and_nothing_else() {
 #[test]
 fn the_page_and_the_image_have_one_table() {
     assert_eq!(rows(PINS), rows(PAGE));
-    assert_eq!(rows(PINS).len(), 11);
+    assert_eq!(rows(PINS).len(), 24);
 }
 
 #[test]

@@ -63,7 +63,7 @@ impl Doing {
             State::Idle if snapshot.in_program => Self::Program,
             State::Idle => Self::Nothing,
             State::Running => Self::Program,
-            State::Held | State::ByHand if snapshot.left.is_some() => Self::Left,
+            State::Held | State::ByHand if snapshot.has_left => Self::Left,
             State::Held => Self::Held,
             State::ByHand => Self::ByHand,
             State::Homing => Self::Homing,

@@ -20,6 +20,7 @@ use crate::board::guard::Guard;
 use crate::board::machine::interlocked;
 use crate::board::ticker::State;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest, WheelRequest};
+use crate::call::Position;
 use crate::link::Event;
 use crate::operating::{Interlock, Led, OperatingMode, PressState, Towards};
 use crate::params::Params;
@@ -78,8 +79,9 @@ pub struct Operating {
     /// 5002h:07: the next program, or the one under way, follows a handwheel.
     by_wheel: bool,
     asked: Option<Asked>,
-    /// A program was left, and no program has been under way since.
-    left: bool,
+    /// Where a program was left, until it goes on or another one is under way. The axes stand there when the tick first says
+    /// so, for nobody moves them before.
+    point: Option<Position>,
 }
 
 impl Operating {
@@ -91,6 +93,11 @@ impl Operating {
     /// The beat.
     pub const fn beat(&self) -> Beat {
         Beat::new((self.time_us / 1000) as u16)
+    }
+
+    /// Where a program was left last.
+    pub const fn point(&self) -> Option<Position> {
+        self.point
     }
 
     /// The next program, or the one under way, follows a handwheel.
@@ -136,10 +143,11 @@ impl ObjectValues {
         let us = u64::from(by.get()).saturating_mul(params.tick_us().into());
         let operating = &mut self.operating;
         operating.time_us = operating.time_us.wrapping_add(us);
-        if self.snapshot.left.is_some() {
-            operating.left = true;
+        if self.snapshot.has_left {
+            let here = self.snapshot.setpoint.position;
+            operating.point.get_or_insert(here);
         } else if self.snapshot.in_program {
-            operating.left = false;
+            operating.point = None;
         }
         if self.snapshot.state == State::ByHand || operating.asked.is_some() {
             operating.stood = Periods::new(0);
@@ -255,8 +263,8 @@ impl ObjectValues {
     pub(super) fn resume(&mut self) -> Result<Command, Alarm> {
         self.let_in(Request::Resume)?;
         let (operating, snapshot) = (&mut self.operating, &self.snapshot);
-        let Some(point) = snapshot.left else {
-            let lost = operating.left && !snapshot.in_program;
+        let Some(point) = operating.point.filter(|_| snapshot.has_left) else {
+            let lost = operating.point.is_some() && !snapshot.in_program;
             // Where a hold is on, that is what it is for.
             if lost && !snapshot.operator.hold {
                 return Err(Alarm::of(Code::WayBackLost, &[]));

@@ -377,7 +377,7 @@ impl ObjectValues {
             state: snapshot.board_state(),
             alarm: snapshot.alarm().copied(),
             in_program: snapshot.in_program,
-            left: snapshot.left,
+            left: self.operating.point().filter(|_| snapshot.has_left),
             line: snapshot.setpoint.line,
             number: snapshot.setpoint.number,
             position: snapshot.setpoint.position,

@@ -39,7 +39,7 @@ impl Ticker {
     }
 
     /// A program has been left.
-    pub(super) const fn has_left(&self) -> bool {
+    pub(in crate::board) const fn has_left(&self) -> bool {
         self.left.is_some()
     }
 

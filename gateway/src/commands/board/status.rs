@@ -128,11 +128,14 @@ fn contact_words(contacts: &MachineContacts, lang: Lang) -> String {
     let mut text = String::new();
     let on = contacts.inputs.unwrap_or_default();
     if on != 0 || contacts.outputs != 0 {
+        let list = |on| match numbers(on) {
+            none if none.is_empty() => pick(lang, "none", "无").to_owned(),
+            numbers => numbers,
+        };
+        let (inputs, outputs) = (list(on), list(contacts.outputs));
         let line = both!(
             "inputs on: {inputs}; outputs on: {outputs}\n",
-            "接通的输入：{inputs}；接通的输出：{outputs}\n",
-            inputs = numbers(on),
-            outputs = numbers(contacts.outputs)
+            "接通的输入：{inputs}；接通的输出：{outputs}\n"
         );
         text.push_str(line.get(lang));
     }

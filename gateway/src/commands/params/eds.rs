@@ -209,7 +209,7 @@ mod tests {
             let (text, _) = text.split_once("\n\n").unwrap();
             assert!(text.contains(&limits), "{section}: {text}");
         }
-        assert!(sheet.contains("NrOfRXPDO=3\nNrOfTXPDO=5\n"));
+        assert!(sheet.contains("NrOfRXPDO=4\nNrOfTXPDO=5\n"));
         assert!(sheet.contains("ParameterName=mapped object 2\n"));
     }
 }
