@@ -79,8 +79,8 @@ pub struct Operating {
     /// 5002h:07: the next program, or the one under way, follows a handwheel.
     by_wheel: bool,
     asked: Option<Asked>,
-    /// Where a program was left, until it goes on or another one is under way. The axes stand there when the tick first says
-    /// so, for nobody moves them before.
+    /// Where a program was left, until it goes on or another one is under way. The axes stand there when the tick first
+    /// says so, for nobody moves them before.
     point: Option<Position>,
 }
 
