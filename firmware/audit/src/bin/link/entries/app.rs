@@ -1,5 +1,7 @@
 //! The part that all images share: the two contexts, and the memory of a failure.
 
+use core::mem::MaybeUninit;
+
 use audit::any::{any, sink};
 use leadscrew_app::{
     Failure, Left, Machine, Memory, PowerUp, ResetCause, ResetFlags, TickMachine, serial_of, step,
@@ -135,8 +137,8 @@ fn board() {
         failure: Failure::decode(&any()),
         cause: cause(),
     };
-    let memory = place::<Memory>();
-    *memory = Memory::new();
+    // As in the images: no memory before it is dropped.
+    let memory = place::<MaybeUninit<Memory>>().write(Memory::new());
     let Ok(mut sides) = memory.power_up(&up) else {
         return;
     };

@@ -1,5 +1,7 @@
 //! The whole board, both contexts, and the operator.
 
+use core::mem::ManuallyDrop;
+
 use audit::any::{any, sink};
 use leadscrew_core::board::device::dictionary;
 use leadscrew_core::board::{Board, DriveNodes, Held, Output, PowerUp, Region, overridden};
@@ -52,10 +54,12 @@ fn board() {
     let params: Params = any();
     nodes(&DriveNodes::of(&params));
     let found = kept(&params);
-    sink(Board::new(&params, any(), any()));
-    let Ok(mut board) = Board::power_up(&found, any(), any()) else {
+    // No board that runs is ever dropped.
+    sink(ManuallyDrop::new(Board::new(&params, any(), any())));
+    let Ok(board) = Board::power_up(&found, any(), any()) else {
         return;
     };
+    let mut board = ManuallyDrop::new(board);
     let mut output = Output::default();
     sink(board.join(any()));
     while any() {
