@@ -20,7 +20,7 @@ class SheetTest(unittest.TestCase):
     def test_device(self):
         device = self.dictionary.device_information
         self.assertEqual(device.allowed_baudrates, {500_000, 1_000_000})
-        self.assertEqual((device.nr_of_RXPDO, device.nr_of_TXPDO), (3, 5))
+        self.assertEqual((device.nr_of_RXPDO, device.nr_of_TXPDO), (4, 5))
         self.assertEqual(device.product_number, 0x4C53_4357)
 
     def test_identifiers_follow_the_node(self):

@@ -286,13 +286,14 @@ fn communication_that_somebody_begins_anew_ends_no_run() {
     good(&output);
     assert!(told.contains("NMT reset communication"), "{told}");
     drop(board);
-    // In virtual time a program may be over before it is seen: the commands come all the while.
+    // In virtual time a program may be over before it is seen, and the command comes behind it.
     let _board = Board::start(&["--lockstep"]);
     let mut running = run(&path, &[]);
-    while running.try_wait().unwrap().is_none() {
-        tool("cansend", &["vcan0", "000#8201"]);
-        std::thread::sleep(std::time::Duration::from_millis(300));
-    }
+    let under_way = std::cell::RefCell::new(&mut running);
+    wait_for_status("it runs, or has run", |status| {
+        field(status, "program") == "true" || under_way.borrow_mut().try_wait().unwrap().is_some()
+    });
+    tool("cansend", &["vcan0", "000#8201"]);
     good(&finish(running));
 }
 
