@@ -273,7 +273,8 @@ fn a_controller_that_an_error_frame_calls_off_is_told_of_and_comes_back() {
     good(&finish_well(&program("behind.nc", WORK)));
 }
 
-/// Whatever the board does, it goes on with it [D196].
+/// Whatever the board does, it goes on with it [D196]. In real time: where time is virtual, another client that asks
+/// meanwhile may be too slow for a transfer.
 #[test]
 fn communication_that_somebody_begins_anew_ends_no_run() {
     let path = program("anew.nc", WORK);
@@ -286,15 +287,6 @@ fn communication_that_somebody_begins_anew_ends_no_run() {
     good(&output);
     assert!(told.contains("NMT reset communication"), "{told}");
     drop(board);
-    // In virtual time a program may be over before it is seen, and the command comes behind it.
-    let _board = Board::start(&["--lockstep"]);
-    let mut running = run(&path, &[]);
-    let under_way = std::cell::RefCell::new(&mut running);
-    wait_for_status("it runs, or has run", |status| {
-        field(status, "program") == "true" || under_way.borrow_mut().try_wait().unwrap().is_some()
-    });
-    tool("cansend", &["vcan0", "000#8201"]);
-    good(&finish(running));
 }
 
 fn finish_well(path: &std::path::Path) -> std::process::Output {
