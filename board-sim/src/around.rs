@@ -49,7 +49,7 @@ impl Around {
                 (false, _) => {}
             }
         }
-        let bit = |number| Contact::new(number).map_or(0, Contact::bit);
+        let bit = Contact::bit_of;
         let held = [
             params.chuck_pressure_input(),
             params.tailstock_pressure_input(),

@@ -15,7 +15,7 @@ use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::words::{Both, both};
 use leadscrew_common::{diagnostics, interrupt, number};
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::params::{self, CONTACTS};
+use leadscrew_core::params;
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::TimeSpec;
@@ -414,9 +414,9 @@ impl Drop for Server {
 
 /// The contacts that are on, from 1 on.
 fn numbers(on: u16) -> Vec<u8> {
-    let contacts = (1..=CONTACTS).filter_map(params::Contact::new);
-    let on = contacts.filter(|contact| on & contact.bit() != 0);
-    on.map(params::Contact::number).collect()
+    params::Contact::of_bits(on)
+        .map(params::Contact::number)
+        .collect()
 }
 
 /// The words for an input that does not exist.

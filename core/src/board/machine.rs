@@ -25,7 +25,7 @@ pub(super) struct Wiring {
 
 impl Wiring {
     pub(super) fn of(params: &Params) -> Self {
-        let bit = |number| Contact::new(number).map_or(0, Contact::bit);
+        let bit = Contact::bit_of;
         Self {
             inverted: params.inputs_inverted() as u16,
             reset: params.reset_outputs() as u16,
@@ -243,12 +243,8 @@ impl Machine {
     /// A reset: some outputs go off.
     pub(super) fn reset(&mut self) {
         self.outputs &= !self.wiring.reset;
-        for number in 1..=crate::params::CONTACTS {
-            if let Some(output) = Contact::new(number)
-                && self.outputs & output.bit() == 0
-            {
-                self.demand(output, None);
-            }
+        for output in Contact::of_bits(!self.outputs) {
+            self.demand(output, None);
         }
         self.read();
     }
@@ -256,11 +252,8 @@ impl Machine {
     /// An input that answers for an output that is on, and is gone: the two.
     #[inline(never)]
     pub(super) fn lost(&self) -> Option<(Contact, Contact)> {
-        let mut outputs = (1..=crate::params::CONTACTS).filter_map(Contact::new);
-        outputs.find_map(|output| {
-            let answer = *self
-                .demanded
-                .get(usize::from(output.number()).wrapping_sub(1))?;
+        let mut demanded = Contact::all().zip(self.demanded);
+        demanded.find_map(|(output, answer)| {
             let answer = answer.filter(|answer| !self.has_answered(*answer))?;
             Some((answer.input, output))
         })

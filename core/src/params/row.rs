@@ -25,6 +25,22 @@ impl Contact {
         Some(Self(number))
     }
 
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (1..=CONTACTS).filter_map(Self::new)
+    }
+
+    /// Those whose [bits](Self::bit) are set.
+    pub fn of_bits(bits: u16) -> impl Iterator<Item = Self> {
+        Self::all().filter(move |contact| bits & contact.bit() != 0)
+    }
+
+    /// The bit of the contact with this number; 0 for a number that none has.
+    #[must_use]
+    pub fn bit_of(number: u8) -> u16 {
+        Self::new(number).map_or(0, Self::bit)
+    }
+
     /// Its number, from 1 on.
     #[must_use]
     pub const fn number(self) -> u8 {
@@ -241,6 +257,9 @@ mod tests {
     fn each_contact_has_a_bit_of_its_own() {
         let bits = (1..=CONTACTS).map(|number| Contact::new(number).unwrap().bit());
         assert_eq!(bits.fold(0, |all, bit| all + u32::from(bit)), 0xFFFF);
+        assert_eq!(Contact::all().count(), 16);
+        assert!(Contact::of_bits(0x8001).map(Contact::number).eq([1, 16]));
+        assert_eq!([0, 1, 16, 17].map(Contact::bit_of), [0, 1, 0x8000, 0]);
         assert_eq!(Contact::new(0), None);
         assert_eq!(Contact::new(17), None);
     }

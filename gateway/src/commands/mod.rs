@@ -19,13 +19,14 @@ mod tools;
 mod unavailable;
 
 use leadscrew_can::Address;
+use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::Order;
 
 use crate::cli::{Cli, Command, Format, Global};
 use crate::failure::Outcome;
 use crate::setup::{Answer, Setup};
 use crate::source::SourceFile;
-use crate::words::{Both, both};
+use crate::words::{Both, both, pick};
 
 /// Does what was typed.
 pub fn dispatch(cli: &Cli) -> Outcome {
@@ -108,6 +109,20 @@ pub fn dispatch(cli: &Cli) -> Outcome {
 /// A board on a real bus is meant.
 fn is_real(cli: &Cli) -> bool {
     cli.global.bus != Address::Sim
+}
+
+/// Numbers of inputs or outputs as a list.
+fn contact_numbers(numbers: impl Iterator<Item = u8>) -> String {
+    let numbers: Vec<String> = numbers.map(|number| number.to_string()).collect();
+    numbers.join(" ")
+}
+
+/// A list as people read it, where it may be empty.
+fn or_none(list: String, lang: Lang) -> String {
+    match list.is_empty() {
+        true => pick(lang, "none", "无").to_owned(),
+        false => list,
+    }
 }
 
 /// How a change has ended. `what` identifies what is in force.

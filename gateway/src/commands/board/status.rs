@@ -7,11 +7,12 @@ use leadscrew_core::board::Interlocks;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::{Interlock, OperatingMode};
-use leadscrew_core::params::{CONTACTS, Contact};
+use leadscrew_core::params::Contact;
 use leadscrew_core::signals::Signals;
 
 use super::{names, open, state_name, state_words};
 use crate::cli::Global;
+use crate::commands::{contact_numbers, or_none};
 use crate::diagnostics::{Diagnostic, figure};
 use crate::failure::Outcome;
 use crate::link::{Link, MachineContacts};
@@ -110,12 +111,9 @@ pub fn status(global: &Global) -> Outcome {
     Ok(())
 }
 
-/// The contacts that are on, from 1 on.
+/// The numbers of the contacts that are on, from 1 on.
 fn numbers(on: u16) -> String {
-    let numbers = (1..=CONTACTS).filter_map(Contact::new);
-    let on = numbers.filter(|contact| on & contact.bit() != 0);
-    let numbers: Vec<String> = on.map(|contact| contact.number().to_string()).collect();
-    numbers.join(" ")
+    contact_numbers(Contact::of_bits(on).map(Contact::number))
 }
 
 fn names_of(interlocks: Interlocks) -> String {
@@ -128,10 +126,7 @@ fn contact_words(contacts: &MachineContacts, lang: Lang) -> String {
     let mut text = String::new();
     let on = contacts.inputs.unwrap_or_default();
     if on != 0 || contacts.outputs != 0 {
-        let list = |on| match numbers(on) {
-            none if none.is_empty() => pick(lang, "none", "无").to_owned(),
-            numbers => numbers,
-        };
+        let list = |on| or_none(numbers(on), lang);
         let (inputs, outputs) = (list(on), list(contacts.outputs));
         let line = both!(
             "inputs on: {inputs}; outputs on: {outputs}\n",

@@ -12,6 +12,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_desk::control::{Answer, Door, Request, View, ask};
 
 use crate::cli::Global;
+use crate::commands::{contact_numbers, or_none};
 use crate::failure::{Failure, Outcome};
 use crate::number;
 use crate::output;
@@ -84,21 +85,11 @@ fn json(answer: &Answer) -> Outcome {
 
 /// Which inputs and outputs are on, for people.
 fn contact_words(view: &View, lang: Lang) -> String {
-    let list = |on: &[u8]| {
-        let numbers: Vec<String> = on.iter().map(u8::to_string).collect();
-        match numbers.is_empty() {
-            true => both!("none", "无"),
-            false => Both::same(numbers.join(" ")),
-        }
-    };
+    let list = |on: &[u8]| or_none(contact_numbers(on.iter().copied()), lang);
     let (inputs, outputs) = (list(&view.inputs), list(&view.outputs));
     both!(
         "inputs on: {inputs}\noutputs on: {outputs}\n",
-        "接通的输入：{inputs_zh}\n接通的输出：{outputs_zh}\n",
-        inputs = inputs.en,
-        outputs = outputs.en,
-        inputs_zh = inputs.zh,
-        outputs_zh = outputs.zh
+        "接通的输入：{inputs}\n接通的输出：{outputs}\n"
     )
     .get(lang)
     .to_owned()
