@@ -30,7 +30,7 @@ use crate::units::{Axes, Length};
 const SHORT: Length = Length::from_nm(1_000_000);
 
 /// What is asked of the axes by hand, before it is planned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Asked {
     /// Number of the press, as the board counts.
     pub number: u8,
@@ -262,9 +262,9 @@ impl ObjectValues {
     /// A held program goes on. One that was left first goes back to its point, and goes on by the next order.
     pub(super) fn resume(&mut self) -> Result<Command, Alarm> {
         self.let_in(Request::Resume)?;
-        let (operating, snapshot) = (&mut self.operating, &self.snapshot);
-        let Some(point) = operating.point.filter(|_| snapshot.has_left) else {
-            let lost = operating.point.is_some() && !snapshot.in_program;
+        let snapshot = &self.snapshot;
+        let Some(point) = self.operating.point.filter(|_| snapshot.has_left) else {
+            let lost = self.operating.point.is_some() && !snapshot.in_program;
             // Where a hold is on, that is what it is for.
             if lost && !snapshot.operator.hold {
                 return Err(Alarm::of(Code::WayBackLost, &[]));
@@ -274,18 +274,18 @@ impl ObjectValues {
             }
             return Ok(Command::Resume);
         };
-        if !operating.mode.runs() {
+        if !self.operating.mode.runs() {
             return Ok(Command::Resume);
         }
         if snapshot.state != State::Held {
             return Err(Alarm::of(Code::NotAtRest, &[]));
         }
         self.door_is_closed()?;
-        let (operating, snapshot) = (&mut self.operating, &self.snapshot);
         if snapshot.setpoint.position == point {
             return Ok(Command::Return);
         }
         // Nobody presses: the axes go back by themselves.
+        let operating = &mut self.operating;
         (operating.session, operating.denied) = (0, false);
         operating.number = operating.number.wrapping_add(1);
         operating.asked = Some(Asked {
@@ -294,11 +294,8 @@ impl ObjectValues {
             x: Some(Towards::Plus),
             z: Some(Towards::Plus),
             rapid: true,
-            mm_per_min: None,
-            way: None,
-            wheel: false,
-            until: None,
             returns: true,
+            ..Asked::default()
         });
         // A feed hold by hand is over.
         Ok(Command::Resume)
@@ -337,10 +334,8 @@ impl ObjectValues {
             z: request.z,
             rapid: request.rapid,
             mm_per_min: (request.mm_per_min != 0).then_some(request.mm_per_min),
-            way: None,
-            wheel: false,
             until: Some(until),
-            returns: false,
+            ..Asked::default()
         });
     }
 
@@ -375,12 +370,9 @@ impl ObjectValues {
             number: self.operating.number,
             x: (!request.on_z).then_some(towards),
             z: request.on_z.then_some(towards),
-            rapid: false,
-            mm_per_min: None,
             way: Some(way.abs()),
-            wheel: false,
             until: (way.abs() > SHORT).then_some(until),
-            returns: false,
+            ..Asked::default()
         });
     }
 
@@ -411,12 +403,10 @@ impl ObjectValues {
             number: self.operating.number,
             x: (request.leads == Led::X).then_some(Towards::Plus),
             z: (request.leads == Led::Z).then_some(Towards::Plus),
-            rapid: false,
-            mm_per_min: None,
             way: Some(self.operating.wheel.way()),
             wheel: true,
             until: Some(until),
-            returns: false,
+            ..Asked::default()
         });
     }
 

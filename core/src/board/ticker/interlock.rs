@@ -4,7 +4,7 @@
 //! spindle; closing it starts nothing [D272]. Must not know which input means what.
 
 use super::away::LastPass;
-use super::{Ends, Outcome, State, Ticker, emit};
+use super::{Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::machine::interlocked;
 use crate::call::Aux;
@@ -100,9 +100,7 @@ impl Ticker {
         if self.executor.thread().is_none() {
             return self.raise(alarm, ends);
         }
-        self.transition_to_stopping_by_reset(ends);
-        self.state = State::Stopping(Outcome::Alarm(*alarm));
-        emit(&mut ends.events, Event::Alarm(*alarm));
+        self.transition_to_stopping_out_of_thread(alarm, ends);
     }
 
     /// Whether a segment of the program may begin now.

@@ -119,6 +119,22 @@ impl Ticker {
         }
     }
 
+    /// The tool leaves its thread as at a reset, and the machine is in alarm after that.
+    pub(super) fn transition_to_stopping_out_of_thread(
+        &mut self,
+        alarm: &Alarm,
+        ends: &mut Ends<'_>,
+    ) {
+        self.transition_to_stopping_by_reset(ends);
+        self.state = State::Stopping(Outcome::Alarm(*alarm));
+        emit(&mut ends.events, Event::Alarm(*alarm));
+    }
+
+    /// The machine stands on an alarm.
+    pub(super) const fn transition_to_alarm(&mut self, alarm: Alarm) {
+        self.state = State::Alarm(alarm);
+    }
+
     /// The axes stand: what they came to rest for is done.
     pub(super) fn transition_from_stopping(&mut self, events: &mut EventIn<'_>) {
         self.note_stop();
@@ -129,7 +145,7 @@ impl Ticker {
         self.resuming = None;
         self.stood = 0;
         match self.state {
-            State::Stopping(Outcome::Alarm(alarm)) => self.state = State::Alarm(alarm),
+            State::Stopping(Outcome::Alarm(alarm)) => self.transition_to_alarm(alarm),
             _ => {
                 self.switching = self.switching_of_reset();
                 self.machine.reset();

@@ -1,7 +1,7 @@
 //! Withheld motion: a board whose stored parameters are damaged enables its drives and then stands on an alarm, again after
 //! every reset, until it has accepted a parameter set [D115].
 
-use super::{Ends, State, Ticker, emit};
+use super::{Ends, Ticker, emit};
 use crate::alarm::Alarm;
 use crate::board::kept::Found;
 use crate::link::Event;
@@ -9,7 +9,7 @@ use crate::link::Event;
 impl Ticker {
     /// Stands on an alarm before the first tick; see [`Tick::begin_in_alarm`](crate::board::Tick::begin_in_alarm).
     pub(in crate::board) const fn begin_in_alarm(&mut self, alarm: Alarm) {
-        self.state = State::Alarm(alarm);
+        self.transition_to_alarm(alarm);
     }
 
     /// Reports the state of the stored parameters once the drives are enabled. This may raise an alarm.

@@ -26,12 +26,6 @@ impl Aside {
     pub const fn position(&self) -> Position {
         self.position
     }
-
-    /// It was held between two segments.
-    #[must_use]
-    pub const fn is_between(&self) -> bool {
-        matches!(self.kind, Kind::Between)
-    }
 }
 
 impl Executor {
