@@ -11,7 +11,7 @@ use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::{Command, Event, Inputs, State};
 use leadscrew_core::bus::{BoardState, JogRequest, Order};
-use leadscrew_core::call::Aux;
+use leadscrew_core::call::{Aux, Call, CallKind};
 use leadscrew_core::operating::{Interlock, OperatingMode, Towards};
 use leadscrew_core::params::{Contact, Params};
 use leadscrew_core::units::Length;
@@ -298,6 +298,21 @@ impl Bench {
             }
             self.gateway.listen(&mut self.sim);
         }
+    }
+
+    /// Z towards the chuck at rapid: a press, or its renewal.
+    fn press(&mut self) {
+        let frame = JogRequest {
+            session: 1,
+            press: 1,
+            x: None,
+            z: Some(Towards::Minus),
+            rapid: true,
+            mm_per_min: 0,
+            echo: self.gateway.beat.beat,
+        }
+        .frame(NODE);
+        self.sim.receive(&frame);
     }
 
     /// The alarm for which an order is refused; 0 for none.
@@ -598,17 +613,7 @@ fn jogged(levels: u16, params: &Params) -> (i64, u16) {
     let mut bench = Bench::new(params, levels);
     bench.order(Order::Mode(OperatingMode::Manual));
     for _ in 0..50 {
-        let frame = JogRequest {
-            session: 1,
-            press: 1,
-            x: None,
-            z: Some(Towards::Minus),
-            rapid: true,
-            mm_per_min: 0,
-            echo: bench.gateway.beat.beat,
-        }
-        .frame(NODE);
-        bench.sim.receive(&frame);
+        bench.press();
         bench.run(20);
     }
     let z = bench.sim.board().ticker().executor().position().z.nm();
@@ -651,17 +656,7 @@ fn a_door_that_is_opened_ends_a_press() {
     let mut bench = Bench::new(&params, WELL);
     bench.order(Order::Mode(OperatingMode::Manual));
     for turn in 0..60 {
-        let frame = JogRequest {
-            session: 1,
-            press: 1,
-            x: None,
-            z: Some(Towards::Minus),
-            rapid: true,
-            mm_per_min: 0,
-            echo: bench.gateway.beat.beat,
-        }
-        .frame(NODE);
-        bench.sim.receive(&frame);
+        bench.press();
         bench
             .sim
             .set_pins(inputs(if turn < 20 { WELL } else { WELL & !(1 << 4) }));
@@ -689,6 +684,77 @@ fn the_door_stops_a_spindle_that_no_program_turns() {
     bench.sim.set_pins(inputs(WELL));
     bench.run(3_000);
     assert_eq!(bench.sim.spindle_command().get(), 0);
+}
+
+/// A press, and the door that opens within it, while the spindle turns for a typed line, or for a program that was left.
+fn door_opened_by_hand(params: &Params, text: &str, is_typed: bool) -> Bench {
+    let mut bench = Bench::new(params, WELL);
+    assert_eq!(bench.order(Order::Mode(OperatingMode::Automatic)), 0);
+    let mut program = calls(text, params);
+    if is_typed {
+        let over = Call {
+            kind: CallKind::LineOver,
+            ..program[0].clone()
+        };
+        program.push(over);
+    }
+    for call in &program {
+        assert!(bench.sim.offer(call));
+    }
+    bench.run(1_500);
+    if !is_typed {
+        assert_eq!(bench.order(Order::Hold), 0);
+        bench.run(500);
+    }
+    assert_eq!(bench.order(Order::Mode(OperatingMode::Manual)), 0);
+    for _ in 0..20 {
+        bench.press();
+        bench.run(20);
+    }
+    assert_eq!(bench.sim.board().ticker().state(), State::ByHand);
+    assert_eq!(bench.sim.spindle_command().get(), 300);
+    bench.sim.set_pins(inputs(WELL & !(1 << 4)));
+    bench.run(3_000);
+    assert_eq!(bench.sim.spindle_command().get(), 0);
+    // Closing it starts nothing.
+    bench.sim.set_pins(inputs(WELL));
+    bench.run(3_000);
+    assert_eq!(bench.sim.spindle_command().get(), 0);
+    bench
+}
+
+#[test]
+fn the_door_stops_a_spindle_while_an_axis_is_moved_by_hand() {
+    let params = guarded();
+    let mut bench = door_opened_by_hand(&params, "M3 S300\n", true);
+    assert_eq!(bench.sim.board().ticker().state(), State::Idle);
+    // No program was left that it would turn for.
+    bench.order(Order::Mode(OperatingMode::Automatic));
+    bench.order(Order::Resume);
+    bench.run(3_000);
+    assert_eq!(bench.sim.spindle_command().get(), 0);
+}
+
+#[test]
+fn the_spindle_of_a_program_that_was_left_turns_again_when_that_goes_on() {
+    let params = guarded();
+    let text = "M3 S300\nG98 G1 Z-40 F300\nG4 P500\nM30\n";
+    let mut bench = door_opened_by_hand(&params, text, false);
+    assert_eq!(bench.sim.board().ticker().state(), State::Held);
+    assert_eq!(bench.order(Order::Mode(OperatingMode::Automatic)), 0);
+    // Back to where it was held.
+    assert_eq!(bench.order(Order::Resume), 0);
+    bench.run(5_000);
+    assert_eq!(bench.sim.spindle_command().get(), 0);
+    // And on from there: the axis waits until the spindle is at its speed.
+    assert_eq!(bench.order(Order::Resume), 0);
+    bench.run(2_000);
+    assert_eq!(bench.sim.spindle_command().get(), 300);
+    bench.run(10_000);
+    let ticker = bench.sim.board().ticker();
+    assert_eq!(ticker.state(), State::Idle);
+    assert_eq!(ticker.executor().position().z, Length::from_nm(-40_000_000));
+    assert_eq!(bench.codes, []);
 }
 
 #[test]

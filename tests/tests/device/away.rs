@@ -1,11 +1,11 @@
 //! A held program is left, its axes are moved by hand, and it goes on where it was held [D255].
 
-use super::by_hand::Hand;
+use super::by_hand::{Hand, RENEWAL};
 use leadscrew_core::board::{Inputs, State};
 use leadscrew_core::bus::{BoardState, Object, Order, SdoProtocol};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::{Certificate, Status, ThreadReader, ThreadState};
-use leadscrew_core::operating::{OperatingMode, PressState, Towards};
+use leadscrew_core::operating::{Led, OperatingMode, PressState, Towards, WheelFactor};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_tests::gateway::Upload;
@@ -180,46 +180,86 @@ fn a_held_program_is_left_and_goes_on_as_if_it_had_not_been() {
     assert!(cases >= 5, "{cases}");
 }
 
+/// The axes that move on a way, in this order. One moves at a time, and slowly.
+fn legs(way: &[Position], params: &Params) -> String {
+    let slow = params.slow_feed().nm_per_min() * i64::from(params.tick_us()) / 60_000_000;
+    let mut legs = String::new();
+    for pair in way.windows(2) {
+        let (x, z) = ((pair[1].x - pair[0].x).nm(), (pair[1].z - pair[0].z).nm());
+        assert!(x == 0 || z == 0, "one at a time");
+        assert!(x.abs().max(z.abs()) <= slow + 1, "{x} {z} {slow}");
+        let leg = match (x, z) {
+            (0, 0) => continue,
+            (_, 0) => 'x',
+            _ => 'z',
+        };
+        if !legs.ends_with(leg) {
+            legs.push(leg);
+        }
+    }
+    legs
+}
+
 /// One axis after the other, slowly, and last the one that left first: out of a groove and into it again along X alone, out
 /// of a bore and into it along Z alone.
 #[test]
 fn the_axes_come_back_as_they_left() {
     let params = Params::sheets();
-    let slow = params.slow_feed().nm_per_min() * i64::from(params.tick_us()) / 60_000_000;
-    for (first, second, wanted) in [
+    let cases: [(&[(bool, i32)], &str); 9] = [
         // Outside: X away, along Z, X to the point.
-        ((false, 100_000), (true, 30_000), "zx"),
-        ((false, 100_000), (true, -30_000), "zx"),
+        (&[(false, 100_000), (true, 30_000)], "zx"),
+        (&[(false, 100_000), (true, -30_000)], "zx"),
         // In a bore: X off its wall, out of it along Z.
-        ((false, -10_000), (true, 300_000), "zx"),
+        (&[(false, -10_000), (true, 300_000)], "zx"),
         // A drill: along Z, then aside.
-        ((true, 300_000), (false, 100_000), "xz"),
-        ((true, 300_000), (false, -100_000), "xz"),
-        ((true, 300_000), (true, -400_000), "z"),
-        ((false, 100_000), (false, -150_000), "x"),
-    ] {
+        (&[(true, 300_000), (false, 100_000)], "xz"),
+        (&[(true, 300_000), (false, -100_000)], "xz"),
+        (&[(true, 300_000), (true, -400_000)], "z"),
+        (&[(false, 100_000), (false, -150_000)], "x"),
+        // Past the point to its other side: that is the side on which the axis has left.
+        (&[(false, 50_000), (false, -80_000), (true, 300_000)], "zx"),
+        (&[(true, 30_000), (true, -90_000), (false, 100_000)], "xz"),
+    ];
+    for (steps, wanted) in cases {
         let mut hand = Hand::begin(&params, PARTS);
         assert!(hand.held_after(1_500));
         let point = hand.at();
         hand.mode(OperatingMode::Step);
-        hand.goes(first.0, first.1);
-        hand.goes(second.0, second.1);
-        let way = hand.comes_back();
-        let mut legs = String::new();
-        for pair in way.windows(2) {
-            let (x, z) = ((pair[1].x - pair[0].x).nm(), (pair[1].z - pair[0].z).nm());
-            assert!(x == 0 || z == 0, "one at a time");
-            assert!(x.abs().max(z.abs()) <= slow + 1, "{x} {z} {slow}");
-            let leg = match (x, z) {
-                (0, 0) => continue,
-                (_, 0) => 'x',
-                _ => 'z',
-            };
-            if !legs.ends_with(leg) {
-                legs.push(leg);
-            }
+        for (on_z, way) in steps {
+            hand.goes(*on_z, *way);
         }
-        assert_eq!(legs, wanted, "{first:?} {second:?}");
+        let way = hand.comes_back();
+        assert_eq!(legs(&way, &params), wanted, "{steps:?}");
+        assert_eq!(hand.at(), point);
+    }
+}
+
+/// A handwheel may be turned back past the point: the side on which an axis has left is where it is when another one is led.
+#[test]
+fn the_axes_come_back_as_a_handwheel_led_them() {
+    let params = Params::sheets();
+    for sign in [1_i16, -1] {
+        let mut hand = Hand::begin(&params, PARTS);
+        assert!(hand.held_after(1_500));
+        let point = hand.at();
+        hand.mode(OperatingMode::Wheel);
+        for (leads, turns) in [(Led::X, [(-5, 10), (5, 40)]), (Led::Z, [(0, 1), (5, 20)])] {
+            hand.press = hand.press.wrapping_add(1);
+            let mut count = 1_000_u16;
+            for (by, frames) in turns {
+                for _ in 0..frames {
+                    count = count.wrapping_add_signed(sign * by);
+                    let turned = hand.wheel(leads, WheelFactor::Hundred, count);
+                    hand.sim.receive(&turned);
+                    hand.run(RENEWAL);
+                }
+            }
+            hand.until(|hand| hand.state() == State::Held);
+        }
+        let away = hand.at();
+        assert_eq!((away.x - point.x).nm().signum(), i64::from(sign));
+        let way = hand.comes_back();
+        assert_eq!(legs(&way, &params), "zx", "{sign}");
         assert_eq!(hand.at(), point);
     }
 }

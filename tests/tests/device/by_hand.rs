@@ -4,9 +4,11 @@ use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Event;
-use leadscrew_core::bus::{BoardState, Frame, JogRequest, Object, Order, SdoProtocol, StepRequest};
+use leadscrew_core::bus::{
+    BoardState, Frame, JogRequest, Object, Order, SdoProtocol, StepRequest, WheelRequest,
+};
 use leadscrew_core::call::Position;
-use leadscrew_core::operating::{OperatingMode, PressState, Towards};
+use leadscrew_core::operating::{Led, OperatingMode, PressState, Towards, WheelFactor};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Length;
 use leadscrew_tests::gateway::{Gateway, NODE, Upload};
@@ -106,6 +108,19 @@ impl Hand {
             count: self.press,
             on_z,
             way,
+            echo: self.gateway.beat.beat,
+        }
+        .frame(NODE)
+    }
+
+    /// A handwheel of the present claim that shows this count.
+    pub fn wheel(&self, leads: Led, factor: WheelFactor, count: u16) -> Frame {
+        WheelRequest {
+            session: self.session,
+            leads,
+            factor,
+            claim: self.press,
+            count,
             echo: self.gateway.beat.beat,
         }
         .frame(NODE)

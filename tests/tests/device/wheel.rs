@@ -1,11 +1,10 @@
 //! An axis that a handwheel leads over the bus.
 
 use leadscrew_core::alarm::Code;
-use leadscrew_core::bus::{BoardState, Order, WheelRequest};
+use leadscrew_core::bus::{BoardState, Order};
 use leadscrew_core::operating::{Led, OperatingMode, PressState, WheelFactor};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Length};
-use leadscrew_tests::gateway::NODE;
 use leadscrew_tests::params::set;
 
 use super::by_hand::{BRAKING, Hand, RENEWAL, WINDOW};
@@ -39,15 +38,8 @@ impl Wheel {
     }
 
     fn send(&mut self) {
-        let frame = WheelRequest {
-            session: self.hand.session,
-            leads: if self.on_z { Led::Z } else { Led::X },
-            factor: self.factor,
-            claim: self.hand.press,
-            count: self.count,
-            echo: self.hand.gateway.beat.beat,
-        }
-        .frame(NODE);
+        let leads = if self.on_z { Led::Z } else { Led::X };
+        let frame = self.hand.wheel(leads, self.factor, self.count);
         self.hand.sim.receive(&frame);
     }
 

@@ -1,10 +1,10 @@
 //! A program that follows a handwheel along its path.
 
 use leadscrew_core::alarm::Code;
-use leadscrew_core::bus::{BoardState, Object, Order, SdoProtocol, WheelRequest};
+use leadscrew_core::bus::{BoardState, Object, Order, SdoProtocol};
 use leadscrew_core::operating::{Led, OperatingMode, PressState, WheelFactor};
 use leadscrew_core::params::Params;
-use leadscrew_tests::gateway::{NODE, Upload};
+use leadscrew_tests::gateway::Upload;
 use leadscrew_tests::machine::calls;
 
 use super::by_hand::{Hand, RENEWAL, WINDOW};
@@ -72,15 +72,7 @@ impl Path {
     fn turn(&mut self, counts: i16, frames: u32) {
         for _ in 0..frames {
             self.count = self.count.wrapping_add_signed(counts);
-            let frame = WheelRequest {
-                session: self.hand.session,
-                leads: Led::Path,
-                factor: self.factor,
-                claim: self.hand.press,
-                count: self.count,
-                echo: self.hand.gateway.beat.beat,
-            }
-            .frame(NODE);
+            let frame = self.hand.wheel(Led::Path, self.factor, self.count);
             self.hand.sim.receive(&frame);
             self.run(RENEWAL);
         }
