@@ -36,6 +36,7 @@ pub mod tapping;
 pub mod threads;
 pub mod trace;
 pub mod variables;
+pub mod walk;
 
 // Named once for the whole crate: `crate::words` here is `leadscrew_common::words`.
 use leadscrew_common::{

@@ -694,7 +694,7 @@ fn door_opened_by_hand(params: &Params, text: &str, is_typed: bool) -> Bench {
     if is_typed {
         let over = Call {
             kind: CallKind::LineOver,
-            ..program[0].clone()
+            ..program[0]
         };
         program.push(over);
     }

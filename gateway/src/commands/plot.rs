@@ -2,25 +2,21 @@
 
 use std::path::Path;
 
-use leadscrew_core::cycle;
-use leadscrew_core::program::Event;
-
 use crate::checking;
 use crate::cli::Plot;
 use crate::diagnostics;
 use crate::drawing::{Drawing, Drawn};
 use crate::execution::{self, Execution};
 use crate::failure::{Doing, Failure, Outcome};
-use crate::hole::Hole;
 use crate::machine::Observer;
 use crate::number;
 use crate::output;
 use crate::page::{Page, Way};
 use crate::plot::{Envelope, Picture, Sample, View};
-use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
+use crate::walk::Walk;
 use crate::words::{self, both};
 
 /// Draws a program.
@@ -167,27 +163,12 @@ pub(super) fn title(program: &Path) -> String {
 
 /// The tool path of a program that has been checked.
 fn drawn(setup: &Setup, source: &SourceFile) -> Outcome<Drawn> {
-    let options = setup.options();
-    let unreadable = |error| Failure::file(Doing::Read, source.name(), &error);
-    let mut program = Program::open(source, &setup.params, setup.begin()).map_err(unreadable)?;
-    let mut drawing = Drawing::new(&options.position);
-    let mut at = options.position;
-    let mut hole = Hole::new(setup.tap);
-    while let Some(Ok(event)) = program.next_event().map_err(unreadable)? {
-        let Event::Call(call) = event else { continue };
-        // It has been checked: nothing is refused here.
-        let Ok(moves) = cycle::expand(&call, &setup.context(at, &hole)) else {
-            continue;
-        };
-        if hole.admit(&call, &moves).is_err() {
-            continue;
-        }
-        for step in moves {
-            drawing.push(&step, &call.origin);
-            hole.push(&step);
-            at = step.to;
-        }
-    }
+    let mut drawing = Drawing::new(&setup.options().position);
+    let mut walk = Walk::open(setup, source)?;
+    while walk
+        .next_call(|call, step| drawing.push(step, &call.origin))?
+        .is_some()
+    {}
     let drawn = drawing.finish();
     if drawn.left_out > 0 {
         let (left_out, shown) = (drawn.left_out, drawn.strokes.len());

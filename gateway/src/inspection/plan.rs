@@ -1,20 +1,17 @@
 //! The threads of a program that has been checked, and which of its moves cut them.
 
 use leadscrew_core::call::{Aux, Call, CallKind, Position, ThreadCall, ThreadCycle};
-use leadscrew_core::cycle;
 use leadscrew_core::moves::{Move, MoveKind};
-use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
 use leadscrew_metrology::{Degrees, Designation, Limits, Mm, Nose, NotKnown, Side, Stock, Tool};
 
 use super::edge::Edge;
 use super::guess::{Traits, guess};
 use super::{Assumed, Job};
-use crate::failure::{Doing, Failure, Outcome};
-use crate::hole::Hole;
-use crate::program::Program;
+use crate::failure::{Failure, Outcome};
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::walk::Walk;
 use crate::words::both;
 
 /// What was typed.
@@ -68,35 +65,25 @@ pub fn plan(setup: &Setup, source: &SourceFile, wish: &Wish) -> Outcome<(Vec<Job
 }
 
 fn find(setup: &Setup, source: &SourceFile) -> Outcome<(Vec<Found>, usize)> {
-    let unreadable = |error| Failure::file(Doing::Read, source.name(), &error);
-    let mut program = Program::open(source, &setup.params, setup.begin()).map_err(unreadable)?;
-    let mut at = setup.options().position;
-    let mut hole = Hole::new(setup.tap);
+    let mut walk = Walk::open(setup, source)?;
     let (mut threads, mut along_x): (Vec<Found>, usize) = (Vec::new(), 0);
     let (mut step, mut tool) = (0u64, 0u32);
-    while let Some(Ok(event)) = program.next_event().map_err(unreadable)? {
-        let Event::Call(call) = event else { continue };
-        // It has been checked: nothing is refused here.
-        let Ok(moves) = cycle::expand(&call, &setup.context(at, &hole)) else {
-            continue;
-        };
-        if hole.admit(&call, &moves).is_err() {
-            continue;
-        }
+    loop {
         let first = step + 1;
         let mut cuts = Vec::new();
         let mut is_long_x = false;
-        for each in moves {
+        let call = walk.next_call(|_, each| {
             step += 1;
             match each.kind {
                 MoveKind::Aux(Aux::T(code)) => tool = tool_of(u32::from(code)),
                 MoveKind::Thread(thread) => is_long_x |= thread.long_x,
                 _ => {}
             }
-            note(&mut cuts, step, &each);
-            hole.push(&each);
-            at = each.to;
-        }
+            note(&mut cuts, step, each);
+        })?;
+        let Some(call) = call else {
+            return Ok((threads, along_x));
+        };
         let CallKind::Thread(thread) = &call.kind else {
             continue;
         };
@@ -124,7 +111,6 @@ fn find(setup: &Setup, source: &SourceFile) -> Outcome<(Vec<Found>, usize)> {
             last.take(thread, &cuts, first, step);
         }
     }
-    Ok((threads, along_x))
 }
 
 /// `T0303` is tool 3, `T3` too.

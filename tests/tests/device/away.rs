@@ -234,7 +234,8 @@ fn the_axes_come_back_as_they_left() {
     }
 }
 
-/// A handwheel may be turned back past the point: the side on which an axis has left is where it is when another one is led.
+/// A handwheel may be turned back past the point: the side on which an axis has left is where it is when another one is
+/// led.
 #[test]
 fn the_axes_come_back_as_a_handwheel_led_them() {
     let params = Params::sheets();

@@ -1,0 +1,74 @@
+//! A program that has been checked, call by call and move by move, without a machine. Where the tool stands and the hole
+//! that a tap may be in go along.
+//!
+//! Must not know what the moves are for: a picture and the plan of a measurement are made of them.
+
+use leadscrew_core::call::{Call, Position};
+use leadscrew_core::cycle;
+use leadscrew_core::moves::Move;
+use leadscrew_core::program::Event;
+
+use crate::failure::{Doing, Failure, Outcome};
+use crate::hole::Hole;
+use crate::program::Program;
+use crate::setup::Setup;
+use crate::source::SourceFile;
+
+/// A walk through a program.
+#[derive(Debug)]
+pub struct Walk<'s> {
+    setup: &'s Setup<'s>,
+    source: &'s SourceFile,
+    program: Program<'s>,
+    at: Position,
+    hole: Hole,
+}
+
+impl<'s> Walk<'s> {
+    /// Begins where the program of `setup` does.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn open(setup: &'s Setup<'s>, source: &'s SourceFile) -> Outcome<Self> {
+        let program = Program::open(source, &setup.params, setup.begin());
+        Ok(Self {
+            setup,
+            source,
+            program: program.map_err(|error| unreadable(source, &error))?,
+            at: setup.options().position,
+            hole: Hole::new(setup.tap),
+        })
+    }
+
+    /// Goes through the moves of the next call; `None` after the last call.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn next_call(&mut self, mut each: impl FnMut(&Call, &Move)) -> Outcome<Option<Call>> {
+        while let Some(Ok(event)) = self
+            .program
+            .next_event()
+            .map_err(|error| unreadable(self.source, &error))?
+        {
+            let Event::Call(call) = event else { continue };
+            // It has been checked: nothing is refused here.
+            let Ok(moves) = cycle::expand(&call, &self.setup.context(self.at, &self.hole)) else {
+                continue;
+            };
+            if self.hole.admit(&call, &moves).is_err() {
+                continue;
+            }
+            for step in moves {
+                each(&call, &step);
+                self.hole.push(&step);
+                self.at = step.to;
+            }
+            return Ok(Some(call));
+        }
+        Ok(None)
+    }
+}
+
+fn unreadable(source: &SourceFile, error: &std::io::Error) -> Failure {
+    Failure::file(Doing::Read, source.name(), error)
+}
