@@ -8,6 +8,7 @@ pub(super) use home::Homing;
 
 use heapless::Vec;
 
+use super::lag::{Lag, Lags};
 use super::nodes::DriveNodes;
 use super::spindles::{Spindle, Spindles};
 use crate::alarm::Alarm;
@@ -52,6 +53,9 @@ pub(super) struct Figures {
     nodes: DriveNodes,
     /// All drives get their targets in one frame.
     together: bool,
+    /// What is taken off the lag of the axes.
+    lags: [Option<Lag>; 3],
+    spindle_lag: Option<Lag>,
 }
 
 impl Figures {
@@ -93,6 +97,8 @@ impl Figures {
             per_turn,
             nodes,
             together: params.setpoint_frame() == 1,
+            lags: Axis::ALL.map(|axis| Lag::of_axis(params, axis)),
+            spindle_lag: Lag::of_spindle(params),
         })
     }
 }
@@ -136,6 +142,8 @@ pub(super) struct Drives {
     homed: [i32; 3],
     /// The last target of each axis.
     last: [Told; 3],
+    /// What makes the axes follow their setpoints, where the lag of a drive is known.
+    lags: Option<Lags>,
     spindles: Spindles,
     sync: SyncProducer,
     nodes: DriveNodes,
@@ -157,7 +165,13 @@ impl Drives {
             offsets: figures.homed,
             homed: figures.homed,
             last: [x.scale.find(0), z.scale.find(0), c.scale.find(0)],
-            spindles: Spindles::new(&figures.spindle, figures.spindles, figures.per_turn),
+            lags: Lags::of(figures.lags),
+            spindles: Spindles::new(
+                &figures.spindle,
+                figures.spindles,
+                figures.per_turn,
+                figures.spindle_lag,
+            ),
             sync: SyncProducer::new(),
             nodes: figures.nodes,
             are_up: false,
@@ -373,14 +387,21 @@ impl Drives {
             let [x, z, c] = &mut self.axes;
             let [off_x, off_z, off_c] = self.offsets;
             let [last_x, last_z, last_c] = &mut self.last;
+            let [to_x, to_z, to_c] = match &mut self.lags {
+                None => figures(position),
+                Some(lags) => {
+                    let follow = [&*x, &*z, &*c].map(DriveMaster::is_following);
+                    lags.targets(figures(position), follow)
+                }
+            };
             // Three calls in a row: a loop over these four lists costs as much as the calls themselves.
-            if !send_to(x, off_x, last_x, position.x.nm(), &mut put) {
+            if !send_to(x, off_x, last_x, to_x, &mut put) {
                 beyond = Some(Axis::X);
             }
-            if !send_to(z, off_z, last_z, position.z.nm(), &mut put) {
+            if !send_to(z, off_z, last_z, to_z, &mut put) {
                 beyond = Some(Axis::Z);
             }
-            if !send_to(c, off_c, last_c, position.c.udeg(), &mut put) {
+            if !send_to(c, off_c, last_c, to_c, &mut put) {
                 beyond = Some(Axis::C);
             }
         } else {

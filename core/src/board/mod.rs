@@ -31,6 +31,7 @@ mod drives;
 mod guard;
 mod kept;
 mod kept_offsets;
+mod lag;
 mod machine;
 mod message;
 mod nodes;

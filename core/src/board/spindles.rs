@@ -4,6 +4,7 @@
 //! turn, one in a period, so that bus and tick carry one more drive and not three [D91]. The board has an encoder for
 //! spindle 1. For the other spindles, the position that their drive reports counts. Knows nothing of taps or programs.
 
+use super::lag::{Inverse, Lag};
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveMaster, Frame, Increments, MilliRpm, NodeId, Periods, SpindleDemand,
@@ -37,11 +38,14 @@ pub(super) struct Spindles {
     per_turn: Divisor,
     /// For the spindles from 2 on: the last commanded angle, in increments that do not wrap.
     counts: [i64; 3],
+    /// What makes a spindle in position mode follow its angle, where the lag of its drive is known.
+    inverse: Option<Inverse>,
 }
 
 impl Spindles {
-    /// `present` spindles (1–4). `config` is that of the first drive; the others are like it, with consecutive nodes.
-    pub(super) fn new(config: &DriveConfig, present: u8, per_turn: u32) -> Self {
+    /// `present` spindles (1–4). `config` is that of the first drive; the others are like it, with consecutive nodes, and
+    /// `lag` is of each.
+    pub(super) fn new(config: &DriveConfig, present: u8, per_turn: u32, lag: Option<Lag>) -> Self {
         let mut masters = [SpindleMaster::new(*config); 4];
         for (master, before) in masters.iter_mut().zip(0..) {
             let node = config.node.get().saturating_add(before);
@@ -54,6 +58,7 @@ impl Spindles {
             turn: TapSpindle::First,
             per_turn: Divisor::new(per_turn),
             counts: [0; 3],
+            inverse: lag.map(Inverse::new),
         }
     }
 
@@ -128,7 +133,11 @@ impl Spindles {
         if let Some(last) = self.count(spindle) {
             *last = count;
         }
-        Some(self.angle(count))
+        let angle = self.angle(count);
+        if let Some(inverse) = &mut self.inverse {
+            inverse.rest_at(angle);
+        }
+        Some(angle)
     }
 
     /// The angle of a count, to the nearest. It uses the reciprocal, because the tick calls it.
@@ -152,7 +161,11 @@ impl Spindles {
         let demand = match spindle {
             Spindle::Speed(velocity) => SpindleDemand::Speed(velocity),
             Spindle::Angle(angle) => {
-                let count = self.increments(angle);
+                let target = match &mut self.inverse {
+                    None => angle,
+                    Some(inverse) => inverse.angle(angle),
+                };
+                let count = self.increments(target);
                 if let Some(last) = self.count(self.selected) {
                     *last = count;
                 }

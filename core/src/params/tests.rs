@@ -369,6 +369,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x8222_8EC1),
     // The handwheel: 9044 to 9046; machine functions and interlocks: 9401 to 9429.
     (2, 0x6828_BF6E),
+    // Lags of the drives: 9070, 9071, 9073, 9074.
+    (2, 0x6098_E1C6),
 ];
 
 #[test]
