@@ -469,14 +469,16 @@ impl Checker<'_> {
     }
 
     fn keep(&mut self, cycle: CycleReport) {
-        let report = &mut self.report;
-        if self.detail == Detail::Cycles {
-            if report.cycles.len() < CYCLES {
-                report.cycles.push(cycle);
-            } else {
-                report.further_cycles += 1;
-            }
+        if self.lists_cycles() {
+            self.report.cycles.push(cycle);
+        } else if self.detail == Detail::Cycles {
+            self.report.further_cycles += 1;
         }
+    }
+
+    /// The next cycle is kept with its figures: those that cost much need not be found for others.
+    fn lists_cycles(&self) -> bool {
+        self.detail == Detail::Cycles && self.report.cycles.len() < CYCLES
     }
 
     /// A groove: each different move with its number of repeats.
