@@ -1308,8 +1308,8 @@ codes! {
     StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
         "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";
     /// A word without a point that leaves the travel as millimetres only; {w} it, {0} what it would be in increments.
-    PointMissing = 4991, "{w} has no point and is read as millimetres here; in increments it would be {0}, and other words of this program have points", "write the point; `(ALLOW 4991)` if it is meant",
-        "{w} 没有小数点，此处按 mm 读取；按最小增量则为 {0}，而本程序其他字带小数点", "请写小数点；确实如此请写 `(ALLOW 4991)`";
+    PointMissing = 4991, "{w} has no point and is read as millimetres here; in increments it would be {0}", "write the point; where the whole program counts increments, set parameter 3401.0 = 0 (`--set 3401.0=0`; a GSK 980TD has none); `(ALLOW 4991)` if it is meant",
+        "{w} 没有小数点，此处按 mm 读取；按最小增量则为 {0}", "请写小数点；若整个程序以最小增量为单位，请设参数 3401.0 = 0（`--set 3401.0=0`；GSK 980TD 无此参数）；确实如此请写 `(ALLOW 4991)`";
 
     // -- 4992–4999 warnings: `language` -----------------------------------------------------------------------------------
     /// M99 in the main program.

@@ -143,7 +143,10 @@ fn is_plain(text: &[u8]) -> bool {
     let short = text
         .split(|byte| *byte == b'\n')
         .all(|line| line.len() < 1000);
-    short && lines.all(|line| glance(line, &mut depth) == Glance::Plain(line.len()))
+    // A return within a line is refused by both, in front of a `%` at another column.
+    let inside = |line: &[u8]| matches!(line, [front @ .., _] if front.contains(&b'\r'));
+    let returns = text.split(|byte| *byte == b'\n').any(inside);
+    short && !returns && lines.all(|line| glance(line, &mut depth) == Glance::Plain(line.len()))
 }
 
 /// An alarm must name an existing line and columns in order.
