@@ -14,6 +14,9 @@ use crate::whose::Whose;
 /// Blocks of a first program that is looked at: longer ones are no subprograms, and the text need not be held for them.
 const BLOCKS: u32 = 2_000;
 
+/// Blocks behind it that are looked at: a pipe can be read again up to a limit only.
+const BEHIND: u32 = 100_000;
+
 /// A program of the file.
 #[derive(Clone, Copy)]
 struct Program {
@@ -75,7 +78,10 @@ impl<S: Source> Flow<S> {
             return Ok(None);
         }
         let (mut main, mut called) = (None, false);
-        while let Some(block) = scanner.next(&mut self.lines)? {
+        for _ in 0..BEHIND {
+            let Some(block) = scanner.next(&mut self.lines)? else {
+                break;
+            };
             if let Some(next) = Program::of(&block) {
                 here = next;
                 continue;
