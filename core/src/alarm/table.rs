@@ -467,7 +467,14 @@ codes! {
         "write a bottom beyond R, R as its distance from the initial level with its sign, and Q in the unit of this control",
         "该孔在 R 平面以下没有深度，或 R 不在初始平面与孔底之间，或 Q 使进给次数超过 9999", "请将孔底写在 R 平面之外，R 写为距初始平面的带符号距离，Q 使用本系统的单位";
 
-    // 4086–4089: the program as a whole; `common` and `language`.
+    /// A line given by its angle, whose end is not told.
+    AngleEnd = 4089, "the angle {w} and the words beside it do not tell where this line ends",
+        "write {w} with X or Z of the end, whichever the line moves along: the other is calculated; or {w} alone, and next a line with {w}, X and Z, where the two meet",
+        "角度 {w} 与同段的字不足以确定该直线的终点", "请将 {w} 与直线所移动轴的终点 X 或 Z 同写，另一个由系统计算；或只写 {w}，下一段直线写 {w}、X 和 Z，两线相交于一点";
+    /// A feed per turn or a lead without a point, where numbers without one count increments.
+    FeedWithoutPoint = 4090, "{w} has no point, and numbers without one count increments here (3401.0 = 0): for a feed per turn controls count 0.01, 0.001 or 0.0001 mm", "write it with a point, as F0.2",
+        "{w} 没有小数点，而此处省略小数点的数以最小增量为单位（3401.0 = 0）；每转进给的单位因系统而异（0.01、0.001 或 0.0001 mm）", "请带小数点书写，如 F0.2";
+    // 4086–4088: the program as a whole; `common` and `language`.
     /// A comment with DIALECT that names none.
     DialectUnknown = 4086, "there is no dialect of this name", "write one of gsk980td, gsk988, fanuc-a, fanuc-b, fanuc-c, haas: `(DIALECT FANUC-B)`",
         "没有该名称的方言", "请写下列之一：gsk980td、gsk988、fanuc-a、fanuc-b、fanuc-c、haas，如 `(DIALECT FANUC-B)`";
@@ -1304,13 +1311,25 @@ codes! {
     StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
         "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";
     /// A word without a point that leaves the travel as millimetres only; {w} it, {0} what it would be in increments.
-    PointMissing = 4991, "{w} has no point and is read as millimetres here; in increments it would be {0}, and other words of this program have points", "write the point; `(ALLOW 4991)` if it is meant",
-        "{w} 没有小数点，此处按 mm 读取；按最小增量则为 {0}，而本程序其他字带小数点", "请写小数点；确实如此请写 `(ALLOW 4991)`";
+    PointMissing = 4991, "{w} has no point and is read as millimetres here; in increments it would be {0}", "write the point; where the whole program counts increments, set parameter 3401.0 = 0 (`--set 3401.0=0`; a GSK 980TD has none); `(ALLOW 4991)` if it is meant",
+        "{w} 没有小数点，此处按 mm 读取；按最小增量则为 {0}", "请写小数点；若整个程序以最小增量为单位，请设参数 3401.0 = 0（`--set 3401.0=0`；GSK 980TD 无此参数）；确实如此请写 `(ALLOW 4991)`";
 
     // -- 4992–4999 warnings: `language` -----------------------------------------------------------------------------------
     /// M99 in the main program.
     MainRepeats = 4992, "M99 begins the main program again: it is read once here", "nothing needs to be done; write M30 where the program ends",
         "M99 使主程序重新开始：此处只执行一遍", "无需处理；程序结束处请写 M30";
+
+    /// The rapid at the end of a contour of G71 or G72 that leads back beside the part.
+    ContourWayBack = 4997, "the contour of this cycle ends before this rapid, which leads back clear of it: the cycle returns by itself", "nothing needs to be done; G70 follows this rapid as it is written",
+        "循环的轮廓到此快速移动之前为止：该移动在轮廓之外返回，循环自行返回起点", "无需处理；G70 仍按程序执行此快速移动";
+
+    /// A number with more digits than the increment has; {0} what it counts as.
+    DigitsRounded = 4998, "{w} has a digit beyond the smallest step: it counts as {0}, and further words are rounded the same way", "nothing needs to be done where half a step does not matter; else write so many digits as the control has",
+        "{w} 含有小于最小单位的数字：按 {0} 处理，其余的字同样舍入", "若半个最小单位无关紧要则无需处理；否则请按控制系统的位数书写";
+
+    /// The main program stands behind its subprogram; {0} its number.
+    MainBehind = 4999, "the main program is O{0}: what stands in front of it is called by it and has no end of its own", "nothing needs to be done; write the main program first where another one is meant",
+        "主程序为 O{0}：其前面的程序由它调用，且没有程序结束代码", "无需处理；若另有主程序，请将其写在文件最前面";
 
     /// G41 or G42 with a tool whose radius is zero; {0} the number of the offset.
     NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set radius and tip direction of this tool (`leadscrew tools set T{0}.radius=0.4 T{0}.tip=3`, without a tool table parameters 9201 to 9216 and 9301 to 9316), and call the tool before it",

@@ -371,6 +371,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x6828_BF6E),
     // Lags of the drives: 9070, 9071, 9073, 9074.
     (2, 0x6098_E1C6),
+    // Numbers without a point: 3401.0.
+    (2, 0x04A4_BBB6),
 ];
 
 #[test]
