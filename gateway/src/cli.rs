@@ -418,6 +418,15 @@ pub enum Command {
         #[arg(value_name = "NAME=0|1")]
         signal: SetSignal,
     },
+    /// Inputs and outputs of the machine by their names: list, switch, wait (not with `--bus sim`)
+    ///
+    /// Names are those of the machine file (`[io.NAME]`): of `--params`, else of the nearest `leadscrew.toml`.
+    #[command(after_help = examples::IO)]
+    Io {
+        /// What to do
+        #[command(subcommand)]
+        command: IoCommand,
+    },
     /// Brings a tap out of its hole in phase, the same as G30 P99
     ///
     /// With `--dry-run` it only shows what would move.
@@ -676,6 +685,31 @@ pub struct Up {
     /// This process was started by `up` itself: it leaves the terminal's session.
     #[arg(long, hide = true, requires = "foreground")]
     pub detached: bool,
+}
+
+/// `io`.
+#[derive(Debug, Subcommand)]
+pub enum IoCommand {
+    /// Print those that are on, or have a name or a use
+    #[command(after_help = examples::IO_LIST)]
+    List,
+    /// Switch an output, by the M code whose row does it
+    #[command(after_help = examples::IO_SET)]
+    Set {
+        /// A name, or a place as `output:3`, and 0 or 1
+        #[arg(value_name = "NAME=0|1")]
+        level: String,
+    },
+    /// Wait until an input or output is so; exit code 1 where the time is over
+    #[command(after_help = examples::IO_WAIT)]
+    Wait {
+        /// A name, or a place as `input:3`, and 0 or 1
+        #[arg(value_name = "NAME=0|1")]
+        level: String,
+        /// Longest time in seconds [default: no limit]
+        #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=86_400))]
+        timeout: Option<u32>,
+    },
 }
 
 /// `drives`.

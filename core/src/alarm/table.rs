@@ -980,6 +980,28 @@ codes! {
         "use an encoder of {3} counts (3720) or more, or hardware that times its edges (9006.0), or lower 9005",
         "每转 {0} 个计数且不捕获边沿时间，在 1 mm 导程上使 Z 轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",
         "请使用不少于 {3} 个计数的编码器（3720），或使用能捕获边沿时间的硬件（9006.0），或减小 9005";
+    // 4440–4446, inputs, outputs and machine functions of parameter files: the figures are texts.
+    /// No input or output of this name; {0} the name, {1} `input` or `output`.
+    IoUnknown = 4440, "there is no {1} `{0}`", "name one above: `[io.{0}]` with `at = \"{1}:1\"`, or write its place, as `{1}:1`",
+        "没有名为 `{0}` 的 {1}", "请先命名：`[io.{0}]` 与 `at = \"{1}:1\"`，或直接写位置，如 `{1}:1`";
+    /// An input where an output has to be, or the reverse; {0} the name, {1} what has to be.
+    IoOtherSide = 4441, "`{0}` is no {1}", "write the name of an {1}, or its place, as `{1}:1`",
+        "`{0}` 不是 {1}", "请写 {1} 的名称，或直接写位置，如 `{1}:1`";
+    /// A key that such a table does not have; {0} the table, {1} the key, {2} those that there are.
+    FieldUnknown = 4442, "{0} has no `{1}`", "write {2}",
+        "{0} 中没有 `{1}`", "请写 {2}";
+    /// A value of such a table; {0} the table, {1} the key, {2} what is written, {3} what can be.
+    FieldValue = 4443, "{0}: `{1}` cannot be {2}", "write {3}",
+        "{0}：`{1}` 不能是 {2}", "请写 {3}";
+    /// A key that is missing; {0} the table, {1} the key, {2} an example.
+    FieldMissing = 4444, "{0} needs `{1}`", "write {2}",
+        "{0} 缺少 `{1}`", "请写 {2}";
+    /// A key beside which another one has no meaning; {0} the table, {1} the key, {2} the other.
+    FieldIdle = 4445, "{0}: `{1}` and `{2}` do not go together", "leave out one of them",
+        "{0}：`{1}` 与 `{2}` 不能同时使用", "请删去其中之一";
+    /// All rows are taken; {0} the M code.
+    RowsTaken = 4446, "there is no row left for M{0}", "leave out another M code: a board has sixteen rows (9401 to 9416)",
+        "M{0} 没有空行可用", "请删去另一个 M 代码：控制板共有 16 行（9401 至 9416）";
     // 4450–4458, drive sections of parameter files: the figures are texts.
     /// `[drive.NAME]` of a drive that no machine has; {0} the name.
     DriveUnknown = 4450, "there is no drive `{0}`", "write `[drive.X]`, Z, C, or S1 to S4 for a spindle",

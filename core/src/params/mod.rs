@@ -20,7 +20,7 @@ pub use check::PROFILE_TICKS;
 pub(crate) use check::metres;
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};
-pub use row::{Action as FunctionAction, Answer, CONTACTS, Contact, FunctionRow};
+pub use row::{Action as FunctionAction, Answer, CONTACTS, Contact, FunctionRow, ROWS};
 pub use set::SetError;
 pub use unit::{Unit, ValueError, Writing};
 
