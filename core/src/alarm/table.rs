@@ -624,6 +624,9 @@ codes! {
     /// An ordinary tap by another spindle; {0} its number.
     FloatSpindleWithoutEncoder = 4271, "spindle {0} has no encoder here: an ordinary tap follows spindle 1 only", "write E1 or M24, or tap in rigid mode",
         "{0} 号主轴没有编码器：普通攻丝只能跟随 1 号主轴", "请写 E1 或 M24，或使用刚性攻丝";
+    /// A gear that is set in part, or that no drive can follow; {0} is its number.
+    GearUnusable = 4432, "gear {0} cannot work", "set all three, 9430 + {0}, 9435 + {0} and 9440 + {0}, or none; at most 15 turns of the motor for one of the spindle, increments of the drive (9013) for a turn of the spindle that are a whole number, and a speed of at most 3772",
+        "第 {0} 档不能工作", "9430 + {0}、9435 + {0}、9440 + {0} 应全部设定或全部为 0；电机与主轴圈数之比不超过 15，主轴每转的驱动脉冲数（9013）须为整数，转速不超过 3772";
     /// An encoder whose edges are not timed shakes an axis on this lead: lead, noise and limit in m/s², the longest lead.
     LeadForEncoder = 4272, "the counts of the spindle encoder would shake the axis by up to {1} m/s² on a lead of {0}; its acceleration is {2} m/s²",
         "write a lead of {3} or less, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
@@ -1111,6 +1114,18 @@ codes! {
     /// The answer of a function that is switched on has gone: input, output.
     AnswerLost = 4552, "input {0}, which answered for output {1}, has gone while that is on", "look at what the output switches, and at its input; then reset",
         "输出 {1} 接通期间，其应答输入 {0} 消失", "请检查该输出控制的装置及其输入，然后复位";
+    /// A speed with no gear selected.
+    GearUnknown = 4554, "no gear is known, so the spindle cannot turn", "select one first: M41 to M44 (after power-up, too: nobody knows which one is in)",
+        "档位未知，主轴不能旋转", "请先用 M41 至 M44 选择档位（上电后也须选择：此时档位未知）";
+    /// A gear is selected while the spindle turns; {0} is the M code.
+    GearTurning = 4556, "M{0} while the spindle is told to turn", "write M05 before it, and the speed after it",
+        "主轴旋转时不能执行 M{0}", "请在其前写 M05，在其后写转速";
+    /// S above the highest speed of the gear; {0} is S, {1} that speed, {2} the gear.
+    SpeedAboveGear = 4557, "S{0} is above the {1} rpm of gear {2} (parameter 9440 + {2})", "write a smaller S, or select another gear (M41 to M44)",
+        "S{0} 超过第 {2} 档的最高转速 {1}（参数 9440 + {2}）", "请减小 S，或选择另一档（M41 至 M44）";
+    /// M41 to M44 for a gear that there is not; {0} is the M code.
+    GearMissing = 4558, "M{0} selects a gear that this machine does not have", "correct the code, or set the gear's parameters (9431 to 9444)",
+        "M{0} 选择的档位不存在", "请改正代码，或设定该档的参数（9431 至 9444）";
     /// Something that holds the work has let go while the spindle was on; {0} is the interlock.
     ClampingLost = 4555, "{0} while the spindle is on: the tool is withdrawn, the spindle is stopped", "look at what holds the work before anything turns again; then reset",
         "主轴接通时{0}：刀具退出，主轴停止", "再次旋转前请检查工件夹持；然后复位";

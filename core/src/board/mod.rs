@@ -28,6 +28,7 @@ mod command;
 mod detour;
 pub mod device;
 mod drives;
+mod gear;
 mod guard;
 mod kept;
 mod kept_offsets;

@@ -147,6 +147,8 @@ pub struct Ticker {
     machine: Machine,
     /// A machine function that has not been answered.
     function: Option<Pending>,
+    /// The gear of spindle 1 that is in, from 1; 0: nobody knows.
+    gear: u8,
     chuck_wait: ChuckWait,
     /// Ticks since a resume that waits for the spindle.
     resuming: Option<u32>,
@@ -184,6 +186,7 @@ impl Ticker {
             home: Home::new(),
             machine: Machine::new(given.wiring),
             function: None,
+            gear: 0,
             chuck_wait: ChuckWait::default(),
             resuming: None,
             executor: Executor::new(given.arrival),

@@ -247,6 +247,9 @@ impl Params {
                 reasons.add(Code::FunctionUnusable, &[Arg::Int(value)]);
             }
         }
+        if let Some(gear) = self.unusable_gear() {
+            reasons.add(Code::GearUnusable, &[Arg::Int(gear.into())]);
+        }
     }
 
     /// Setpoints in one frame of CAN FD have a rate that its data can have.

@@ -136,6 +136,9 @@ impl<'p> State<'p> {
         if self.modal.in_surface {
             self.follow_surface(block, from, plan);
         }
+        if self.modal.direction != 0 {
+            self.refuse_by_gear(block)?;
+        }
         plan.set_origin(self.modal.origin);
         Ok(())
     }

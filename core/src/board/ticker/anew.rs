@@ -49,6 +49,7 @@ impl Ticker {
             home,
             machine,
             function,
+            gear,
             chuck_wait,
             resuming,
             executor,
@@ -76,6 +77,7 @@ impl Ticker {
         machine.begin_anew(given.wiring);
         machine.reset();
         (*function, *resuming) = (None, None);
+        *gear = 0;
         *chuck_wait = ChuckWait::default();
         jog.begin_anew();
         *handwheel = Handwheel::OFF;

@@ -7,7 +7,7 @@ use super::{Ends, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::motion::Motion;
 use crate::operating::Interlock;
-use crate::params::FunctionRow;
+use crate::params::{FunctionRow, gear_of_code};
 
 /// A function that waits for its answer, or for the end of its pulse.
 #[derive(Clone, Copy, Debug)]
@@ -32,9 +32,11 @@ impl Ticker {
     #[inline(never)]
     pub(super) fn begin_function(&mut self, row: &FunctionRow, number: u32, span: Span) {
         self.machine.begin(row);
+        self.shift(row.code, false);
         let ticks = row.time_ms.saturating_mul(self.given.second) / 1000;
         if ticks == 0 {
             self.machine.finish(row);
+            self.shift(row.code, true);
             return;
         }
         self.function = Some(Pending {
@@ -60,6 +62,7 @@ impl Ticker {
             (Some(true), _) | (None, None | Some(0)) => {
                 self.function = None;
                 self.machine.finish(&row);
+                self.shift(row.code, true);
                 return None;
             }
             (Some(false), None) => {
@@ -73,6 +76,33 @@ impl Ticker {
         Some((number, span.line, Motion::Wait))
     }
 
+    /// M41 to M44 on a machine with gears: no gear is known until its row has been answered.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn shift(&mut self, code: u16, is_in: bool) {
+        let number = gear_of_code(code).unwrap_or(0);
+        let Some(gear) = self.given.gears.get(number) else {
+            return;
+        };
+        self.gear = if is_in { number } else { 0 };
+        self.drives.spindles().shift(gear);
+    }
+
+    /// Why the spindle may not turn at `speed` in the gear that is in.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn refuses_by_gear(&self, speed: u32, span: Span) -> Option<Alarm> {
+        if !self.given.gears.are_there() {
+            return None;
+        }
+        let Some(gear) = self.given.gears.get(self.gear) else {
+            return Some(Alarm::new(Code::GearUnknown, span));
+        };
+        let figures = [speed, gear.most, self.gear.into()].map(|figure| Arg::Int(figure.into()));
+        let alarm = Alarm::new(Code::SpeedAboveGear, span).with(figures);
+        (speed > gear.most).then_some(alarm)
+    }
+
     /// Nothing waits for a function any more.
     pub(super) fn give_up_function(&mut self) {
         self.chuck_wait = ChuckWait::default();
@@ -81,7 +111,7 @@ impl Ticker {
         }
     }
 
-    /// The chuck is not opened before the spindle has stood for a second, and not at all while it is told to turn.
+    /// The chuck is not opened, and no gear selected, before the spindle has stood for a second, and not at all while it is told to turn.
     #[cold]
     #[inline(never)]
     pub(super) fn open_chuck(&mut self) -> Admitted {

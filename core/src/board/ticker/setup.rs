@@ -3,6 +3,7 @@
 use super::home::Wanted;
 use super::surface;
 use crate::board::drives::Figures;
+use crate::board::gear::Gears;
 use crate::board::kept::Found;
 use crate::board::machine::Wiring;
 use crate::motion::{Arrival, AxisTravel};
@@ -62,6 +63,7 @@ pub(super) struct Given {
     pub surface_step: u32,
     pub home: Wanted,
     pub wiring: Wiring,
+    pub gears: Gears,
 }
 
 impl Given {
@@ -96,6 +98,7 @@ impl Given {
             surface_step: surface_step(params),
             home: Wanted::of(params),
             wiring: Wiring::of(params),
+            gears: Gears::of(params),
         })
     }
 }

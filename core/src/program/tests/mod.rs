@@ -10,6 +10,7 @@ mod calls;
 mod cycles;
 mod data;
 mod forms;
+mod gears;
 mod in_phase;
 mod ordinary_taps;
 mod parameters;
