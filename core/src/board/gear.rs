@@ -6,7 +6,7 @@ use crate::params::{GEARS, Params};
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GearDrive {
     /// Turns of the motor for one of the spindle, in 2⁻²⁴; 0: there is no such gear.
-    pub ratio: u32,
+    pub ratio: i32,
     /// Increments of the drive for a turn of the spindle.
     pub per_turn: u32,
     /// Highest speed of the spindle.

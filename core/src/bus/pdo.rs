@@ -218,8 +218,9 @@ impl MilliRpm {
     }
 
     /// The speed of a motor that turns `ratio` · 2⁻²⁴ times for a turn of the spindle, at most 15 times.
+    #[inline]
     #[must_use]
-    pub const fn geared(self, ratio: u32) -> Self {
+    pub const fn geared(self, ratio: i32) -> Self {
         Self(((self.0 as i64).wrapping_mul(ratio as i64) >> 24) as i32)
     }
 

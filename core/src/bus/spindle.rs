@@ -45,11 +45,11 @@ pub struct SpindleMaster {
     /// Periods since that RPDO2.
     since: u8,
     /// Turns of the motor for one of the spindle, in 2⁻²⁴.
-    ratio: u32,
+    ratio: i32,
 }
 
 /// The motor turns as its spindle does.
-const DIRECT: u32 = 1 << 24;
+const DIRECT: i32 = 1 << 24;
 
 impl SpindleMaster {
     /// A master that has sent nothing to its drive yet.
@@ -75,7 +75,7 @@ impl SpindleMaster {
     }
 
     /// Another gear is in. The spindle stands.
-    pub const fn shift(&mut self, ratio: u32) {
+    pub const fn shift(&mut self, ratio: i32) {
         self.ratio = ratio;
     }
 
@@ -115,12 +115,11 @@ impl SpindleMaster {
         }
         self.told = Some(command);
         self.since = 0;
-        let velocity = command.velocity.geared(self.ratio);
-        let command = SpindleCommand {
-            velocity,
-            ..command
+        let geared = SpindleCommand {
+            mode: command.mode,
+            velocity: command.velocity.geared(self.ratio),
         };
-        command.frame(self.drive.config().node)
+        geared.frame(self.drive.config().node)
     }
 
     #[inline(never)]

@@ -22,12 +22,12 @@ pub struct Gear {
 impl Gear {
     /// Turns of the motor for one of the spindle, in 2⁻²⁴.
     #[must_use]
-    pub const fn ratio(self) -> u32 {
+    pub const fn ratio(self) -> i32 {
         let motor = (self.motor as u64) << 24;
         let rounded = motor.saturating_add(self.spindle as u64 >> 1);
         match rounded.checked_div(self.spindle as u64) {
-            Some(ratio) if ratio <= u32::MAX as u64 => ratio as u32,
-            _ => u32::MAX,
+            Some(ratio) if ratio <= i32::MAX as u64 => ratio as i32,
+            _ => i32::MAX,
         }
     }
 
