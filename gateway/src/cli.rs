@@ -14,7 +14,7 @@ use leadscrew_can::{Address, BitRate, MachineName, WrongAddress};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::units::Axis;
-use leadscrew_desk::control::{Contact, Door, Level, Power};
+use leadscrew_desk::control::{Contact, Door, Level, Power, Turret};
 use leadscrew_language::dialect::Control;
 
 pub use by_hand::{AxisWay, Jog, ModeName, StepLength, Wheel};
@@ -760,6 +760,13 @@ pub enum SimCommand {
         /// How it is then; `auto`: as the simulated devices have it
         #[arg(value_enum)]
         to: Level,
+    },
+    /// Spoil the turret, or mend it
+    #[command(after_help = examples::SIM_TURRET)]
+    Turret {
+        /// How it is then
+        #[arg(value_enum)]
+        to: Turret,
     },
     /// Tell which inputs and outputs of the board are on
     #[command(after_help = examples::SIM_OUTPUTS)]

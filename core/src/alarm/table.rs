@@ -624,6 +624,9 @@ codes! {
     /// An ordinary tap by another spindle; {0} its number.
     FloatSpindleWithoutEncoder = 4271, "spindle {0} has no encoder here: an ordinary tap follows spindle 1 only", "write E1 or M24, or tap in rigid mode",
         "{0} 号主轴没有编码器：普通攻丝只能跟随 1 号主轴", "请写 E1 或 M24，或使用刚性攻丝";
+    /// A turret whose inputs and outputs are missing, or do not fit.
+    TurretUnusable = 4433, "the turret (9451 = 2) cannot work", "set its stations (9452: 2 or more), the output that turns it (9454), the first input of its code (9455; the code needs inputs up to 16 at most) and the input of its clamp (9456)",
+        "刀塔（9451 = 2）不能工作", "请设定工位数（9452，不少于 2）、转位输出（9454）、工位码的第一个输入（9455，全部码位不超过输入 16）和锁紧输入（9456）";
     /// A gear that is set in part, or that no drive can follow; {0} is its number.
     GearUnusable = 4432, "gear {0} cannot work", "set all three, 9430 + {0}, 9435 + {0} and 9440 + {0}, or none; at most 15 turns of the motor for one of the spindle, increments of the drive (9013) for a turn of the spindle that are a whole number, and a speed of at most 3772",
         "第 {0} 档不能工作", "9430 + {0}、9435 + {0}、9440 + {0} 应全部设定或全部为 0；电机与主轴圈数之比不超过 15，主轴每转的驱动脉冲数（9013）须为整数，转速不超过 3772";
@@ -1114,6 +1117,24 @@ codes! {
     /// The answer of a function that is switched on has gone: input, output.
     AnswerLost = 4552, "input {0}, which answered for output {1}, has gone while that is on", "look at what the output switches, and at its input; then reset",
         "输出 {1} 接通期间，其应答输入 {0} 消失", "请检查该输出控制的装置及其输入，然后复位";
+    /// The turret has not come to its station in its time; {0} is the station, {1} its code now, {2} the time in ms.
+    TurretLate = 4570, "the turret has not come to station {0} within {2} ms: its code is {1}", "look at what keeps it, and at its output and code; then reset, and T again",
+        "刀塔在 {2} ms 内未到达工位 {0}：当前工位码为 {1}", "请检查卡阻、输出和工位码；然后复位并重新执行 T";
+    /// T where the turret would not be clear of the work; {0} is the axis.
+    OutsideChange = 4571, "{0} is not where the turret may turn", "move X to 9458 and Z to 9459, or beyond, before T",
+        "{0} 轴不在允许刀塔转位的位置", "请在 T 之前将 X 移到 9458、Z 移到 9459 或更远处";
+    /// The turret is clamped at another station; {0} is the station, {1} its code.
+    WrongStation = 4572, "the turret is clamped at station {1} instead of {0}", "look at its code and its stop; then reset, and T again",
+        "刀塔锁紧在工位 {1}，而不是 {0}", "请检查工位码和定位；然后复位并重新执行 T";
+    /// The turret is not clamped in its time; {0} is the station.
+    NotClamped = 4573, "the turret is not clamped at station {0}", "look at its clamp and at the input of 9456; then reset, and T again",
+        "刀塔在工位 {0} 未锁紧", "请检查锁紧机构和 9456 的输入；然后复位并重新执行 T";
+    /// A station that the turret does not have; {0} is the station, {1} those that it has.
+    StationMissing = 4574, "T names station {0}, and the turret has {1}", "correct T, or 9452",
+        "T 指定工位 {0}，而刀塔只有 {1} 个工位", "请改正 T 或 9452";
+    /// Motion while a turret stands between its stations.
+    TurretBetween = 4575, "the turret was stopped on its way: nobody knows which tool is in", "T first; `leadscrew mdi T0101` does it, too",
+        "刀塔在转位途中停止：不知道当前是哪把刀", "请先执行 T，例如 `leadscrew mdi T0101`";
     /// A speed with no gear selected.
     GearUnknown = 4554, "no gear is known, so the spindle cannot turn", "select one first: M41 to M44 (after power-up, too: nobody knows which one is in)",
         "档位未知，主轴不能旋转", "请先用 M41 至 M44 选择档位（上电后也须选择：此时档位未知）";
@@ -1300,6 +1321,9 @@ codes! {
     TapSpeedNotReached = 4945, "S {0} is not reached in the depth: the tap turns at {1} at most, in phase",
         "nothing needs to be done; a smaller S, or shorter ramps (5261), would be reached",
         "在孔深范围内达不到 S {0}：最高 {1}，仍保持同步", "无需处理；减小 S 或缩短 5261 的时间即可达到";
+    /// Somebody has to change the tool; {0} is its station.
+    ToolByHand = 4953, "change to tool {0}, then press start", "`leadscrew resume`, once it is in and nothing is in the way",
+        "请换上 {0} 号刀，然后按启动", "换好且无干涉后执行 `leadscrew resume`";
     /// A thread or a tap of a program that follows the handwheel.
     RunsByItself = 4954, "this runs by itself, without the handwheel: press start", "`leadscrew resume`, once nothing is in the way; a thread or a tap goes with its spindle",
         "此段自行运行，不随手轮：请按启动", "确认无障碍后执行 `leadscrew resume`；螺纹与攻丝随主轴运行";

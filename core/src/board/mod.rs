@@ -47,6 +47,7 @@ mod store;
 mod tick_side;
 mod ticker;
 mod trouble;
+mod turret;
 mod whole;
 
 pub use crate::link::Event;

@@ -247,6 +247,9 @@ impl Params {
                 reasons.add(Code::FunctionUnusable, &[Arg::Int(value)]);
             }
         }
+        if !self.has_usable_turret() {
+            reasons.add(Code::TurretUnusable, &[]);
+        }
         if let Some(gear) = self.unusable_gear() {
             reasons.add(Code::GearUnusable, &[Arg::Int(gear.into())]);
         }

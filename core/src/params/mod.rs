@@ -15,6 +15,7 @@ mod row;
 mod set;
 #[cfg(test)]
 mod tests;
+mod turret;
 pub mod unit;
 
 pub use check::PROFILE_TICKS;

@@ -313,6 +313,13 @@ impl<'p> State<'p> {
             ];
             return Err(word.alarm(Code::ToolOffset).with(args));
         }
+        let station = number / 100;
+        let params = self.modal.params;
+        if params.tool_changer() == 2 && station > u32::from(params.turret_stations()) {
+            let figures = [station, params.turret_stations().into()];
+            let figures = figures.map(|figure| Arg::Int(figure.into()));
+            return Err(word.alarm(Code::StationMissing).with(figures));
+        }
         self.modal.offset = offset as u8;
         self.modal.place_origin();
         plan.tool(word.span, number as u16);

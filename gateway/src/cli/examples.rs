@@ -313,6 +313,11 @@ Examples:
   leadscrew sim input 3 off       until it is set otherwise
   leadscrew sim input 3 auto";
 
+pub(super) const SIM_TURRET: &str = "\
+Examples:
+  leadscrew sim turret stuck     it does not turn: 4570 at the next T
+  leadscrew sim turret well";
+
 pub(super) const SIM_OUTPUTS: &str = "\
 Example:
   leadscrew sim outputs";

@@ -140,3 +140,41 @@ fn inputs_and_outputs_have_the_names_of_the_machine_file() {
     let same = good(&user.does(&["params", "diff", "pulled.toml"]));
     assert!(same.contains("no difference"), "{same}");
 }
+
+#[test]
+fn gears_and_the_turret_are_those_of_the_board() {
+    let user = User::new();
+    let file = user.0.join("leadscrew.toml");
+    std::fs::write(
+        &file,
+        "gear_motor_turns_1 = 4\ngear_spindle_turns_1 = 1\ngear_max_rpm_1 = \"600 rpm\"\ntool_changer = 2\nturret_stations = 8\n\
+         turret_index_output = 2\nturret_code_input = 3\nturret_locked_input = 7\nturret_time_ms = \"2000 ms\"\n",
+    )
+    .unwrap();
+    good(&user.does(&["up", "--machine", "leadscrew.toml"]));
+    let told = bad(&user.does(&["mdi", "M3 S300"]), 1);
+    assert!(told.contains("4554"), "{told}");
+    good(&user.does(&["mdi", "M41"]));
+    assert_eq!(user.json(&["status"])["gear"], json!(1));
+    good(&user.does(&["mdi", "M3 S300"]));
+    let told = bad(&user.does(&["mdi", "S700"]), 1);
+    assert!(told.contains("4557"), "{told}");
+    good(&user.does(&["mdi", "M5"]));
+    good(&user.does(&["mdi", "T0300"]));
+    good(&user.does(&["sim", "turret", "stuck"]));
+    let told = bad(&user.does(&["mdi", "T0500"]), 4);
+    assert!(
+        told.contains("4570") && told.contains("its code is 3"),
+        "{told}"
+    );
+    good(&user.does(&["sim", "turret", "well"]));
+    good(&user.does(&["reset"]));
+    let told = bad(&user.does(&["mdi", "G0 W1"]), 4);
+    assert!(told.contains("4575"), "{told}");
+    good(&user.does(&["reset"]));
+    good(&user.does(&["mdi", "T0500"]));
+    good(&user.does(&["mdi", "G0 W1"]));
+    // A new power-up knows no gear.
+    good(&user.does(&["sim", "power", "cycle"]));
+    assert_eq!(user.json(&["status"])["gear"], json!(null));
+}

@@ -50,6 +50,7 @@ impl Ticker {
             machine,
             function,
             gear,
+            station,
             chuck_wait,
             resuming,
             executor,
@@ -77,7 +78,7 @@ impl Ticker {
         machine.begin_anew(given.wiring);
         machine.reset();
         (*function, *resuming) = (None, None);
-        *gear = 0;
+        (*gear, *station) = (0, 0);
         *chuck_wait = ChuckWait::default();
         jog.begin_anew();
         *handwheel = Handwheel::OFF;

@@ -76,7 +76,7 @@ impl Ticker {
                 self.raise(&alarm, ends);
                 return None;
             }
-            Admitted::Geared(alarm) => {
+            Admitted::Wrong(alarm) => {
                 ends.segments.take();
                 self.raise(&alarm, ends);
                 return None;
@@ -141,8 +141,11 @@ impl Ticker {
                 self.switching = Switching::Function(aux);
                 if let Some(row) = row {
                     self.begin_function(&row, number, segment.span);
-                } else if let Aux::M(code) = aux {
-                    self.shift(code, true);
+                } else {
+                    match aux {
+                        Aux::M(code) => self.shift(code, true),
+                        Aux::T(tool) => self.begin_tool(tool, number, segment.span, ends),
+                    }
                 }
                 Event::Aux(aux)
             }

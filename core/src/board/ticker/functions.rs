@@ -3,15 +3,23 @@
 //! No segment begins while one waits, so the program's order holds exactly. Must not know which inputs keep people safe.
 
 use super::interlock::Admitted;
+use super::tool::Indexing;
 use super::{Ends, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::motion::Motion;
 use crate::operating::Interlock;
 use crate::params::{FunctionRow, gear_of_code};
 
+/// What the program waits for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Pending {
+    Row(Answering),
+    Turret(Indexing),
+}
+
 /// A function that waits for its answer, or for the end of its pulse.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pending {
+pub(super) struct Answering {
     row: FunctionRow,
     number: u32,
     span: Span,
@@ -39,20 +47,26 @@ impl Ticker {
             self.shift(row.code, true);
             return;
         }
-        self.function = Some(Pending {
+        self.function = Some(Pending::Row(Answering {
             row: *row,
             number,
             span,
             left: ticks,
-        });
+        }));
     }
 
     /// Number and line of the move that still waits for its function.
     #[cold]
     #[inline(never)]
     pub(super) fn await_function(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
-        let pending = self.function.as_mut()?;
-        let Pending {
+        let pending = match self.function.as_mut()? {
+            Pending::Row(pending) => pending,
+            Pending::Turret(turret) => {
+                let turret = *turret;
+                return self.await_turret(turret, ends);
+            }
+        };
+        let Answering {
             row, number, span, ..
         } = *pending;
         let answered = row.answer.map(|answer| self.machine.has_answered(answer));
@@ -106,9 +120,11 @@ impl Ticker {
     /// Nothing waits for a function any more.
     pub(super) fn give_up_function(&mut self) {
         self.chuck_wait = ChuckWait::default();
-        if let Some(pending) = self.function.take() {
+        let pending = self.function.take();
+        if let Some(Pending::Row(pending)) = &pending {
             self.machine.give_up(&pending.row);
         }
+        self.give_up_tool(matches!(pending, Some(Pending::Turret(_))));
     }
 
     /// The chuck is not opened, and no gear selected, before the spindle has stood for a second, and not at all while it is told to turn.

@@ -18,8 +18,8 @@ pub(super) enum Admitted {
     Yes,
     Waits,
     Refused(Interlock),
-    /// By the gear that is in, or by that none is known.
-    Geared(Alarm),
+    /// By the gear or the tool that is in, or by that none is known.
+    Wrong(Alarm),
 }
 
 impl Ticker {
@@ -111,11 +111,20 @@ impl Ticker {
         let refusal = match &segment.action {
             // The way out behind a stroke is made whatever holds.
             Action::Timed(_) | Action::Planned if segment.stops.hold_not_before => None,
-            Action::Timed(_) | Action::Planned => self.refuses_motion(),
+            Action::Timed(_) | Action::Planned => {
+                if self.needs_tool() {
+                    return Admitted::Wrong(Alarm::new(Code::TurretBetween, segment.span));
+                }
+                self.refuses_motion()
+            }
+            Action::Aux(Aux::T(tool), _) => {
+                let refused = self.refuses_tool(*tool, segment.span);
+                return refused.map_or(Admitted::Yes, Admitted::Wrong);
+            }
             Action::Spindle(rpm, law) if rpm.get() != 0 => {
                 let speed = law.map_or(rpm.abs(), |law| law.most);
                 if let Some(alarm) = self.refuses_by_gear(speed, segment.span) {
-                    return Admitted::Geared(alarm);
+                    return Admitted::Wrong(alarm);
                 }
                 self.refuses_spindle()
             }
@@ -123,7 +132,7 @@ impl Ticker {
                 if *spindle == TapSpindle::First
                     && let Some(alarm) = self.refuses_by_gear(0, segment.span)
                 {
-                    return Admitted::Geared(alarm);
+                    return Admitted::Wrong(alarm);
                 }
                 self.refuses_spindle()
             }
@@ -173,6 +182,7 @@ impl Ticker {
         self.resuming = None;
         self.operator.hold = false;
         self.course.resume();
+        self.take_tool();
         self.go_back();
     }
 

@@ -6,6 +6,7 @@ use crate::board::drives::Figures;
 use crate::board::gear::Gears;
 use crate::board::kept::Found;
 use crate::board::machine::Wiring;
+use crate::board::turret::Changer;
 use crate::motion::{Arrival, AxisTravel};
 use crate::params::Params;
 use crate::spindle::Observer;
@@ -64,6 +65,7 @@ pub(super) struct Given {
     pub home: Wanted,
     pub wiring: Wiring,
     pub gears: Gears,
+    pub changer: Changer,
 }
 
 impl Given {
@@ -99,6 +101,7 @@ impl Given {
             home: Wanted::of(params),
             wiring: Wiring::of(params),
             gears: Gears::of(params),
+            changer: Changer::of(params),
         })
     }
 }
