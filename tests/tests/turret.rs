@@ -22,6 +22,13 @@ fn turret() -> Params {
     ])
 }
 
+/// The same where turning unclamps it.
+fn with_one_output() -> Params {
+    let mut params = turret();
+    leadscrew_tests::params::set(&mut params, "9453", 0);
+    params
+}
+
 /// A machine, and what it has told.
 struct Bench {
     sim: Sim,
@@ -121,6 +128,9 @@ fn a_turret_is_unclamped_turned_and_clamped_before_anything_moves() {
     let before = bench.rows.iter().filter(|row| row.doing == Doing::Wait);
     assert!(before.into_iter().all(|row| row.position.x == Length::ZERO));
     assert_eq!(bench.sim.board().ticker().machine_outputs(), 0);
+    let mut bench = Bench::new(with_one_output());
+    assert_eq!(bench.run(TO_5), None);
+    assert_eq!(bench.changes(), [0, 2, 0]);
     // It is there already, and stays clamped; T00 leaves it as it is.
     bench.outputs.clear();
     assert_eq!(bench.run("T0505\nT0005\nM30\n"), None);

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Six keys are no parameters: `schema`, the version of the file's table; `drive`, the sections of the drives; `dialect`,
-//! the control that programs beside the file are written for; `allow`, the numbers that are not told of these programs; `io`
-//! and `m`, names of inputs and outputs and what M codes do with them, which become parameters.
+//! the control that programs beside the file are written for; `allow`, the numbers that are not told of these programs;
+//! `io` and `m`, names of inputs and outputs and what M codes do with them, which become parameters.
 
 use std::borrow::Cow;
 use std::cell::Cell;

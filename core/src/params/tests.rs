@@ -369,8 +369,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x8222_8EC1),
     // The handwheel: 9044 to 9046; machine functions and interlocks: 9401 to 9429.
     (2, 0x6828_BF6E),
-    // Gears: 9431 to 9444.
-    (2, 0xDC21_0152),
+    // Gears and tool changes: 9431 to 9459.
+    (2, 0xF4FA_3D3A),
 ];
 
 #[test]

@@ -11,8 +11,8 @@
 //! when = "before"          # or "after": behind the motion
 //! ```
 //!
-//! A table becomes the row of its M code (9401 to 9416), a name the number of its contact. Boards keep the numbers alone, so
-//! names end here.
+//! A table becomes the row of its M code (9401 to 9416), a name the number of its contact. Boards keep the numbers alone,
+//! so names end here.
 
 mod place;
 mod read;

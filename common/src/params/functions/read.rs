@@ -200,8 +200,8 @@ impl Loader {
     }
 }
 
-/// The contact that a value names; `None` where the value of this parameter cannot be a name, or is none; `Some(None)` where
-/// there is none of this name, which has been reported.
+/// The contact that a value names; `None` where the value of this parameter cannot be a name, or is none; `Some(None)`
+/// where there is none of this name, which has been reported.
 pub fn contact_number(
     loader: &mut Loader,
     entry: &Entry,

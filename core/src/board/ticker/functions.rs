@@ -127,7 +127,8 @@ impl Ticker {
         self.give_up_tool(matches!(pending, Some(Pending::Turret(_))));
     }
 
-    /// The chuck is not opened, and no gear selected, before the spindle has stood for a second, and not at all while it is told to turn.
+    /// The chuck is not opened, and no gear selected, before the spindle has stood for a second, and not at all
+    /// while it is told to turn.
     #[cold]
     #[inline(never)]
     pub(super) fn open_chuck(&mut self) -> Admitted {

@@ -136,7 +136,8 @@ impl Ticker {
         let wanted = turret.station;
         let mut fault = None;
         match turret.stage {
-            Stage::Unclamping if !locked => {
+            // Where no output unclamps it, turning does.
+            Stage::Unclamping if !locked || changer.unclamp == 0 => {
                 self.machine.drive(changer.index, true);
                 turret.stage = Stage::Turning;
             }

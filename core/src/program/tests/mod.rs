@@ -19,6 +19,7 @@ mod returns;
 mod rigid;
 mod strokes;
 mod taps;
+mod turret;
 
 use super::*;
 use crate::alarm::{Alarm, Span};
