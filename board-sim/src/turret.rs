@@ -55,7 +55,7 @@ impl Turret {
         let mut goes_on = false;
         if turns && self.fault != TurretFault::Stuck {
             self.ticks = self.ticks.wrapping_add(1);
-            goes_on = self.ticks % STEP == 0;
+            goes_on = self.ticks.is_multiple_of(STEP);
         }
         goes_on |= self.turned && !turns && self.fault == TurretFault::Slips;
         self.turned = turns;

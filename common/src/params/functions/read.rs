@@ -384,7 +384,7 @@ impl Fields<'_, '_, '_, '_> {
         const EXAMPLE: &str = "`\"2 s\"` / `\"200 ms\"` (10 ms … 99.99 s)";
         let (text, span) = self.text(key, EXAMPLE)?;
         let ms = milliseconds(&text);
-        let ms = ms.filter(|ms| (STEP_MS..=LONGEST_MS).contains(ms) && ms % STEP_MS == 0);
+        let ms = ms.filter(|ms| (STEP_MS..=LONGEST_MS).contains(ms) && ms.is_multiple_of(STEP_MS));
         if ms.is_none() {
             self.wrong(key, &span, EXAMPLE);
         }
@@ -450,7 +450,7 @@ fn milliseconds(text: &str) -> Option<u32> {
     }
     let thousandths = format!("{part:0<3}").parse::<u32>().ok()?;
     let parts = thousandths.checked_mul(unit)?;
-    if parts % 1000 != 0 {
+    if !parts.is_multiple_of(1000) {
         return None;
     }
     let whole = whole.parse::<u32>().ok()?.checked_mul(unit)?;

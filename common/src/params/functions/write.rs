@@ -29,7 +29,7 @@ fn braces(row: &FunctionRow, number: Option<u8>) -> String {
 fn fields(row: &FunctionRow, number: Option<u8>) -> Vec<String> {
     let mut out = Vec::new();
     let time = match row.time_ms {
-        ms if ms % 1000 == 0 => format!("\"{} s\"", ms / 1000),
+        ms if ms.is_multiple_of(1000) => format!("\"{} s\"", ms / 1000),
         ms => format!("\"{ms} ms\""),
     };
     let pulse = matches!(row.switches, Some((_, FunctionAction::Pulse)));
