@@ -21,7 +21,8 @@ pub enum Event {
 const WARNINGS: usize = 2;
 
 /// The events of one block. Bits of `pending` from the lowest: warnings; M41 to M44; S M03 M04, M08, M24–M27, rigid
-/// mode, T, machine functions, G04; G61 G64; the motion, or several straight moves; M05, M09, machine functions, M00 M01 M02 M30.
+/// mode, T, machine functions, G04; G61 G64; the motion, or several straight moves; M05, M09, machine functions, M00
+/// M01 M02 M30.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pending: u32,
