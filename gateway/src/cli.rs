@@ -14,7 +14,7 @@ use leadscrew_can::{Address, BitRate, MachineName, WrongAddress};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::units::Axis;
-use leadscrew_desk::control::{Contact, Door, Level, Power};
+use leadscrew_desk::control::{Contact, Door, Level, Power, Turret};
 use leadscrew_language::dialect::Control;
 
 pub use by_hand::{AxisWay, Jog, ModeName, StepLength, Wheel};
@@ -418,6 +418,15 @@ pub enum Command {
         #[arg(value_name = "NAME=0|1")]
         signal: SetSignal,
     },
+    /// Inputs and outputs of the machine by their names: list, switch, wait (not with `--bus sim`)
+    ///
+    /// Names are those of the machine file (`[io.NAME]`): of `--params`, else of the nearest `leadscrew.toml`.
+    #[command(after_help = examples::IO)]
+    Io {
+        /// What to do
+        #[command(subcommand)]
+        command: IoCommand,
+    },
     /// Brings a tap out of its hole in phase, the same as G30 P99
     ///
     /// With `--dry-run` it only shows what would move.
@@ -678,6 +687,31 @@ pub struct Up {
     pub detached: bool,
 }
 
+/// `io`.
+#[derive(Debug, Subcommand)]
+pub enum IoCommand {
+    /// Print those that are on, or have a name or a use
+    #[command(after_help = examples::IO_LIST)]
+    List,
+    /// Switch an output, by the M code whose row does it
+    #[command(after_help = examples::IO_SET)]
+    Set {
+        /// A name, or a place as `output:3`, and 0 or 1
+        #[arg(value_name = "NAME=0|1")]
+        level: String,
+    },
+    /// Wait until an input or output is so; exit code 1 where the time is over
+    #[command(after_help = examples::IO_WAIT)]
+    Wait {
+        /// A name, or a place as `input:3`, and 0 or 1
+        #[arg(value_name = "NAME=0|1")]
+        level: String,
+        /// Longest time in seconds [default: no limit]
+        #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=86_400))]
+        timeout: Option<u32>,
+    },
+}
+
 /// `drives`.
 #[derive(Debug, Subcommand)]
 pub enum DrivesCommand {
@@ -726,6 +760,13 @@ pub enum SimCommand {
         /// How it is then; `auto`: as the simulated devices have it
         #[arg(value_enum)]
         to: Level,
+    },
+    /// Spoil the turret, or mend it
+    #[command(after_help = examples::SIM_TURRET)]
+    Turret {
+        /// How it is then
+        #[arg(value_enum)]
+        to: Turret,
     },
     /// Tell which inputs and outputs of the board are on
     #[command(after_help = examples::SIM_OUTPUTS)]

@@ -634,6 +634,12 @@ codes! {
     /// A gain of a drive that no position loop has: number of the parameter, value in tenths per second.
     GainTooLow = 4434, "a position loop with a gain of {1} times 0.1 /s ({0}) is too slow to be made up for", "write the gain of the drive, 50 (5 /s) or more, or 0 where nothing is to be taken off",
         "位置环增益 {1} × 0.1 /s（{0}）过低，无法补偿", "请填写驱动器的增益（至少 50，即 5 /s），不补偿时填 0";
+    /// A turret whose inputs and outputs are missing, or do not fit.
+    TurretUnusable = 4433, "the turret (9451 = 2) cannot work", "set its stations (9452: 2 or more), the output that turns it (9454), the first input of its code (9455; the code needs inputs up to 16 at most) and the input of its clamp (9456)",
+        "刀塔（9451 = 2）不能工作", "请设定工位数（9452，不少于 2）、转位输出（9454）、工位码的第一个输入（9455，全部码位不超过输入 16）和锁紧输入（9456）";
+    /// A gear that is set in part, or that no drive can follow; {0} is its number.
+    GearUnusable = 4432, "gear {0} cannot work", "set all three, 9430 + {0}, 9435 + {0} and 9440 + {0}, or none; at most 15 turns of the motor for one of the spindle, increments of the drive (9013) for a turn of the spindle that are a whole number, and a speed of at most 3772",
+        "第 {0} 档不能工作", "9430 + {0}、9435 + {0}、9440 + {0} 应全部设定或全部为 0；电机与主轴圈数之比不超过 15，主轴每转的驱动脉冲数（9013）须为整数，转速不超过 3772";
     /// An encoder whose edges are not timed shakes an axis on this lead: lead, noise and limit in m/s², the longest lead.
     LeadForEncoder = 4272, "the counts of the spindle encoder would shake the axis by up to {1} m/s² on a lead of {0}; its acceleration is {2} m/s²",
         "write a lead of {3} or less, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
@@ -990,6 +996,28 @@ codes! {
         "use an encoder of {3} counts (3720) or more, or hardware that times its edges (9006.0), or lower 9005",
         "每转 {0} 个计数且不捕获边沿时间，在 1 mm 导程上使 Z 轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",
         "请使用不少于 {3} 个计数的编码器（3720），或使用能捕获边沿时间的硬件（9006.0），或减小 9005";
+    // 4440–4446, inputs, outputs and machine functions of parameter files: the figures are texts.
+    /// No input or output of this name; {0} the name, {1} `input` or `output`.
+    IoUnknown = 4440, "there is no {1} `{0}`", "name one above: `[io.{0}]` with `at = \"{1}:1\"`, or write its place, as `{1}:1`",
+        "没有名为 `{0}` 的 {1}", "请先命名：`[io.{0}]` 与 `at = \"{1}:1\"`，或直接写位置，如 `{1}:1`";
+    /// An input where an output has to be, or the reverse; {0} the name, {1} what has to be.
+    IoOtherSide = 4441, "`{0}` is no {1}", "write the name of an {1}, or its place, as `{1}:1`",
+        "`{0}` 不是 {1}", "请写 {1} 的名称，或直接写位置，如 `{1}:1`";
+    /// A key that such a table does not have; {0} the table, {1} the key, {2} those that there are.
+    FieldUnknown = 4442, "{0} has no `{1}`", "write {2}",
+        "{0} 中没有 `{1}`", "请写 {2}";
+    /// A value of such a table; {0} the table, {1} the key, {2} what is written, {3} what can be.
+    FieldValue = 4443, "{0}: `{1}` cannot be {2}", "write {3}",
+        "{0}：`{1}` 不能是 {2}", "请写 {3}";
+    /// A key that is missing; {0} the table, {1} the key, {2} an example.
+    FieldMissing = 4444, "{0} needs `{1}`", "write {2}",
+        "{0} 缺少 `{1}`", "请写 {2}";
+    /// A key beside which another one has no meaning; {0} the table, {1} the key, {2} the other.
+    FieldIdle = 4445, "{0}: `{1}` and `{2}` do not go together", "leave out one of them",
+        "{0}：`{1}` 与 `{2}` 不能同时使用", "请删去其中之一";
+    /// All rows are taken; {0} the M code.
+    RowsTaken = 4446, "there is no row left for M{0}", "leave out another M code: a board has sixteen rows (9401 to 9416)",
+        "M{0} 没有空行可用", "请删去另一个 M 代码：控制板共有 16 行（9401 至 9416）";
     // 4450–4458, drive sections of parameter files: the figures are texts.
     /// `[drive.NAME]` of a drive that no machine has; {0} the name.
     DriveUnknown = 4450, "there is no drive `{0}`", "write `[drive.X]`, Z, C, or S1 to S4 for a spindle",
@@ -1099,6 +1127,36 @@ codes! {
     /// The answer of a function that is switched on has gone: input, output.
     AnswerLost = 4552, "input {0}, which answered for output {1}, has gone while that is on", "look at what the output switches, and at its input; then reset",
         "输出 {1} 接通期间，其应答输入 {0} 消失", "请检查该输出控制的装置及其输入，然后复位";
+    /// The turret has not come to its station in its time; {0} is the station, {1} its code now, {2} the time in ms.
+    TurretLate = 4570, "the turret has not come to station {0} within {2} ms: its code is {1}", "look at what keeps it, and at its output and code; then reset, and T again",
+        "刀塔在 {2} ms 内未到达工位 {0}：当前工位码为 {1}", "请检查卡阻、输出和工位码；然后复位并重新执行 T";
+    /// T where the turret would not be clear of the work; {0} is the axis.
+    OutsideChange = 4571, "{0} is not where the turret may turn", "move X to 9458 and Z to 9459, or beyond, before T",
+        "{0} 轴不在允许刀塔转位的位置", "请在 T 之前将 X 移到 9458、Z 移到 9459 或更远处";
+    /// The turret is clamped at another station; {0} is the station, {1} its code.
+    WrongStation = 4572, "the turret is clamped at station {1} instead of {0}", "look at its code and its stop; then reset, and T again",
+        "刀塔锁紧在工位 {1}，而不是 {0}", "请检查工位码和定位；然后复位并重新执行 T";
+    /// The turret is not clamped in its time; {0} is the station.
+    NotClamped = 4573, "the turret is not clamped at station {0}", "look at its clamp and at the input of 9456; then reset, and T again",
+        "刀塔在工位 {0} 未锁紧", "请检查锁紧机构和 9456 的输入；然后复位并重新执行 T";
+    /// A station that the turret does not have; {0} is the station, {1} those that it has.
+    StationMissing = 4574, "T names station {0}, and the turret has {1}", "correct T, or 9452",
+        "T 指定工位 {0}，而刀塔只有 {1} 个工位", "请改正 T 或 9452";
+    /// Motion while a turret stands between its stations.
+    TurretBetween = 4575, "the turret was stopped on its way: nobody knows which tool is in", "T first; `leadscrew mdi T0101` does it, too",
+        "刀塔在转位途中停止：不知道当前是哪把刀", "请先执行 T，例如 `leadscrew mdi T0101`";
+    /// A speed with no gear selected.
+    GearUnknown = 4554, "no gear is known, so the spindle cannot turn", "select one first: M41 to M44 (after power-up, too: nobody knows which one is in)",
+        "档位未知，主轴不能旋转", "请先用 M41 至 M44 选择档位（上电后也须选择：此时档位未知）";
+    /// A gear is selected while the spindle turns; {0} is the M code.
+    GearTurning = 4556, "M{0} while the spindle is told to turn", "write M05 before it, and the speed after it",
+        "主轴旋转时不能执行 M{0}", "请在其前写 M05，在其后写转速";
+    /// S above the highest speed of the gear; {0} is S, {1} that speed, {2} the gear.
+    SpeedAboveGear = 4557, "S{0} is above the {1} rpm of gear {2} (parameter 9440 + {2})", "write a smaller S, or select another gear (M41 to M44)",
+        "S{0} 超过第 {2} 档的最高转速 {1}（参数 9440 + {2}）", "请减小 S，或选择另一档（M41 至 M44）";
+    /// M41 to M44 for a gear that there is not; {0} is the M code.
+    GearMissing = 4558, "M{0} selects a gear that this machine does not have", "correct the code, or set the gear's parameters (9431 to 9444)",
+        "M{0} 选择的档位不存在", "请改正代码，或设定该档的参数（9431 至 9444）";
     /// Something that holds the work has let go while the spindle was on; {0} is the interlock.
     ClampingLost = 4555, "{0} while the spindle is on: the tool is withdrawn, the spindle is stopped", "look at what holds the work before anything turns again; then reset",
         "主轴接通时{0}：刀具退出，主轴停止", "再次旋转前请检查工件夹持；然后复位";
@@ -1273,6 +1331,9 @@ codes! {
     TapSpeedNotReached = 4945, "S {0} is not reached in the depth: the tap turns at {1} at most, in phase",
         "nothing needs to be done; a smaller S, or shorter ramps (5261), would be reached",
         "在孔深范围内达不到 S {0}：最高 {1}，仍保持同步", "无需处理；减小 S 或缩短 5261 的时间即可达到";
+    /// Somebody has to change the tool; {0} is its station.
+    ToolByHand = 4953, "change to tool {0}, then press start", "`leadscrew resume`, once it is in and nothing is in the way",
+        "请换上 {0} 号刀，然后按启动", "换好且无干涉后执行 `leadscrew resume`";
     /// A thread or a tap of a program that follows the handwheel.
     RunsByItself = 4954, "this runs by itself, without the handwheel: press start", "`leadscrew resume`, once nothing is in the way; a thread or a tap goes with its spindle",
         "此段自行运行，不随手轮：请按启动", "确认无障碍后执行 `leadscrew resume`；螺纹与攻丝随主轴运行";

@@ -8,6 +8,7 @@ pub(super) use home::Homing;
 
 use heapless::Vec;
 
+use super::gear::Gears;
 use super::lag::{Lag, Lags};
 use super::nodes::DriveNodes;
 use super::spindles::{Spindle, Spindles};
@@ -70,6 +71,7 @@ impl Figures {
         // The longest time from a setpoint of the spindle to its effect.
         let latency = Periods::from_ms(params.latency_us(Axis::Z).div_ceil(1000), tick_us)?;
         let per_turn = params.spindle_increments();
+        let reach = Gears::of(params).most_per_turn(per_turn) / SPINDLE_REACH;
         let axis = |axis| axis_config(params, axis, &nodes, step, silence, patience);
         let axes = [axis(Axis::X)?, axis(Axis::Z)?, axis(Axis::C)?];
         let [.., c] = &axes;
@@ -77,12 +79,12 @@ impl Figures {
             letter: b'S',
             node: nodes.spindle(TapSpindle::First),
             following: Some(FollowingLimit {
-                increments: per_turn / SPINDLE_REACH,
+                increments: reach,
                 // The spindle's statuses answer targets of some time ago.
                 time: patience.plus(latency).plus(silence),
                 standing: true,
             }),
-            reach: per_turn / SPINDLE_REACH,
+            reach,
             homes: None,
             ..*c
         };

@@ -28,6 +28,7 @@ mod command;
 mod detour;
 pub mod device;
 mod drives;
+mod gear;
 mod guard;
 mod kept;
 mod kept_offsets;
@@ -47,6 +48,7 @@ mod store;
 mod tick_side;
 mod ticker;
 mod trouble;
+mod turret;
 mod whole;
 
 pub use crate::link::Event;

@@ -252,6 +252,12 @@ impl Params {
                 reasons.add(Code::FunctionUnusable, &[Arg::Int(value)]);
             }
         }
+        if !self.has_usable_turret() {
+            reasons.add(Code::TurretUnusable, &[]);
+        }
+        if let Some(gear) = self.unusable_gear() {
+            reasons.add(Code::GearUnusable, &[Arg::Int(gear.into())]);
+        }
     }
 
     /// A position loop has a gain that makes sense, where it is known.

@@ -373,6 +373,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x6098_E1C6),
     // Numbers without a point: 3401.0.
     (2, 0x04A4_BBB6),
+    // Gears and tool changes: 9431 to 9459.
+    (2, 0xF4FA_3D3A),
 ];
 
 #[test]

@@ -177,6 +177,26 @@ pub(super) const SIGNAL: &str = "\
 Example:
   leadscrew signal G61.2=1 --bus can0     the next tap is left hand";
 
+pub(super) const IO: &str = "\
+Examples:
+  leadscrew io list --bus can0
+  leadscrew io set coolant=1 --bus can0
+  leadscrew io wait input:3=1 --bus can0";
+
+pub(super) const IO_LIST: &str = "\
+Examples:
+  leadscrew io list --bus can0                          by the names of leadscrew.toml
+  leadscrew io list --params lathe.toml --bus sim:desk";
+
+pub(super) const IO_SET: &str = "\
+Examples:
+  leadscrew io set coolant=1 --bus can0     the same as `mdi M8` where M8 sets it
+  leadscrew io set output:2=0 --bus can0";
+
+pub(super) const IO_WAIT: &str = "\
+Example:
+  leadscrew io wait door=1 --timeout 60 --bus can0     a minute at most";
+
 pub(super) const LIST: &str = "\
 Examples:
   leadscrew params list                        the built-in machine
@@ -292,6 +312,11 @@ pub(super) const SIM_INPUT: &str = "\
 Examples:
   leadscrew sim input 3 off       until it is set otherwise
   leadscrew sim input 3 auto";
+
+pub(super) const SIM_TURRET: &str = "\
+Examples:
+  leadscrew sim turret stuck     it does not turn: 4570 at the next T
+  leadscrew sim turret well";
 
 pub(super) const SIM_OUTPUTS: &str = "\
 Example:

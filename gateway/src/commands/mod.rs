@@ -101,6 +101,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Override { what, percent } if is_real(cli) => {
             board::levels(&cli.global, *what, *percent)
         }
+        Command::Io { command } if is_real(cli) => board::io(&cli.global, command),
         Command::Signal { signal } if is_real(cli) => board::signal(&cli.global, *signal),
         _ => unavailable::command(cli),
     }

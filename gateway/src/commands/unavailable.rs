@@ -76,6 +76,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Jog(_) => "jog",
         Command::Wheel(_) => "wheel",
         Command::Override { .. } => "override",
+        Command::Io { .. } => "io",
         Command::Signal { .. } => "signal",
         Command::Retract { .. } => "retract",
         Command::Record(_) => "record",

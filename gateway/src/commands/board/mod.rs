@@ -2,6 +2,7 @@
 
 mod by_hand;
 mod home;
+mod io;
 mod machine;
 mod mdi;
 mod monitor;
@@ -21,6 +22,7 @@ use crate::words::pick;
 
 pub use by_hand::{jog, mode};
 pub use home::{home, names};
+pub use io::io;
 pub use machine::{Base, Greeted, Machine, Table, base};
 pub use mdi::{mdi, modal_words};
 pub use monitor::monitor;
