@@ -465,6 +465,9 @@ pub enum Command {
     /// Capture the bus into a file, until Ctrl-C
     #[command(after_help = examples::RECORD)]
     Record(Record),
+    /// Say what is set up wrong on a bus, from what is heard on it or from a candump log
+    #[command(after_help = examples::DOCTOR)]
+    Doctor(Doctor),
     /// Say what an alarm or a warning means, what to do, and which program raises it
     #[command(after_help = examples::EXPLAIN)]
     Explain(Explain),
@@ -627,6 +630,26 @@ pub struct Record {
     /// End after this many packets
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub count: Option<u64>,
+}
+
+/// `doctor`.
+#[derive(Args, Debug)]
+pub struct Doctor {
+    /// A candump log instead of a bus
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
+    /// How long to listen
+    #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=3600))]
+    pub seconds: u16,
+    /// Send nothing: neither the board's parameters nor objects of drives are read
+    #[arg(long, conflicts_with = "log")]
+    pub listen_only: bool,
+    /// Print the table of all rules
+    #[arg(long, conflicts_with_all = ["log", "listen_only"])]
+    pub rules: bool,
+    /// The drives.
+    #[command(flatten)]
+    pub drives: Drives,
 }
 
 /// `run`.

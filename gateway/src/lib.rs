@@ -14,6 +14,7 @@ pub mod beside;
 pub mod checking;
 pub mod cli;
 pub mod commands;
+pub mod doctor;
 pub mod drawing;
 pub mod execution;
 pub mod feeder;

@@ -105,6 +105,13 @@ Examples:
   leadscrew record --bus can0 --params a.toml --further b.toml -o both.csv     of two boards
   leadscrew record --bus slcan:/dev/ttyACM0 -o bus.log --count 1000";
 
+pub(super) const DOCTOR: &str = "\
+Examples:
+  leadscrew doctor --bus can0                      listen for ten seconds, read settings, name the first cause
+  leadscrew doctor --bus can0 --listen-only --seconds 30
+  leadscrew doctor --log bus.log --params lathe.toml      a log of `leadscrew record` or `candump -l`
+  leadscrew doctor --rules                         all rules";
+
 pub(super) const RUN: &str = "\
 Examples:
   leadscrew run examples/shaft.nc

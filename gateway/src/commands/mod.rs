@@ -4,6 +4,7 @@ pub mod board;
 mod check;
 mod completions;
 mod desk;
+mod doctor;
 mod drives;
 mod expand;
 mod explain;
@@ -78,6 +79,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             &Setup::over(&cli.global, None, None, Answer::Parameters)?,
             args,
         ),
+        Command::Doctor(args) => doctor::run(&cli.global, args),
         Command::Retract { speed, discard } => retract::retract(
             &cli.global,
             retract::Wish {

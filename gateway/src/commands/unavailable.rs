@@ -60,6 +60,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Measure(_) => "measure",
         Command::Run(_) => "run",
         Command::Explain(_) => "explain",
+        Command::Doctor(_) => "doctor",
         Command::Params { .. } => "params",
         Command::Tools { .. } => "tools",
         Command::Drives { .. } => "drives",
