@@ -77,7 +77,11 @@ fn power_up(setup: &Setup, drive: &Drive, servos: [Option<ServoOptions>; 2]) -> 
     let sim = match &setup.kept {
         Some((_, flash)) => Sim::with_flash(&setup.params, &options, flash.clone()),
         // A machine without a state file has the parameters of the options.
-        None => Sim::new(&setup.params, &options),
+        None => match setup.offsets.map(|offsets| offsets.encode()) {
+            Some(Ok(table)) => Sim::with_offsets(&setup.params, &options, table),
+            // A table that was read has nothing out of its range.
+            _ => Sim::new(&setup.params, &options),
+        },
     };
     let mut sim = sim
         .map(Box::new)

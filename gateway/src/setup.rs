@@ -9,7 +9,7 @@ use leadscrew_core::call::Position;
 use leadscrew_core::cycle::Context;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::identity;
-use leadscrew_core::offsets::{Offsets, Revision};
+use leadscrew_core::offsets::{InPlace, Offsets, Revision};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Carried, Options};
 use leadscrew_core::signals::Signals;
@@ -56,6 +56,8 @@ pub struct Setup<'a> {
     pub position: Option<Position>,
     /// The spindle turns at the start, as a board has reported.
     pub turning: bool,
+    /// The tool in place at the start, as a board has reported.
+    pub tool: InPlace,
     /// The newest entry of the tap journal, if a machine is known.
     pub tap: Option<TapRecord>,
     /// The flash of the simulated board, if it is kept.
@@ -186,6 +188,7 @@ impl<'a> Setup<'a> {
             colour: diagnostics::colour(),
             position: None,
             turning: false,
+            tool: InPlace::default(),
             tap,
             kept,
             control,

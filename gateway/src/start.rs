@@ -14,6 +14,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Lang, Span};
 use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Feed, Length, Rpm};
+use leadscrew_core::zones::Zones;
 
 use crate::commands::board::modal_words;
 use crate::diagnostics::{self, Diagnostic, alarm_words};
@@ -235,7 +236,7 @@ pub fn lead(start: &Start, setup: &Setup) -> VecDeque<VecDeque<Call>> {
         kind,
     };
     let programs = [
-        spindle_and_coolant(start),
+        spindle_and_coolant(start, &setup.params),
         approach(setup.options().position, start.at, &setup.params),
     ];
     programs
@@ -250,10 +251,13 @@ pub fn lead(start: &Start, setup: &Setup) -> VecDeque<VecDeque<Call>> {
         .collect()
 }
 
-fn spindle_and_coolant(start: &Start) -> Vec<CallKind> {
+/// Where zones are set, the board has to know whose tip comes: the tool is in place, and its T word says so.
+fn spindle_and_coolant(start: &Start, params: &Params) -> Vec<CallKind> {
+    let tool = start.tool.filter(|_| !Zones::of(params).are_off());
+    let tool = tool.map(|code| CallKind::Aux(Aux::T(code)));
     let spindle = start.spindle.map(CallKind::Spindle);
     let coolant = start.coolant.then_some(CallKind::Aux(Aux::M(8)));
-    spindle.into_iter().chain(coolant).collect()
+    tool.into_iter().chain(spindle).chain(coolant).collect()
 }
 
 fn approach(from: Position, to: Position, params: &Params) -> Vec<CallKind> {

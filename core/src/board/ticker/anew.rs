@@ -45,6 +45,7 @@ impl Ticker {
             drives,
             now: _,
             jog,
+            free,
             handwheel,
             home,
             machine,
@@ -78,6 +79,7 @@ impl Ticker {
         (*function, *resuming) = (None, None);
         *chuck_wait = ChuckWait::default();
         jog.begin_anew();
+        *free = [given.travel_x, given.travel_z];
         *handwheel = Handwheel::OFF;
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.

@@ -10,6 +10,7 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::Rpm;
+use leadscrew_core::zones::Zones;
 
 pub use self::tell::no_figures;
 use self::work::Ran;
@@ -109,6 +110,9 @@ pub fn perform<'a>(
     setup.passes = passes(args);
     setup.position = Some(status.position);
     setup.turning = status.command != Rpm::STOPPED;
+    if !Zones::of(&setup.params).are_off() {
+        setup.tool = link.tool()?;
+    }
     setup.tap = tap;
     begin(&mut setup, &status)?;
     let origin = Origin {
