@@ -86,6 +86,11 @@ impl Extent {
         (low <= high).then_some(Self { low, high })
     }
 
+    /// How far its nearest coordinate is from zero.
+    fn nearest(self) -> Length {
+        self.low.max(-self.high).max(Length::ZERO)
+    }
+
     fn has(self, at: Length) -> bool {
         self.low <= at && at <= self.high
     }
@@ -175,7 +180,13 @@ impl Zones {
                 z: rectangle.z.grown(beside),
             };
             let into = grown.meets(from, to, way)?;
-            let [x, z] = [into.x, into.z].map(|extent| extent.high - extent.low);
+            // From the edge through which the tip would come out again.
+            let z = match zone {
+                Zone::Chuck | Zone::Jaws => rectangle.z.high - into.z.low,
+                Zone::Tailstock => into.z.high - rectangle.z.low,
+            };
+            let x = rectangle.x.high - into.x.nearest();
+            let [x, z] = [x, z].map(|depth| (depth - ROUNDING).max(Length::ZERO));
             let (axis, by) = if x <= z { (Axis::X, x) } else { (Axis::Z, z) };
             Some(Met { zone, axis, by })
         })
@@ -311,7 +322,10 @@ impl Rectangle {
             if let Some(into) = own.common(&piece) {
                 let (nearest, farthest) = into.distances();
                 if nearest <= most && least <= farthest {
-                    return Some(into);
+                    return Some(Self {
+                        x: into.x.moved(centre_x),
+                        z: into.z.moved(centre_z),
+                    });
                 }
             }
             if over {
@@ -324,7 +338,7 @@ impl Rectangle {
 
     /// The squares of the distances of its nearest and its farthest point from zero.
     fn distances(&self) -> (u128, u128) {
-        let near = |extent: Extent| extent.low.max(-extent.high).max(Length::ZERO).nm();
+        let near = |extent: Extent| extent.nearest().nm();
         let far = |extent: Extent| extent.low.abs().max(extent.high.abs()).nm();
         (
             square((near(self.z), near(self.x))),

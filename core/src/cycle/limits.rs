@@ -21,8 +21,8 @@ pub fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(
     }
 }
 
-/// Checks that no move of `moves` leads the tip of the tool into a zone, anywhere on its way. The first move begins at `from`.
-/// The check of a groove takes the same time for any number of columns and infeeds.
+/// Checks that no move of `moves` leads the tip of the tool into a zone, anywhere on its way. The first move begins at
+/// `from`. The check of a groove takes the same time for any number of columns and infeeds.
 ///
 /// # Errors
 /// [`Code::ZoneEntered`](crate::alarm::Code::ZoneEntered) with the zone, the axis in which the way goes less far into it, and

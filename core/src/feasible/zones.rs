@@ -1,9 +1,9 @@
 //! Zones (9070 to 9076): the whole path of every move, with the ways that a hold or a reset may take from it.
 //!
 //! A rapid, a cut and a tap are their path. Cuts that may be joined leave it by the tolerance of corners (9033) at most.
-//! From a stroke of a thread the tool is drawn back straight to the level where the cycle began, from any of its points; run-in
-//! and run-out are not exactly straight, so the whole rectangle of their ends counts. A stroke of G32 has no such level: it is
-//! finished. The way out of a hole is never refused [D346].
+//! From a stroke of a thread the tool is drawn back straight to the level where the cycle began, from any of its points;
+//! run-in and run-out are not exactly straight, so the whole rectangle of their ends counts. A stroke of G32 has no such
+//! level: it is finished. The way out of a hole is never refused [D346].
 
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::Position;

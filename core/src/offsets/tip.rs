@@ -3,8 +3,8 @@
 use super::{Source, Tool};
 use crate::units::Length;
 
-/// The tool in place, by the T words so far. An offset that is cancelled (T0100) does not take the tool away: its tip is where
-/// it was [D345].
+/// The tool in place, by the T words so far. An offset that is cancelled (T0100) does not take the tool away: its tip is
+/// where it was [D345].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InPlace {
     station: u8,
@@ -51,8 +51,8 @@ impl Tool {
 }
 
 impl Source<'_> {
-    /// Where the machine is with the tip of a tool at zero; `None` where X or Z was not measured, which for parameters is an
-    /// offset of 0, as in [`Offsets::of_params`](super::Offsets::of_params).
+    /// Where the machine is with the tip of a tool at zero; `None` where X or Z was not measured, which for parameters is
+    /// an offset of 0, as in [`Offsets::of_params`](super::Offsets::of_params).
     #[must_use]
     pub fn tip(&self, number: u8) -> Option<[Length; 2]> {
         match self.table {

@@ -35,7 +35,7 @@ fn params() -> Params {
         ("9074", 40 * MM),
         ("9075", 40 * MM),
         ("9076", 20 * MM),
-        ("9101.X", -2 * AT.0),
+        ("9101.X", -AT.0),
         ("9101.Z", -AT.1),
         // Nothing but zones ends a motion of these tests.
         ("1320.X", 300 * MM),
@@ -234,8 +234,8 @@ fn a_program_is_refused_before_its_block_moves() {
     assert_eq!(alarm.args[0], Arg::Zone(Zone::Chuck));
     assert_eq!(bench.tip(), (30 * MM, 5 * MM));
     assert_eq!(alarm.args[1], Arg::Letter(b'X'));
-    // From the edge of the chuck to X 30, and a nanometre for rounding.
-    let by = Diameter::of_radius(Length::from_nm(13 * MM + 1));
+    // From the edge of the chuck to X 30.
+    let by = Diameter::of_radius(Length::from_nm(13 * MM));
     assert_eq!(alarm.args[2], Arg::Diameter(by));
 }
 
