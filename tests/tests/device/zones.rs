@@ -122,20 +122,6 @@ const MINUS: Option<Towards> = Some(Towards::Minus);
 #[test]
 fn a_press_ends_a_micrometre_before_a_zone_from_any_speed() {
     for rapid in [false, true] {
-        let mut bench = Bench::new(OperatingMode::Manual);
-        bench.hand.press = 1;
-        // Past the chuck, which is not in the way of Z.
-        bench.jog(None, MINUS, rapid, LONG);
-        let (x, z) = bench.tip();
-        assert!(z < -25 * MM, "{z}");
-        bench.hand.press = 2;
-        bench.jog(MINUS, None, rapid, LONG);
-        let end = if z > -75 * MM {
-            28 * MM + 1_000
-        } else {
-            -300 * MM
-        };
-        assert!(bench.tip().0 <= end.max(-300 * MM) && bench.tip().0 < x);
         // In front of the jaws.
         let mut bench = Bench::new(OperatingMode::Manual);
         bench.hand.press = 1;
