@@ -7,7 +7,7 @@
 //! ────┼─┤  L, D │L1, D1├───────────────────┤ D2 ──────────► Z
 //!     │ │       ├──────┘                   │
 //!     │ └───────┘                          └────────────── ─
-//!              9070                       9075
+//!              9091                       9096
 //! ```
 //!
 //! Their frame is that of the spindle: where the tip is, which is machine − geometry − wear of its tool. This is arithmetic
@@ -139,7 +139,7 @@ pub struct Met {
 pub struct Zones([Option<Rectangle>; 3]);
 
 impl Zones {
-    /// The zones of a parameter set: 9070 to 9076. One whose length or diameter is 0 is off.
+    /// The zones of a parameter set: 9091 to 9097. One whose length or diameter is 0 is off.
     #[must_use]
     pub fn of(params: &Params) -> Self {
         let face = params.chuck_face();

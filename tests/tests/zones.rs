@@ -168,13 +168,13 @@ fn zones(random: &mut Random) -> Params {
     let face = random.within(-500_000, 500_000) * 100;
     with(&[
         ("9033", 0),
-        ("9070", face),
-        ("9071", length),
-        ("9072", chuck),
-        ("9073", jaws),
-        ("9074", around),
-        ("9075", face + random.within(1, 200_000_000) / 100 * 100),
-        ("9076", tailstock),
+        ("9091", face),
+        ("9092", length),
+        ("9093", chuck),
+        ("9094", jaws),
+        ("9095", around),
+        ("9096", face + random.within(1, 200_000_000) / 100 * 100),
+        ("9097", tailstock),
     ])
 }
 
@@ -418,7 +418,7 @@ fn cycles() {
 /// Its last quarter is followed by none: the arc that goes on behind it would meet the jaws.
 #[test]
 fn an_arc_that_begins_where_two_quarters_meet() {
-    let params = with(&[("9033", 0), ("9073", 10_000_000), ("9074", 20_000_000)]);
+    let params = with(&[("9033", 0), ("9094", 10_000_000), ("9095", 20_000_000)]);
     let at = |x: i64, z: i64| Position {
         x: Length::from_nm(x * 1_000_000),
         z: Length::from_nm(z * 1_000_000),

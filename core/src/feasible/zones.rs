@@ -1,4 +1,4 @@
-//! Zones (9070 to 9076): the whole path of every move, with the ways that a hold or a reset may take from it.
+//! Zones (9091 to 9097): the whole path of every move, with the ways that a hold or a reset may take from it.
 //!
 //! A rapid, a cut and a tap are their path. Cuts that may be joined leave it by the tolerance of corners (9033) at most.
 //! From a stroke of a thread the tool is drawn back straight to the level where the cycle began, from any of its points;

@@ -369,7 +369,7 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x8222_8EC1),
     // The handwheel: 9044 to 9046; machine functions and interlocks: 9401 to 9429.
     (2, 0x6828_BF6E),
-    // Zones: 9070 to 9076.
+    // Zones: 9091 to 9097.
     (2, 0xA309_E0BC),
 ];
 
