@@ -375,6 +375,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x04A4_BBB6),
     // Gears and tool changes: 9431 to 9459.
     (2, 0xF4FA_3D3A),
+    // Zones: 9091 to 9097.
+    (2, 0xA309_E0BC),
 ];
 
 #[test]
