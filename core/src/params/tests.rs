@@ -369,6 +369,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x8222_8EC1),
     // The handwheel: 9044 to 9046; machine functions and interlocks: 9401 to 9429.
     (2, 0x6828_BF6E),
+    // What the drives are: 9070 to 9072.
+    (2, 0xA472_1161),
 ];
 
 #[test]

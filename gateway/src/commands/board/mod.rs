@@ -19,7 +19,7 @@ use crate::failure::Outcome;
 use crate::link::Link;
 use crate::words::pick;
 
-pub use by_hand::{jog, mode};
+pub use by_hand::{ANSWER, Held, RENEWAL, jog, mode};
 pub use home::{home, names};
 pub use machine::{Base, Greeted, Machine, Table, base};
 pub use mdi::{mdi, modal_words};
