@@ -17,7 +17,7 @@ use leadscrew_core::units::Axis;
 use leadscrew_desk::control::{Contact, Door, Level, Power, Turret};
 use leadscrew_language::dialect::Control;
 
-pub use by_hand::{AxisWay, Jog, ModeName, StepLength, Wheel};
+pub use by_hand::{AxisWay, Jog, ModeName, StepLength, Tune, Wheel};
 
 use crate::failure::{Failure, Outcome};
 use crate::inspection::edge::{Edge, Millimetres};
@@ -389,6 +389,11 @@ pub enum Command {
     /// The board moves only while this program lives: it comes to rest by itself when the frames stay away.
     #[command(after_help = examples::JOG)]
     Jog(Jog),
+    /// Move an axis to and fro and find the lag of its drive (not with `--bus sim`)
+    ///
+    /// It jogs at three speeds, twice: limits, interlocks and the dead man hold as for `jog`.
+    #[command(after_help = examples::TUNE)]
+    Tune(Tune),
     /// Turn a simulated handwheel that leads an axis, or a program (not with `--bus sim`)
     ///
     /// Its frames go over the bus, as those of a real one.

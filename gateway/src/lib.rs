@@ -36,6 +36,7 @@ pub mod synchronism;
 pub mod tapping;
 pub mod threads;
 pub mod trace;
+pub mod tuning;
 pub mod variables;
 pub mod walk;
 

@@ -369,14 +369,9 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x8222_8EC1),
     // The handwheel: 9044 to 9046; machine functions and interlocks: 9401 to 9429.
     (2, 0x6828_BF6E),
-    // Lags of the drives: 9070, 9071, 9073, 9074.
-    (2, 0x6098_E1C6),
-    // Numbers without a point: 3401.0.
-    (2, 0x04A4_BBB6),
-    // Gears and tool changes: 9431 to 9459.
-    (2, 0xF4FA_3D3A),
-    // Zones: 9091 to 9097.
-    (2, 0xA309_E0BC),
+    // Numbers without a point: 3401.0. Drives as they are: 9070 to 9074. Zones: 9091 to 9097. Gears and tool changes: 9431
+    // to 9459.
+    (2, 0xBD8A_319D),
 ];
 
 #[test]

@@ -30,6 +30,12 @@ Examples:
   leadscrew jog X- --by 0.02 --bus can0          0.02 mm of the diameter
   leadscrew jog Z+ --by 25 --bus can0";
 
+pub(super) const TUNE: &str = "\
+Examples:
+  leadscrew tune Z- --dead-time 1000 --bus can0             moves, and tells what it finds
+  leadscrew tune X+ --bus can0 -o x.svg                     with the dead time of 9003
+  leadscrew tune Z- --dead-time 1000 --write --bus can0     and writes it";
+
 pub(super) const WHEEL: &str = "\
 Examples:
   leadscrew wheel Z --factor 10 --counts -250 --bus can0   2.5 mm towards minus, where the increment is 0.001 mm

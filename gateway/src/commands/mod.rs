@@ -17,6 +17,7 @@ pub mod run;
 mod simulate;
 mod status;
 mod tools;
+mod tune;
 mod unavailable;
 
 use leadscrew_can::Address;
@@ -98,6 +99,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Stop if is_real(cli) => board::order(&cli.global, Order::Stop),
         Command::Mode { mode } if is_real(cli) => board::mode(&cli.global, *mode),
         Command::Jog(args) if is_real(cli) => board::jog(&cli.global, args),
+        Command::Tune(args) if is_real(cli) => tune::run(&cli.global, args),
         Command::Wheel(args) if is_real(cli) => board::wheel(&cli.global, args),
         Command::Home { axes } if is_real(cli) => board::home(&cli.global, axes),
         Command::Override { what, percent } if is_real(cli) => {

@@ -75,6 +75,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Stop => "stop",
         Command::Mode { .. } => "mode",
         Command::Jog(_) => "jog",
+        Command::Tune(_) => "tune",
         Command::Wheel(_) => "wheel",
         Command::Override { .. } => "override",
         Command::Io { .. } => "io",

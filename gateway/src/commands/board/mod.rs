@@ -20,7 +20,7 @@ use crate::failure::Outcome;
 use crate::link::Link;
 use crate::words::pick;
 
-pub use by_hand::{jog, mode};
+pub use by_hand::{ANSWER, Held, RENEWAL, jog, mode};
 pub use home::{home, names};
 pub use io::io;
 pub use machine::{Base, Greeted, Machine, Table, base};
