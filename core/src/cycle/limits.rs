@@ -25,8 +25,8 @@ pub fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(
 /// `from`. The check of a groove takes the same time for any number of columns and infeeds.
 ///
 /// # Errors
-/// [`Code::ZoneEntered`](crate::alarm::Code::ZoneEntered) with the zone, the axis in which the way goes less far into it, and
-/// how far; [`Code::TipUnknown`](crate::alarm::Code::TipUnknown) where zones are set and the tool was not measured.
+/// [`Code::ZoneEntered`](crate::alarm::Code::ZoneEntered) with the zone, the axis in which the way goes less far into it,
+/// and how far; [`Code::TipUnknown`](crate::alarm::Code::TipUnknown) where zones are set and the tool was not measured.
 pub fn clear_of_zones(moves: &Moves, from: Position, forbidden: &Forbidden) -> Result<(), Alarm> {
     if forbidden.zones.are_off() {
         return Ok(());

@@ -1,7 +1,7 @@
 //! An equivalent model of a drive: dead time, Kv, feed-forward and speed loop that move as the drive does.
 //!
-//! Dead time and feed-forward are given, and Kv follows from the lag; what is looked for is the speed loop. The parts of a lag
-//! cannot be told apart on the bus, so with other figures given another Kv fits as well.
+//! Dead time and feed-forward are given, and Kv follows from the lag; what is looked for is the speed loop. The parts of
+//! a lag cannot be told apart on the bus, so with other figures given another Kv fits as well.
 
 use super::{Known, Sample};
 

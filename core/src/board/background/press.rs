@@ -17,8 +17,8 @@ const MM: i64 = 1_000_000;
 const WHEEL_MS: u32 = 50;
 
 /// The press for the tick. No axis goes faster than its rapid (1420) and 9042, or 9046 by handwheel; one without a
-/// reference, or that goes back to where a program was left, or with the door open, than 9043. So does one whose tool was not
-/// measured, or stands in a zone, where there are zones. `door`: it is open; `at`: where the machine is.
+/// reference, or that goes back to where a program was left, or with the door open, than 9043. So does one whose tool was
+/// not measured, or stands in a zone, where there are zones. `door`: it is open; `at`: where the machine is.
 pub fn plan_press(
     asked: &Asked,
     (referenced, door): (Axes, bool),

@@ -1,5 +1,5 @@
-//! Grooves on the machine: travel and zones by the extremes of the repeated moves, time by one of each kind, and a warning for the
-//! programmer.
+//! Grooves on the machine: travel and zones by the extremes of the repeated moves, time by one of each kind, and a
+//! warning for the programmer.
 
 use core::time::Duration;
 
@@ -44,8 +44,8 @@ pub(crate) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Res
     to(level, groove.column_at(beyond))
 }
 
-/// Gives the same result as [`each_clear_of_zones`](crate::feasible::each_clear_of_zones), but without making the moves. All
-/// columns are alike, so of those that reach a zone the first one counts: by itself, or by its relief.
+/// Gives the same result as [`each_clear_of_zones`](crate::feasible::each_clear_of_zones), but without making the moves.
+/// All columns are alike, so of those that reach a zone the first one counts: by itself, or by its relief.
 pub(crate) fn groove_clear_of_zones(
     groove: &GrooveMoves,
     forbidden: &Forbidden,
