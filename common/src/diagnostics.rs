@@ -7,7 +7,7 @@ use std::path::Path;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_core::bus::Statusword;
-use leadscrew_core::operating::{Interlock, Zone};
+use leadscrew_core::operating::Interlock;
 use leadscrew_language::whose::{Whose, line_in_file};
 
 use crate::json::Json;
@@ -304,20 +304,6 @@ pub fn figure(arg: Arg, lang: Lang, inch: bool) -> String {
         },
         Arg::Mode(mode) => mode.name().to_owned(),
         Arg::Interlock(interlock) => interlock_words(interlock, lang).to_owned(),
-        Arg::Zone(zone) => zone_words(zone, lang).to_owned(),
-    }
-}
-
-/// A zone.
-#[must_use]
-pub const fn zone_words(zone: Zone, lang: Lang) -> &'static str {
-    match (zone, lang) {
-        (Zone::Chuck, Lang::En) => "the chuck",
-        (Zone::Chuck, Lang::Zh) => "卡盘",
-        (Zone::Jaws, Lang::En) => "the jaws",
-        (Zone::Jaws, Lang::Zh) => "卡爪",
-        (Zone::Tailstock, Lang::En) => "the tailstock",
-        (Zone::Tailstock, Lang::Zh) => "尾座",
     }
 }
 

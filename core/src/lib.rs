@@ -25,7 +25,6 @@
 //! - [`operating`] is how a machine is operated: its modes, and what is asked of an axis by hand.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
 //! - [`offsets`] are work offsets and tools: a table that a board keeps and a gateway resolves programs with.
-//! - [`zones`] are chuck, jaws and tailstock, which the tip of a tool may not enter.
 //! - [`journal`] is what survives a loss of power: the hole a tap is in.
 //! - [`checksum`] tells whether what is kept or compared is whole.
 //! - [`link`] is what gateway and board say to each other: calls, events, status, parameter sets, as bytes.
@@ -75,4 +74,3 @@ pub mod signals;
 pub mod spindle;
 mod text;
 pub mod units;
-pub mod zones;

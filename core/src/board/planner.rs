@@ -28,8 +28,6 @@ use crate::cycle::Moves;
 use crate::journal::TapRecord;
 use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
 use crate::moves::{Move, MoveKind, Stage};
-use crate::offsets::InPlace;
-use crate::offsets::image::Image;
 use crate::params::{FunctionRow, Params};
 use crate::signals::Signals;
 use crate::units::CentiRpm;
@@ -49,10 +47,6 @@ pub struct Settings<'a> {
     pub signals: Signals,
     /// The newest entry of the tap journal.
     pub tap: Option<&'a TapRecord>,
-    /// The tool in place by what the machine has carried out.
-    pub tool: InPlace,
-    /// The table of offsets in force.
-    pub offsets: &'a Image,
     /// The time, in ticks; it wraps.
     pub now: u32,
 }
@@ -104,8 +98,6 @@ pub struct Planner {
     /// Cuts that wait to be joined, and how they leave.
     joined: Joined,
     guard: Guard,
-    /// The tool in place behind the calls so far; `None`: no call has changed it.
-    tool: Option<InPlace>,
     /// For the tap journal: S of the call under expansion, and other values of the program.
     infeed: CentiRpm,
     notes: TapNotes,
@@ -145,7 +137,6 @@ impl Planner {
             failed: false,
             joined: Joined::new(),
             guard: Guard::open(),
-            tool: None,
             infeed: CentiRpm::new(0),
             notes: TapNotes::METRIC,
         }
@@ -178,7 +169,6 @@ impl Planner {
             failed,
             joined,
             guard,
-            tool,
             infeed,
             notes,
         } = self;
@@ -197,7 +187,6 @@ impl Planner {
         (*hole_ends, *complete, *failed) = (false, false, false);
         joined.begin_anew();
         *guard = Guard::open();
-        *tool = None;
         (*infeed, *notes) = (CentiRpm::new(0), TapNotes::METRIC);
     }
 

@@ -72,7 +72,7 @@ use crate::bus::Setpoints;
 use crate::call::Position;
 use crate::journal::TapRecord;
 use crate::link::Event;
-use crate::motion::{AxisTravel, Conditions, Epoch, Executor, Jog, Setpoint, Task};
+use crate::motion::{Conditions, Epoch, Executor, Jog, Setpoint, Task};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
 use crate::units::Length;
@@ -143,8 +143,6 @@ pub struct Ticker {
     journal: Journal,
     drives: Drives,
     jog: Jog,
-    /// How far X and Z may go by the last press, or on the way back.
-    free: [AxisTravel; 2],
     handwheel: Handwheel,
     home: Home,
     machine: Machine,
@@ -187,7 +185,6 @@ impl Ticker {
             journal: Journal::new(tap, given.second),
             drives: Drives::new(&setup.figures),
             jog: Jog::new(),
-            free: [given.travel_x, given.travel_z],
             handwheel: Handwheel::OFF,
             home: Home::new(),
             machine: Machine::new(given.wiring),

@@ -13,4 +13,3 @@ mod protection;
 mod threads;
 mod wheel;
 mod wheel_program;
-mod zones;

@@ -57,7 +57,8 @@ impl OffsetStore {
 
     /// The revision in force.
     pub fn revision(&self) -> Revision {
-        image::revision(&self.in_force)
+        let [_, _, _, _, a, b, c, d, ..] = self.in_force;
+        Revision(u32::from_le_bytes([a, b, c, d]))
     }
 
     const fn mark(&mut self, axis: Axis) -> &mut i32 {

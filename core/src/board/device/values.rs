@@ -25,7 +25,6 @@ use crate::bus::{
 };
 use crate::link::Event;
 use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
-use crate::offsets::InPlace;
 use crate::params::Params;
 use crate::signals::Signals;
 use crate::units::{Axes, Length, TurnRate};
@@ -83,8 +82,6 @@ pub struct ObjectValues {
     pub parameter_store: Shelf,
     /// The table of offsets and tools.
     pub offset_store: OffsetStore,
-    /// The tool in place, by what the machine has carried out since power-up.
-    pub in_place: InPlace,
     pub snapshot: Snapshot,
     /// Commands for the tick, in order.
     pub commands: Deque<Command, COMMANDS>,
@@ -199,7 +196,6 @@ impl ObjectValues {
             drops_tap: false,
             parameter_store: Shelf::new(Kept::Parameters),
             offset_store: OffsetStore::new(),
-            in_place: InPlace::default(),
             protection: WriteProtection::default(),
             staged: false,
             named: false,
@@ -230,8 +226,8 @@ impl ObjectValues {
     ///
     /// # Errors
     /// Why it is not carried out; the event log says so too [D110].
-    pub fn order(&mut self, order: Order, params: &Params) -> Result<(), Alarm> {
-        let done = self.carry_out(order, params);
+    pub fn order(&mut self, order: Order) -> Result<(), Alarm> {
+        let done = self.carry_out(order);
         match &done {
             Ok(()) => self.accept(),
             Err(alarm) => self.deny(alarm),
@@ -239,7 +235,7 @@ impl ObjectValues {
         done
     }
 
-    fn carry_out(&mut self, order: Order, params: &Params) -> Result<(), Alarm> {
+    fn carry_out(&mut self, order: Order) -> Result<(), Alarm> {
         let command = match order {
             Order::Run => {
                 let begun = self.begin_program();
@@ -265,7 +261,7 @@ impl ObjectValues {
                 self.operating.hold_back();
                 Command::Hold
             }
-            Order::Resume => self.resume(params)?,
+            Order::Resume => self.resume()?,
             Order::Reset => {
                 // The calls of the program are dropped with it.
                 self.program_buffer.close();

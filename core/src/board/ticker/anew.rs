@@ -45,7 +45,6 @@ impl Ticker {
             drives,
             now: _,
             jog,
-            free,
             handwheel,
             home,
             machine,
@@ -82,7 +81,6 @@ impl Ticker {
         (*gear, *station) = (0, 0);
         *chuck_wait = ChuckWait::default();
         jog.begin_anew();
-        *free = [given.travel_x, given.travel_z];
         *handwheel = Handwheel::OFF;
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.

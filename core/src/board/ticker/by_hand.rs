@@ -27,20 +27,15 @@ impl Ticker {
             return self.jog.refuse(press.number);
         }
         self.note_way_out(press);
-        let position = self.executor.position();
-        let travel = self.travel();
-        self.free = self
-            .jog
-            .clear_of(&self.given.zones, press, position, travel);
-        let [x, z] = &self.free;
-        self.jog.press(press, x, z);
+        let (x, z) = self.travel();
+        self.jog.press(press, &x, &z);
         if self.jog.is_busy() {
             self.transition_to_by_hand();
         }
     }
 
     /// How far X and Z may go. Where an axis without a reference is, nobody knows: it has no limits.
-    pub(super) const fn travel(&self) -> [AxisTravel; 2] {
+    const fn travel(&self) -> (AxisTravel, AxisTravel) {
         let referenced = self.referenced();
         let x = match referenced.contains(Axis::X) {
             true => self.given.travel_x,
@@ -50,7 +45,7 @@ impl Ticker {
             true => self.given.travel_z,
             false => AxisTravel::UNLIMITED,
         };
-        [x, z]
+        (x, z)
     }
 
     /// One tick of the axes that are moved by hand.
@@ -67,8 +62,8 @@ impl Ticker {
             rapid: self.operator.rapid(),
         };
         let mut position = self.executor.position();
-        let [x, z] = &self.free;
-        if self.jog.tick(&conditions, x, z, &mut position) {
+        let (x, z) = self.travel();
+        if self.jog.tick(&conditions, &x, &z, &mut position) {
             let warning = Alarm::of(Code::WheelTooFast, &[]);
             emit(&mut ends.events, Event::Warning(warning));
         }
