@@ -127,7 +127,7 @@ impl Inverse {
     }
 
     /// How far the target is ahead of the next setpoint.
-    #[inline]
+    #[inline(never)]
     pub(super) const fn ahead(&mut self, setpoint: i64) -> i64 {
         let change = setpoint.wrapping_sub(self.last) as i32;
         let slope = change.wrapping_mul(3).wrapping_sub(self.change);
