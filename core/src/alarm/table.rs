@@ -998,7 +998,7 @@ codes! {
         "请使用不少于 {3} 个计数的编码器（3720），或使用能捕获边沿时间的硬件（9006.0），或减小 9005";
     // 4440–4446, inputs, outputs and machine functions of parameter files: the figures are texts.
     /// No input or output of this name; {0} the name, {1} `input` or `output`.
-    IoUnknown = 4440, "there is no {1} `{0}`", "name one above: `[io.{0}]` with `at = \"{1}:1\"`, or write its place, as `{1}:1`",
+    IoUnknown = 4440, "there is no {1} `{0}`", "name one: `[io.{0}]` with `at = \"{1}:1\"`, or write its place, as `{1}:1`",
         "没有名为 `{0}` 的 {1}", "请先命名：`[io.{0}]` 与 `at = \"{1}:1\"`，或直接写位置，如 `{1}:1`";
     /// An input where an output has to be, or the reverse; {0} the name, {1} what has to be.
     IoOtherSide = 4441, "`{0}` is no {1}", "write the name of an {1}, or its place, as `{1}:1`",

@@ -268,9 +268,10 @@ fn text(report: &Report, notes: &[Both], lang: Lang) -> String {
         }
     }
     for (lack, rules) in lacks {
+        let word = if rules.len() == 1 { "rule" } else { "rules" };
         let (rules, why) = (rules.join(" "), why(lack));
         let told = both!(
-            "not judged: rules {rules}: {en}\n",
+            "not judged: {word} {rules}: {en}\n",
             "未判断：规则 {rules}：{zh}\n",
             en = why.en,
             zh = why.zh

@@ -104,7 +104,7 @@ fn every_mistake_has_its_place_its_cause_and_its_remedy() {
     for (lines, expected) in [
         (
             "set = \"c\"",
-            "6:7-10 4440 there is no output `c` / name one above: `[io.c]` with `at = \"output:1\"`, or write its place, as `output:1`",
+            "6:7-10 4440 there is no output `c` / name one: `[io.c]` with `at = \"output:1\"`, or write its place, as `output:1`",
         ),
         (
             "set = \"b\"",
@@ -195,7 +195,7 @@ fn every_mistake_has_its_place_its_cause_and_its_remedy() {
     let one = |text: &str| told(&load_text("f", text, Lang::En)).join("\n");
     assert_eq!(
         one("door_input = \"dor\"\n"),
-        "1:14-19 4440 there is no input `dor` / name one above: `[io.dor]` with `at = \"input:1\"`, or write its place, as \
+        "1:14-19 4440 there is no input `dor` / name one: `[io.dor]` with `at = \"input:1\"`, or write its place, as \
          `input:1`"
     );
     assert!(one("[m.3]\nset = \"output:1\"\n").starts_with("1:4-5 4431 "));
