@@ -447,14 +447,7 @@ fn homing(heard: &Heard) -> Verdict {
         if let Some(hits) = hits.filter(|hits| hits.enough() && hits.longest > Duration::ZERO)
             && all.is_empty()
         {
-            all.push(Found::at(
-                heard.machine.board,
-                hits,
-                both!(
-                    "the board stands on alarm {alarm}",
-                    "控制板停在报警 {alarm}"
-                ),
-            ));
+            all.push(Found::alarm(heard, alarm, hits));
         }
     }
     found(all)

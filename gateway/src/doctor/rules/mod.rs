@@ -11,7 +11,7 @@ use leadscrew_core::bus::NodeId;
 
 use super::heard::Heard;
 use super::hits::Hits;
-use crate::words::Both;
+use crate::words::{Both, both};
 
 /// What rules are about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +98,18 @@ impl Found {
             hits: hits.clone(),
             command: None,
         }
+    }
+
+    /// The board stands on an alarm that means the fault.
+    fn alarm(heard: &Heard, alarm: u16, hits: &Hits) -> Self {
+        Self::at(
+            heard.machine.board,
+            hits,
+            both!(
+                "the board stands on alarm {alarm}",
+                "控制板停在报警 {alarm}"
+            ),
+        )
     }
 
     /// Of the whole bus.

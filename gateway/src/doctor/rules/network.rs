@@ -172,14 +172,7 @@ fn clash(heard: &Heard) -> Verdict {
         if let Some(hits) = heard.board.alarms.get(&alarm).filter(|hits| hits.enough())
             && all.is_empty()
         {
-            all.push(Found::at(
-                heard.machine.board,
-                hits,
-                both!(
-                    "the board stands on alarm {alarm}",
-                    "控制板停在报警 {alarm}"
-                ),
-            ));
+            all.push(Found::alarm(heard, alarm, hits));
         }
     }
     found(all)
@@ -298,14 +291,7 @@ fn stopped(heard: &Heard) -> Verdict {
     }
     for alarm in [4331, 4375] {
         if let Some(hits) = heard.board.alarms.get(&alarm).filter(|hits| hits.enough()) {
-            all.push(Found::at(
-                heard.machine.board,
-                hits,
-                both!(
-                    "the board stands on alarm {alarm}",
-                    "控制板停在报警 {alarm}"
-                ),
-            ));
+            all.push(Found::alarm(heard, alarm, hits));
         }
     }
     found(all)
