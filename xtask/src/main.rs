@@ -21,6 +21,7 @@ mod image;
 mod licences;
 mod pages;
 mod pictures;
+mod renew;
 mod rules;
 mod run;
 mod setup;
@@ -57,6 +58,7 @@ usage: cargo xtask COMMAND
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings, with every link alive and every picture current
   pictures   docs/shop.md and its pictures, from the programs of examples/shop
+  renew      every page, picture and golden file that the program writes, anew; read the difference afterwards
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
 
@@ -97,6 +99,7 @@ fn main() -> ExitCode {
         ["sizes", "--write"] => target::ensure().and_then(|()| sizes::sizes(true)),
         ["docs"] => docs::check(),
         ["pictures"] => pictures::write(),
+        ["renew"] => renew::all(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),
         ["help" | "--help" | "-h"] => {

@@ -87,7 +87,7 @@ pub fn check() -> Result<()> {
         return Ok(());
     }
     bail!(
-        "not current; make them with `cargo xtask pictures`:\n{}",
+        "not current; `cargo xtask renew` makes them, with all other files that the program writes:\n{}",
         stale.join("\n")
     )
 }

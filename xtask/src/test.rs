@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 
 use crate::{
-    audit, bits, canopen, chip, docs, emulated, emulator, image, licences, rules, run, setup,
-    sizes, target, vcan as bus,
+    audit, bits, canopen, chip, docs, emulated, emulator, image, licences, renew, rules, run,
+    setup, sizes, target, vcan as bus,
 };
 
 /// The number of tests of a program that run at once. Tests with processes and time-outs mostly wait, so that a core
@@ -53,6 +53,7 @@ pub fn test() -> Result<()> {
     clock.step("lock files", lock_files)?;
     clock.step("licences", licences::check)?;
     clock.step("clippy", clippy)?;
+    clock.step("pages that the program writes", renew::check)?;
     clock.step("tests with overflow checks", || tests(&mut counts))?;
     clock.step("another CANopen master", || {
         counts.passed += canopen::check()?;

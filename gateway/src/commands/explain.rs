@@ -282,7 +282,7 @@ mod tests {
     fn the_page_of_the_manual_is_current() {
         assert!(
             page(&Explained::all(), Lang::En) == include_str!("../../../docs/alarms.md"),
-            "docs/alarms.md is not current; make it with `leadscrew explain --docs > docs/alarms.md`"
+            "docs/alarms.md is not current: `cargo xtask renew` writes it anew"
         );
     }
 

@@ -2,7 +2,8 @@
 //! people who get it wrong.
 //!
 //! Golden cases lie in `tests/golden/`, one folder a case. `LEADSCREW_BLESS=1 cargo test -p leadscrew --test cli`
-//! writes what the binary says now; read the difference before it is committed.
+//! writes what the binary says now, and `cargo xtask renew` does that with all else that the program writes; read the
+//! difference before it is committed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -58,21 +59,25 @@ impl Drop for Folder {
     }
 }
 
+/// What to do where a file is not as the binary says now.
+const RENEW: &str = "if this is meant, `cargo xtask renew` writes it anew";
+
 /// Compares with the file, or writes it.
 fn golden(path: &Path, actual: &str) {
     if std::env::var_os("LEADSCREW_BLESS").is_some() {
         std::fs::write(path, actual).unwrap();
         return;
     }
-    let expected =
-        std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let expected = std::fs::read_to_string(path)
+        .unwrap_or_else(|error| panic!("{}: {error}; {RENEW}", path.display()));
     for (n, (expected, actual)) in expected.lines().zip(actual.lines()).enumerate() {
-        assert_eq!(expected, actual, "{}, line {}", path.display(), n + 1);
+        let line = n + 1;
+        assert_eq!(expected, actual, "{}, line {line}; {RENEW}", path.display());
     }
     assert_eq!(
         expected.lines().count(),
         actual.lines().count(),
-        "{}",
+        "{}; {RENEW}",
         path.display()
     );
 }

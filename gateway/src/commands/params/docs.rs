@@ -223,7 +223,7 @@ mod tests {
         let kept = include_str!("../../../../docs/parameters.md");
         assert!(
             kept == markdown(Lang::En),
-            "docs/parameters.md is not current; make it with `leadscrew params docs > docs/parameters.md`"
+            "docs/parameters.md is not current: `cargo xtask renew` writes it anew"
         );
     }
 

@@ -1,4 +1,5 @@
-//! Pictures as texts: `golden/LANG-WIDTHxHEIGHT.txt`. LEADSCREW_BLESS=1 writes them anew.
+//! Pictures as texts: `golden/LANG-WIDTHxHEIGHT.txt`. LEADSCREW_BLESS=1 (`cargo xtask renew`) writes them anew, and the
+//! one that docs/panel.md shows.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -23,6 +24,9 @@ use crate::diagnostics::alarm_words;
 use crate::link::Seen;
 use crate::link::bench;
 use leadscrew_core::units::Angle;
+
+/// The page that shows the English picture of 80 by 24.
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/panel.md");
 
 fn text(buffer: &Buffer) -> String {
     let mut out = String::new();
@@ -117,7 +121,7 @@ fn view(lang: Lang) -> View {
 }
 
 #[test]
-fn the_picture_is_that_of_its_file() {
+fn the_picture_is_that_of_its_file_and_of_the_page() {
     let folder =
         PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/commands/board/monitor/golden");
     for (lang, name) in [(Lang::En, "en"), (Lang::Zh, "zh")] {
@@ -125,18 +129,25 @@ fn the_picture_is_that_of_its_file() {
             let drawn = picture(&view(lang), width, height);
             let path = folder.join(format!("{name}-{width}x{height}.txt"));
             if std::env::var_os("LEADSCREW_BLESS").is_some() {
+                if let Ok(before) = std::fs::read_to_string(&path) {
+                    let page = std::fs::read_to_string(PAGE).unwrap();
+                    std::fs::write(PAGE, page.replace(&before, &drawn)).unwrap();
+                }
                 std::fs::write(&path, &drawn).unwrap();
             }
             let expected = std::fs::read_to_string(&path).unwrap();
-            assert_eq!(drawn, expected, "{}", path.display());
+            let path = path.display();
+            assert_eq!(
+                drawn, expected,
+                "{path}; `cargo xtask renew` writes it anew"
+            );
         }
     }
-}
-
-#[test]
-fn the_picture_of_the_page_is_a_true_one() {
-    let page = include_str!("../../../../../../docs/panel.md");
-    assert!(page.contains(&picture(&view(Lang::En), 80, 24)));
+    let page = std::fs::read_to_string(PAGE).unwrap();
+    assert!(
+        page.contains(&picture(&view(Lang::En), 80, 24)),
+        "docs/panel.md does not show it; `cargo xtask renew` writes it anew"
+    );
 }
 
 #[test]
