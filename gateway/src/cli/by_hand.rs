@@ -1,10 +1,11 @@
-//! `mode`, `jog` and `wheel`: what is typed to operate a machine by hand.
+//! `mode`, `jog`, `wheel`, `home` and `override`: what is typed to operate a machine by hand.
 
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use leadscrew_core::bus::StepRequest;
 use leadscrew_core::operating::{Led, OperatingMode, Towards, WheelFactor};
+use leadscrew_core::units::Axis;
 
 use crate::values::{Mistake, decimal, mistake};
 
@@ -207,6 +208,55 @@ pub struct Wheel {
     /// How fast it is turned, in counts a second
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=20_000))]
     pub rate: u16,
+}
+
+/// The axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HomeAxis {
+    /// Cross slide.
+    #[value(name = "X")]
+    X,
+    /// Carriage.
+    #[value(name = "Z")]
+    Z,
+    /// Rotary axis.
+    #[value(name = "C")]
+    C,
+}
+
+impl HomeAxis {
+    /// The axis.
+    #[must_use]
+    pub const fn axis(self) -> Axis {
+        match self {
+            Self::X => Axis::X,
+            Self::Z => Axis::Z,
+            Self::C => Axis::C,
+        }
+    }
+}
+
+/// The overrides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum OverrideName {
+    /// Feed.
+    Feed,
+    /// Rapid.
+    Rapid,
+    /// Spindle.
+    Spindle,
+}
+
+impl OverrideName {
+    /// The lowest and the highest percentage.
+    #[must_use]
+    pub const fn range(self) -> (u8, u8) {
+        match self {
+            Self::Feed => (0, 150),
+            Self::Rapid => (0, 100),
+            Self::Spindle => (50, 120),
+        }
+    }
 }
 
 #[cfg(test)]

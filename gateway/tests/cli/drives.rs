@@ -5,20 +5,7 @@ use serde_json::Value;
 use crate::{Folder, code, leadscrew, stderr, stdout};
 
 /// Two passes of one thread, at 100 and at 600 revolutions.
-const TWO_SPEEDS: &str = "\
-M3 S100
-G4 X3
-G0 X60 Z15
-G32 Z-60 F6
-G0 X70
-Z15
-S600
-G4 X3
-X60
-G32 Z-60 F6
-G0 X70
-M30
-";
+const TWO_SPEEDS: &str = include_str!("two-speeds.nc");
 
 /// A drive interpolates for a period before it reaches a target, and 9003 says so; the board bears the lag.
 const BORNE: [&str; 6] = [

@@ -3,20 +3,7 @@
 use crate::{User, bad, good};
 
 /// Two passes of one thread, at 100 and at 600 revolutions.
-const TWO_SPEEDS: &str = "\
-M3 S100
-G4 X3
-G0 X60 Z15
-G32 Z-60 F6
-G0 X70
-Z15
-S600
-G4 X3
-X60
-G32 Z-60 F6
-G0 X70
-M30
-";
+const TWO_SPEEDS: &str = include_str!("../cli/two-speeds.nc");
 
 #[test]
 fn the_lag_of_a_known_drive_is_found_and_written() {

@@ -261,18 +261,23 @@ fn feed_hold_by_the_override_stands_and_goes_on() {
     assert_eq!(bench.position.z, mm(-10));
 }
 
+/// Numbers at random from this seed, each below what is asked for.
+fn random(seed: u64) -> impl FnMut(u64) -> u64 {
+    let mut state = seed | 1;
+    move |below| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    }
+}
+
 /// Any presses, releases, renewals and overrides: never beyond a limit of position, speed, acceleration or jerk, which
 /// [`Bench::tick`] asserts; and at rest in time after the last press.
 #[test]
 fn whatever_is_pressed_the_axes_keep_their_limits() {
     leadscrew_seed::volume(11, |seed| {
-        let mut state = seed | 1;
-        let mut random = |below: u64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) % below
-        };
+        let mut random = random(seed);
         let mut bench = Bench::new();
         let mut number = 0_u8;
         for _ in 0..leadscrew_seed::amount(60, 600) {
@@ -467,13 +472,7 @@ fn a_press_and_a_wheel_take_turns_from_rest_only() {
 #[test]
 fn however_a_wheel_is_turned_its_axis_keeps_its_limits() {
     leadscrew_seed::volume(13, |seed| {
-        let mut state = seed | 1;
-        let mut random = |below: u64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) % below
-        };
+        let mut random = random(seed);
         let mut bench = Bench::in_the_middle();
         let most = speed(3_000).raw() as i64;
         let (mut way, mut taken) = (0_i64, 0_i64);
@@ -512,35 +511,31 @@ fn however_a_wheel_is_turned_its_axis_keeps_its_limits() {
 /// A wheel that is turned no faster than its axis may go loses no count, however often and wherever it turns round.
 #[test]
 fn a_wheel_within_its_speed_loses_no_count() {
-    let mut state = 12_345_u64;
-    let mut random = |below: u64| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % below
-    };
-    let mut bench = Bench::in_the_middle();
-    let (mut counted, mut count) = (0_u64, 0_i64);
-    let all = leadscrew_seed::amount(100_000, 10_000_000) as u64;
-    while counted < all {
-        // 50 µm in a tick are 50 counts of a micrometre.
-        let rate = random(50) as i64 + 1;
-        let towards = match count {
-            ..-200_000 => 1,
-            200_000.. => -1,
-            _ => random(2) as i64 * 2 - 1,
-        };
-        for _ in 0..random(400) {
-            count += towards * rate;
-            counted += rate as u64;
-            bench.turn(1, Length::from_nm(count * 1_000), DROPS, ALIVE);
-            bench.tick();
+    leadscrew_seed::volume(12_345, |seed| {
+        let mut random = random(seed);
+        let mut bench = Bench::in_the_middle();
+        let (mut counted, mut count) = (0_u64, 0_i64);
+        let all = leadscrew_seed::amount(100_000, 10_000_000) as u64;
+        while counted < all {
+            // 50 µm in a tick are 50 counts of a micrometre.
+            let rate = random(50) as i64 + 1;
+            let towards = match count {
+                ..-200_000 => 1,
+                200_000.. => -1,
+                _ => random(2) as i64 * 2 - 1,
+            };
+            for _ in 0..random(400) {
+                count += towards * rate;
+                counted += rate as u64;
+                bench.turn(1, Length::from_nm(count * 1_000), DROPS, ALIVE);
+                bench.tick();
+            }
+            if random(20) == 0 {
+                bench.ticks(RUN_OUT);
+                assert_eq!(bench.position.z.nm(), -250 * MM + count * 1_000);
+            }
         }
-        if random(20) == 0 {
-            bench.ticks(RUN_OUT);
-            assert_eq!(bench.position.z.nm(), -250 * MM + count * 1_000);
-        }
-    }
-    bench.ticks(RUN_OUT);
-    assert_eq!(bench.position.z.nm(), -250 * MM + count * 1_000);
+        bench.ticks(RUN_OUT);
+        assert_eq!(bench.position.z.nm(), -250 * MM + count * 1_000);
+    });
 }
