@@ -37,8 +37,6 @@ pub struct Operator {
 
 impl Operator {
     /// The state at power-up: no hold, all overrides at 100 %.
-    // [D146]
-    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             hold: false,

@@ -75,8 +75,6 @@ pub(super) struct Flow {
 
 impl Flow {
     /// Nothing is under way.
-    // [D146]
-    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             now: Stretch::NONE,

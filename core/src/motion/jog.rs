@@ -200,7 +200,6 @@ pub struct Jog {
 }
 
 impl JogAxis {
-    #[inline(always)]
     const fn new() -> Self {
         Self {
             profile: Profile::new(),
@@ -310,8 +309,6 @@ impl Default for Jog {
 
 impl Jog {
     /// Nothing is pressed, and nothing moves.
-    // [D146]
-    #[inline(always)]
     #[must_use]
     pub const fn new() -> Self {
         Self {

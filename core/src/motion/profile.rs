@@ -164,8 +164,6 @@ impl<const N: usize> Profile<N> {
 
     /// A profile at rest with nothing to do.
     #[must_use]
-    // [D146]
-    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             ring: [0; N],

@@ -74,8 +74,6 @@ pub(super) struct Rounding {
 
 impl Rounding {
     /// Stands at the machine's zero.
-    // [D146]
-    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             start: Position::ZERO,

@@ -22,8 +22,6 @@ pub struct Log {
 }
 
 impl Log {
-    // [D146]
-    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             ring: Ring::new(),

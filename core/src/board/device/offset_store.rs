@@ -36,8 +36,6 @@ pub struct OffsetStore {
 }
 
 impl OffsetStore {
-    // [D146]
-    #[inline(always)]
     pub fn new() -> Self {
         Self {
             shelf: Shelf::new(Kept::Offsets),

@@ -47,8 +47,6 @@ pub struct ProgramBuffer {
 }
 
 impl ProgramBuffer {
-    // [D146]
-    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             ring: Ring::new(),

@@ -20,8 +20,6 @@ pub struct RunRecorder {
 }
 
 impl RunRecorder {
-    // [D146]
-    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             program: 0,

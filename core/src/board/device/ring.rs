@@ -13,8 +13,6 @@ pub struct Ring<const N: usize> {
 }
 
 impl<const N: usize> Ring<N> {
-    // [D146]
-    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             bytes: [0; N],

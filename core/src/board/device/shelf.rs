@@ -81,8 +81,6 @@ pub struct Progress {
 }
 
 impl Shelf {
-    // [D146]
-    #[inline(always)]
     pub fn new(of: Kept) -> Self {
         Self {
             of,

@@ -43,8 +43,6 @@ pub(super) struct Journal {
 
 impl Journal {
     /// `record`: the newest entry. A hole waits for a second at most.
-    // [D146]
-    #[inline(always)]
     pub(super) fn new(record: Option<TapRecord>, ticks_per_second: u32) -> Self {
         let (in_hole, named) = match &record {
             Some(record) => (record.in_hole, record.sequence),
@@ -122,7 +120,6 @@ impl Journal {
     }
 
     /// The newest entry names this hole.
-    #[inline(always)]
     fn knows(&self, hole: &TapHole) -> bool {
         self.record
             .as_ref()

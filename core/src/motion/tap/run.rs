@@ -48,8 +48,6 @@ pub(in crate::motion) struct TapRun {
 
 impl TapRun {
     /// A tap that begins where the machine stands, with the spindle at `angle`.
-    // Inlined so that the result is made in its final place and not copied.
-    #[inline(always)]
     pub(in crate::motion) fn new(tap: &Tap, position: Position, angle: Turns) -> Self {
         Self {
             origin: angle - tap.gear.turns(position),
