@@ -57,6 +57,7 @@ use self::setup::Given;
 pub use self::setup::Setup;
 use self::spindle::SpindleMode;
 pub use self::state::{Outcome, State};
+use self::tool::ToolIn;
 use super::command::{Command, Switching};
 use super::detour::{Detour, Route};
 use super::drives::{Drives, FRAMES};
@@ -150,8 +151,8 @@ pub struct Ticker {
     function: Option<Pending>,
     /// The gear of spindle 1 that is in, from 1; 0: nobody knows.
     gear: u8,
-    /// The station of the tool changer that is in; what else it means is said where T is carried out.
-    station: u8,
+    /// The tool that is in, where a tool changer is.
+    tool: ToolIn,
     chuck_wait: ChuckWait,
     /// Ticks since a resume that waits for the spindle.
     resuming: Option<u32>,
@@ -190,7 +191,7 @@ impl Ticker {
             machine: Machine::new(given.wiring),
             function: None,
             gear: 0,
-            station: 0,
+            tool: ToolIn::Unknown,
             chuck_wait: ChuckWait::default(),
             resuming: None,
             executor: Executor::new(given.arrival),

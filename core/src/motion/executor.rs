@@ -23,7 +23,7 @@ use crate::call::Position;
 use crate::spindle::Observer;
 use crate::units::{Divisor, Length, Rpm, Ticks, TurnRate, Turns};
 pub use aside::Aside;
-use pass::Waited;
+use pass::{Stroke, Waited};
 
 /// The inputs of one tick of motion.
 #[derive(Clone, Copy, Debug)]
@@ -153,9 +153,10 @@ enum Active {
     Joined,
     /// A pass waits for the spindle before it begins.
     Waiting(Waited),
-    Thread(ThreadRun),
+    Thread(Stroke),
     Tap(TapRun),
-    Float(FloatRun),
+    /// An ordinary tap, and the speed that it commands the spindle, from its first tick on.
+    Float(FloatRun, Option<TurnRate>),
     Dwell(u32),
 }
 
@@ -166,19 +167,11 @@ pub struct Executor {
     position: Position,
     /// Commanded spindle angle, in position mode.
     spindle: Option<Turns>,
-    /// Commanded speed of a spindle in speed mode, if the motion under way turns the spindle.
-    spindle_speed: Option<TurnRate>,
     number: u32,
     span: Span,
     arrival: Arrival,
-    /// Ticks for which the spindle has not turned as it must in a stroke. An alarm follows after a second of standing,
-    /// after a tenth of a second of turning the wrong way, or after a hundredth of a second above the speed for which
-    /// the pass is planned.
-    astray: u32,
     stops: Stops,
     aborting: bool,
-    /// Ticks since the pass came to rest.
-    settled: u8,
     /// True when a stroke of a tap has ended in this tick.
     turned: bool,
     /// True when the next stretch was taken in this tick.
@@ -212,14 +205,11 @@ impl Executor {
             active: Active::Free,
             position: Self::ZERO,
             spindle: None,
-            spindle_speed: None,
             number: 0,
             span: Self::NOWHERE,
             stops: Stops::NONE,
             arrival,
             aborting: false,
-            astray: 0,
-            settled: 0,
             turned: false,
             taken: false,
             crossed: false,
@@ -233,14 +223,11 @@ impl Executor {
             active,
             position,
             spindle,
-            spindle_speed,
             number,
             span,
             stops,
             arrival: expected,
             aborting,
-            astray,
-            settled,
             turned,
             taken,
             crossed,
@@ -249,10 +236,9 @@ impl Executor {
         *active = Active::Free;
         *position = Self::ZERO;
         *spindle = None;
-        *spindle_speed = None;
         (*number, *span, *stops) = (0, Self::NOWHERE, Stops::NONE);
         *expected = arrival;
-        (*aborting, *astray, *settled, *turned) = (false, 0, 0, false);
+        (*aborting, *turned) = (false, false);
         (*taken, *crossed) = (false, false);
     }
 
@@ -285,7 +271,7 @@ impl Executor {
     #[must_use]
     pub const fn thread(&self) -> Option<&ThreadRun> {
         match &self.active {
-            Active::Thread(run) => Some(run),
+            Active::Thread(stroke) => Some(&stroke.run),
             _ => None,
         }
     }
@@ -313,9 +299,11 @@ impl Executor {
     #[must_use]
     pub fn law(&self, current: Option<Task<'_>>) -> Option<Law> {
         Some(match (&self.active, current?.plan?) {
-            (Active::Thread(run), Plan::Thread(pass)) => Law::Thread(run.helix(&pass.plan)),
+            (Active::Thread(stroke), Plan::Thread(pass)) => {
+                Law::Thread(stroke.run.helix(&pass.plan))
+            }
             (Active::Tap(run), Plan::Tap(tap)) => Law::Tap(run.line(tap)),
-            (Active::Float(run), Plan::Float(plan)) => Law::Float(run.line(plan)?),
+            (Active::Float(run, _), Plan::Float(plan)) => Law::Float(run.line(plan)?),
             _ => return None,
         })
     }
@@ -359,7 +347,6 @@ impl Executor {
                 };
             }
             (Action::Planned, Some(Plan::Thread(_))) => {
-                (self.settled, self.astray) = (0, 0);
                 self.active = Active::Waiting(Waited::default());
             }
             (Action::Planned, Some(Plan::Tap(tap))) => {
@@ -370,7 +357,7 @@ impl Executor {
                 }
             }
             (Action::Planned, Some(Plan::Float(plan))) => {
-                self.active = Active::Float(FloatRun::new(plan, self.position));
+                self.active = Active::Float(FloatRun::new(plan, self.position), None);
             }
             (Action::Dwell(ticks), _) => self.active = Active::Dwell(*ticks),
             _ => {}
@@ -394,15 +381,15 @@ impl Executor {
         match (&mut self.active, current.and_then(Task::pass)) {
             (Active::Free, _) => {}
             (Active::Timed | Active::Joined, _) => self.run.abandon(),
-            (Active::Thread(run), Some(pass)) => run.stop(&pass.plan),
+            (Active::Thread(stroke), Some(pass)) => stroke.run.stop(&pass.plan),
             (Active::Tap(tap), _) => {
                 if tap.stop(&mut self.run) {
                     self.active = Active::Free;
                 }
             }
-            (Active::Float(run), _) => {
+            (Active::Float(run, _), _) => {
                 if run.stop() {
-                    self.end_float();
+                    self.active = Active::Free;
                 }
             }
             (Active::Waiting(_) | Active::Dwell(_) | Active::Thread(_), _) => {
@@ -414,12 +401,12 @@ impl Executor {
     /// For reset, and for feed hold with immediate retract. The short axis leaves a stroke along the run-out's slope
     /// towards `target` while the long axis stays in lead. Any other motion stops as by [`stop`](Self::stop).
     pub fn retract(&mut self, current: Option<Task<'_>>, target: Length) -> Retract {
-        if let Active::Thread(run) = &mut self.active
+        if let Active::Thread(stroke) = &mut self.active
             && let Some(pass) = current.and_then(Task::pass)
         {
             self.aborting = true;
             self.crossed = false;
-            return run.retract(&pass.plan, target);
+            return stroke.run.retract(&pass.plan, target);
         }
         self.stop(current);
         Retract::Standing
@@ -473,7 +460,7 @@ impl Executor {
                 self.tap_on(now, tap, setpoint);
                 Ok(())
             }
-            (Active::Float(_), _, Some(Plan::Float(plan))) => self.float_on(now, plan, setpoint),
+            (Active::Float(..), _, Some(Plan::Float(plan))) => self.float_on(now, plan, setpoint),
             (Active::Waiting(_), _, Some(Plan::Thread(pass))) => self.wait(now, pass, setpoint),
             (Active::Thread(_), _, Some(Plan::Thread(pass))) => {
                 self.cut_on(now, &pass.plan, setpoint)

@@ -4,6 +4,7 @@ use super::away::Away;
 use super::functions::ChuckWait;
 use super::handwheel::Handwheel;
 use super::spindle::SpindleMode;
+use super::tool::ToolIn;
 use super::{Notice, Setup, State, Ticker};
 use crate::board::command::Switching;
 use crate::board::operator::Operator;
@@ -50,7 +51,7 @@ impl Ticker {
             machine,
             function,
             gear,
-            station,
+            tool,
             chuck_wait,
             resuming,
             executor,
@@ -78,7 +79,8 @@ impl Ticker {
         machine.begin_anew(given.wiring);
         machine.reset();
         (*function, *resuming) = (None, None);
-        (*gear, *station) = (0, 0);
+        *gear = 0;
+        *tool = ToolIn::Unknown;
         *chuck_wait = ChuckWait::default();
         jog.begin_anew();
         *handwheel = Handwheel::OFF;

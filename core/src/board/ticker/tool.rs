@@ -10,11 +10,18 @@ use crate::board::turret::ToolChange;
 use crate::link::Event;
 use crate::motion::Motion;
 
-/// The turret was stopped on its way: T first.
-const BETWEEN: u8 = u8::MAX;
-
-/// Somebody has been asked for a tool and has not pressed start yet.
-const ASKED: u8 = 1 << 7;
+/// What is known of the tool that is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ToolIn {
+    /// Nobody has said.
+    Unknown,
+    /// The tool of this station.
+    Station(u8),
+    /// Somebody has been asked for the tool of this station and has not pressed start yet.
+    Asked(u8),
+    /// The turret was stopped on its way: T first.
+    Between,
+}
 
 /// For this part of a second code and clamp have to stay.
 const SETTLED: u32 = 20;
@@ -67,7 +74,7 @@ impl Ticker {
 
     /// True where nothing may move before T: a turret stands between its stations.
     pub(super) const fn needs_tool(&self) -> bool {
-        self.station == BETWEEN
+        matches!(self.tool, ToolIn::Between)
     }
 
     /// Carries out T for the move `number`.
@@ -80,8 +87,8 @@ impl Ticker {
             return;
         }
         if changer.kind == ToolChange::ByHand {
-            if self.station != station {
-                self.station = station | ASKED;
+            if self.tool != ToolIn::Station(station) {
+                self.tool = ToolIn::Asked(station);
                 let warning = Alarm::new(Code::ToolByHand, span).with([Arg::Int(station.into())]);
                 emit(&mut ends.events, Event::Warning(warning));
                 self.course.pause();
@@ -91,12 +98,12 @@ impl Ticker {
         let ticks = changer.time_ms.saturating_mul(self.given.second) / 1000;
         let here = self.turret_tells();
         // A turret that stands there already stays as it is, once that is sure.
-        let stage = match self.station != BETWEEN && here == Some((station, true)) {
+        let stage = match self.tool != ToolIn::Between && here == Some((station, true)) {
             true => Stage::Clamping,
             false => Stage::Unclamping,
         };
         if stage == Stage::Unclamping {
-            self.station = BETWEEN;
+            self.tool = ToolIn::Between;
             self.machine.drive(changer.unclamp, true);
         }
         self.function = Some(Pending::Turret(Indexing {
@@ -148,7 +155,7 @@ impl Ticker {
             Stage::Clamping if is_sure && locked => {
                 if code == wanted {
                     self.function = None;
-                    self.station = wanted;
+                    self.tool = ToolIn::Station(wanted);
                     return None;
                 }
                 fault = Some(Code::WrongStation);
@@ -174,15 +181,15 @@ impl Ticker {
             let changer = self.given.changer;
             self.machine.drive(changer.index | changer.unclamp, false);
         }
-        if self.station != BETWEEN && self.station & ASKED != 0 {
-            self.station = 0;
+        if let ToolIn::Asked(_) = self.tool {
+            self.tool = ToolIn::Unknown;
         }
     }
 
     /// Start was pressed: the tool that was asked for is in.
     pub(super) const fn take_tool(&mut self) {
-        if self.station != BETWEEN {
-            self.station &= !ASKED;
+        if let ToolIn::Asked(station) = self.tool {
+            self.tool = ToolIn::Station(station);
         }
     }
 }

@@ -39,7 +39,7 @@ impl Executor {
             // In a hold it counts no time.
             Active::Waiting(_) => Kind::Waiting,
             Active::Dwell(left) => Kind::Dwell(left),
-            Active::Thread(_) | Active::Tap(_) | Active::Float(_) => return None,
+            Active::Thread(_) | Active::Tap(_) | Active::Float(..) => return None,
         };
         self.active = Active::Free;
         Some(Aside {

@@ -10,20 +10,17 @@ impl Executor {
     /// True while an ordinary tap is under way.
     #[must_use]
     pub const fn is_floating(&self) -> bool {
-        matches!(self.active, Active::Float(_))
+        matches!(self.active, Active::Float(..))
     }
 
     /// The speed that an ordinary tap commands the spindle, while one is under way. It replaces the speed of M03 and
     /// the override.
     #[must_use]
     pub const fn spindle_speed(&self) -> Option<TurnRate> {
-        self.spindle_speed
-    }
-
-    /// Ends the tap and gives the spindle's speed back to the program.
-    pub(super) const fn end_float(&mut self) {
-        self.active = Active::Free;
-        self.spindle_speed = None;
+        match self.active {
+            Active::Float(_, speed) => speed,
+            _ => None,
+        }
     }
 
     /// A tick of an ordinary tap.
@@ -33,7 +30,7 @@ impl Executor {
         plan: &FloatPlan,
         setpoint: &mut Setpoint,
     ) -> Result<(), Alarm> {
-        let Active::Float(run) = &mut self.active else {
+        let Active::Float(run, speed) = &mut self.active else {
             return Ok(());
         };
         let point = run.tick(
@@ -51,9 +48,9 @@ impl Executor {
         );
         let alarm = point.alarm.map(|code| run.alarm(code, plan, now.observer));
         self.position = point.position;
-        self.spindle_speed = Some(run.command(plan));
+        *speed = Some(run.command(plan));
         if point.done {
-            self.end_float();
+            self.active = Active::Free;
         }
         if let Some(alarm) = alarm {
             return Err(alarm);

@@ -19,6 +19,17 @@ pub(super) struct Waited {
     index: u32,
 }
 
+/// A stroke under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stroke {
+    pub(super) run: ThreadRun,
+    /// Ticks for which the spindle has not turned as it must. An alarm follows after a second of standing, after a tenth of
+    /// a second of turning the wrong way, or after a hundredth of a second above the speed for which the pass is planned.
+    astray: u32,
+    /// Ticks since the axes came to rest.
+    settled: u8,
+}
+
 impl Executor {
     /// A tick of the wait. The pass begins when the spindle turns as commanded, its index is known and the retract is
     /// queued.
@@ -51,7 +62,13 @@ impl Executor {
             // Both axes must be in time, so the axis with the slower drive decides when the pass leaves.
             let ahead = now.ahead_x.max(now.ahead_z);
             match ThreadRun::start(&pass.plan, now.observer.predict(ahead), speed) {
-                Ok(run) => self.active = Active::Thread(run),
+                Ok(run) => {
+                    self.active = Active::Thread(Stroke {
+                        run,
+                        astray: 0,
+                        settled: 0,
+                    });
+                }
                 Err(alarm) => {
                     self.active = Active::Free;
                     return Err(alarm);
@@ -65,15 +82,15 @@ impl Executor {
     /// The stroke under way, `pass`, is over, because the next one of its chain takes over.
     pub fn leave_stroke(&mut self, pass: &Pass) {
         self.crossed = false;
-        if let Active::Thread(run) = &mut self.active {
-            run.leave(&pass.plan);
+        if let Active::Thread(stroke) = &mut self.active {
+            stroke.run.leave(&pass.plan);
         }
     }
 
     /// The next stroke of a chain takes over.
     pub fn take_over(&mut self, segment: &Segment, pass: &Pass) {
-        if let Active::Thread(run) = &mut self.active {
-            run.take_over(&pass.plan);
+        if let Active::Thread(stroke) = &mut self.active {
+            stroke.run.take_over(&pass.plan);
             self.number = segment.number;
             self.span = segment.span;
             self.stops = segment.stops;
@@ -111,7 +128,12 @@ impl Executor {
         plan: &ThreadPlan,
         setpoint: &mut Setpoint,
     ) -> Result<(), Alarm> {
-        let Active::Thread(run) = &mut self.active else {
+        let Active::Thread(Stroke {
+            run,
+            astray,
+            settled,
+        }) = &mut self.active
+        else {
             return Ok(());
         };
         if now.hold && !self.aborting && run.phase() == Phase::Waiting {
@@ -135,7 +157,7 @@ impl Executor {
         } else {
             None
         };
-        let trouble = self.arrival.count_astray(&mut self.astray, trouble);
+        let trouble = self.arrival.count_astray(astray, trouble);
         if trouble.is_some() {
             // The axes must brake from this very tick on. A tick in which they stood would be a jolt.
             run.stop(plan);
@@ -161,8 +183,8 @@ impl Executor {
         let motion = match point.phase {
             Phase::Waiting => Motion::Wait,
             Phase::Done => {
-                self.settled = self.settled.saturating_add(1);
-                if self.settled > SETTLING {
+                *settled = settled.saturating_add(1);
+                if *settled > SETTLING {
                     self.active = Active::Free;
                 }
                 Motion::Run
