@@ -10,7 +10,6 @@
 //! wrong bit for that, and resets what was set before ([`R1MODE`]). This module also enables the clocks of timers and
 //! CAN controller; the crate enables those of the ports. Each part has its registers in a file of its own.
 
-use embassy_stm32::Config;
 use embassy_stm32::pac;
 use embassy_stm32::pac::flash::vals::Latency;
 use embassy_stm32::rcc::{
@@ -18,6 +17,7 @@ use embassy_stm32::rcc::{
     Sysclk, mux,
 };
 use embassy_stm32::time::Hertz;
+use embassy_stm32::{Config, Peripherals};
 
 use crate::pins;
 
@@ -37,8 +37,8 @@ const FLASH_MS: u32 = 100;
 /// it in bit 8, `stm32-metapac` 21 in bit 0 (`manual.rs` fails to compile once the crate is right).
 const R1MODE: u32 = 1 << 8;
 
-/// Starts the clocks. Without a crystal it does not return.
-pub fn start() {
+/// Starts the clocks, and gives the chip's parts for the drivers of the crate. Without a crystal it does not return.
+pub fn start() -> Peripherals {
     if !has_crystal() {
         show_no_crystal();
     }
@@ -64,8 +64,7 @@ pub fn start() {
     rcc.hsi48 = None;
     rcc.ls = LsConfig::off();
     rcc.mux.fdcansel = mux::Fdcansel::HSE;
-    // The tokens of ownership are not used: `main` starts each part once.
-    let _ = embassy_stm32::init(config);
+    let parts = embassy_stm32::init(config);
     speed_up();
     pac::RCC.cr().modify(|w| w.set_csson(true));
     pac::RCC.apb1enr1().modify(|w| {
@@ -76,6 +75,7 @@ pub fn start() {
     });
     // The watchdog stops while a debugger has stopped the program.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+    parts
 }
 
 /// Goes from the crystal to the PLL, in RM0440's order for the boost mode (6.1.5): half the clock, the voltage, the

@@ -57,6 +57,7 @@ use crate::encoder::Encoder;
 use crate::flash::Bank;
 use crate::owned::{Once, Owned};
 use crate::pins::{Clamp, Contacts, Switches};
+use crate::watchdog::Watchdog;
 use crate::wire::Registers;
 
 /// The bit timing where the crystal does not give the rate of the parameters: 1 Mbit/s, so that the alarm can be sent.
@@ -82,6 +83,7 @@ struct TickParts {
     contacts: Contacts,
     clamp: Clamp,
     machine: MachineInputs,
+    watchdog: Watchdog,
     wire: TickEnd<'static>,
     /// The alarm for a fault that was found at power-up.
     trouble: Option<Code>,
@@ -121,7 +123,7 @@ impl TickMachine for TickParts {
     }
 
     fn feed_watchdog(&mut self) {
-        watchdog::feed();
+        self.watchdog.pet();
     }
 }
 
@@ -217,10 +219,10 @@ fn main() -> ! {
 #[inline(never)]
 fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
     let (cause, failure) = fault::start(reset::flags());
-    clock::start();
+    let chip = clock::start();
     pins::start();
     log::started(cause);
-    let Ok(mut storage) = Storage::new(flash::start()) else {
+    let Ok(mut storage) = Storage::new(flash::start(chip.FLASH)) else {
         panic!("the bank holds the regions");
     };
     let mut trouble = None;
@@ -249,7 +251,7 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
     let (tick_end, background_end) = wire::start(kbit);
     let encoder = Encoder::start();
     let contacts = pins::contacts();
-    watchdog::start();
+    let watchdog = watchdog::start(chip.IWDG);
     let Sides {
         tick: side,
         output,
@@ -263,6 +265,7 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
             contacts,
             clamp: pins::clamp(),
             machine: MachineInputs::new(),
+            watchdog,
             wire: tick_end,
             trouble,
         },

@@ -1,25 +1,18 @@
 //! The watchdog of the chip, on a clock of its own: it resets a program that stops feeding it.
 
-use embassy_stm32::pac::IWDG;
-use embassy_stm32::pac::iwdg::vals::{Key, Pr};
+use embassy_stm32::Peri;
+use embassy_stm32::peripherals::IWDG;
+use embassy_stm32::wdg::IndependentWatchdog;
 
-/// The watchdog resets the chip after this time without being fed.
-const PATIENCE_MS: u32 = 100;
-/// The watchdog's clock, within a tenth over voltage and temperature.
-const CLOCK_HZ: u32 = 32_000;
-/// The divisor of the clock.
-const DIVIDED: u32 = 4;
+/// The watchdog resets the chip after this time without being fed, within a tenth over voltage and temperature.
+const PATIENCE_US: u32 = 100_000;
+
+/// The watchdog.
+pub type Watchdog = IndependentWatchdog<'static, IWDG>;
 
 /// Starts the watchdog. Nothing can stop it afterwards.
-pub fn start() {
-    const LAST: u32 = PATIENCE_MS * (CLOCK_HZ / DIVIDED) / 1000 - 1;
-    IWDG.kr().write(|w| w.set_key(Key::START));
-    IWDG.kr().write(|w| w.set_key(Key::ENABLE));
-    IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY4));
-    IWDG.rlr().write(|w| w.set_rl(LAST as u16));
-}
-
-/// Feeds the watchdog.
-pub fn feed() {
-    IWDG.kr().write(|w| w.set_key(Key::RESET));
+pub fn start(part: Peri<'static, IWDG>) -> Watchdog {
+    let mut watchdog = IndependentWatchdog::new(part, PATIENCE_US);
+    watchdog.unleash();
+    watchdog
 }
