@@ -1,5 +1,5 @@
-//! The corpora of the fuzzers, replayed: what was once found hostile stays survived. And what is like them: pieces of them
-//! from the seed of the commit, changed at random.
+//! Inputs that the fuzzers have found: each of them once did harm, and must not do so again. Besides them, pieces of them
+//! that are changed at random, by the seed of the commit.
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Drives of unequal latency: each axis is where it has to be at its own instant, within its limits, and the truth a pass
-//! is judged by is that of the axis held to the spindle.
+//! Drives of X and Z with unequal latency: each axis is at its place at the instant at which its own drive carries out the
+//! setpoint, and within its limits. A pass is judged by the axis that is held to the spindle.
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_tests::limits::first_excess;

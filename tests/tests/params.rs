@@ -1,4 +1,4 @@
-//! A parameter set that passes its own checks makes a board and a machine: nothing further in may refuse it.
+//! A parameter set that passes its own checks makes a board and a machine: no later part of either refuses it.
 
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::board::Board;

@@ -282,11 +282,11 @@ impl Found {
 pub(super) struct Shelved {
     /// The highest number given.
     pub number: u32,
-    /// Place and identity of the set that counts.
+    /// Slot and identity of the set that counts.
     pub stored: Option<(Slot, u32)>,
-    /// Place and identity of the last good set before it.
+    /// Slot and identity of the last good set before it.
     pub before: Option<(Slot, u32)>,
-    /// Place of a set of another table.
+    /// Slot of a set of another table.
     pub foreign: Option<Slot>,
 }
 
@@ -343,8 +343,8 @@ impl PowerUp {
         b: Held<'_>,
     ) {
         let places = [
-            Place::of(a, &mut self.params),
-            Place::of(b, &mut self.params),
+            SlotContent::of(a, &mut self.params),
+            SlotContent::of(b, &mut self.params),
         ];
         (self.shelved, self.found) = decide(mark, places);
         let source = match self.found {
@@ -368,7 +368,7 @@ impl PowerUp {
 }
 
 /// What the contents of two places and of their mark mean.
-pub(super) fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
+pub(super) fn decide(mark: Held<'_>, [a, b]: [SlotContent; 2]) -> (Shelved, Found) {
     let unmarked = mark == Ok(None);
     let mark = mark.ok().flatten().and_then(Mark::decode);
     let number = [a.number(), b.number(), mark.map(|mark| mark.0)];
@@ -380,30 +380,30 @@ pub(super) fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
     } else {
         (a, Slot::A, b)
     };
-    let whole = |place: Place, slot: Slot| place.identity().map(|identity| (slot, identity));
+    let whole = |place: SlotContent, slot: Slot| place.identity().map(|identity| (slot, identity));
     let (first, second) = (whole(newest, slot), whole(other, slot.other()));
     // A set that is stored and not marked yet counts as stored.
     let is_newest = match mark {
         Some(mark) => newest.number() >= Some(mark.0),
-        None => other != Place::Damaged,
+        None => other != SlotContent::Damaged,
     };
     let mut shelved = Shelved {
         number,
         ..Shelved::default()
     };
     let found = match newest {
-        Place::Empty if unmarked && other == Place::Empty => Found::Nothing,
-        Place::Empty | Place::Damaged => Found::Lost,
-        Place::Foreign { schema, key, .. } => {
+        SlotContent::Empty if unmarked && other == SlotContent::Empty => Found::Nothing,
+        SlotContent::Empty | SlotContent::Damaged => Found::Lost,
+        SlotContent::Foreign { schema, key, .. } => {
             shelved.before = second;
             shelved.foreign = Some(slot);
             Found::Foreign { schema, key }
         }
-        Place::Whole { .. } if is_newest => {
+        SlotContent::Whole { .. } if is_newest => {
             (shelved.stored, shelved.before) = (first, second);
             Found::Newest
         }
-        Place::Whole { .. } => {
+        SlotContent::Whole { .. } => {
             shelved.before = first;
             Found::Older
         }
@@ -411,16 +411,16 @@ pub(super) fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
     (shelved, found)
 }
 
-/// Content of one of the two places.
+/// Content of one of the two slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum SlotContent {
     Empty,
     Damaged,
     Foreign { number: u32, schema: u16, key: u32 },
     Whole { number: u32, identity: u32 },
 }
 
-impl Place {
+impl SlotContent {
     fn of(held: Held<'_>, params: &mut Params) -> Self {
         match held {
             Ok(None) => Self::Empty,
@@ -465,20 +465,20 @@ mod tests {
 
     const NONE: Held<'static> = Ok(None);
 
-    const fn whole(number: u32) -> Place {
-        Place::Whole {
+    const fn whole(number: u32) -> SlotContent {
+        SlotContent::Whole {
             number,
             identity: number,
         }
     }
 
-    const FOREIGN: Place = Place::Foreign {
+    const FOREIGN: SlotContent = SlotContent::Foreign {
         number: 2,
         schema: 9,
         key: 7,
     };
 
-    fn decided(mark: Held<'_>, a: Place, b: Place) -> (Found, [Option<u32>; 2], Slot) {
+    fn decided(mark: Held<'_>, a: SlotContent, b: SlotContent) -> (Found, [Option<u32>; 2], Slot) {
         let (shelved, found) = decide(mark, [a, b]);
         let sets = [shelved.stored, shelved.before].map(|set| set.map(|(_, identity)| identity));
         (found, sets, shelved.next())
@@ -486,8 +486,8 @@ mod tests {
 
     #[test]
     fn what_is_found_decides_what_counts_and_where_the_next_set_goes() {
-        use Place::{Damaged, Empty};
         use Slot::{A, B};
+        use SlotContent::{Damaged, Empty};
         let foreign = Found::Foreign { schema: 9, key: 7 };
         let marks = [1, 2, 3, 4].map(|number| Mark(number).encode());
         let [one, two, three, four] = marks.each_ref().map(|mark| Ok(Some(&mark[..])));
@@ -534,9 +534,9 @@ mod tests {
     fn a_number_is_never_given_twice() {
         let mark = Mark(9).encode();
         for (mark, a, b, number) in [
-            (Ok(Some(&mark[..])), whole(3), Place::Damaged, 9),
+            (Ok(Some(&mark[..])), whole(3), SlotContent::Damaged, 9),
             (NONE, whole(3), FOREIGN, 3),
-            (NONE, Place::Empty, Place::Empty, 0),
+            (NONE, SlotContent::Empty, SlotContent::Empty, 0),
         ] {
             assert_eq!(decide(mark, [a, b]).0.number, number);
         }

@@ -6,7 +6,7 @@
 //!
 //! Pure: bytes in, a decision out.
 
-use super::kept::{Found, Held, Place, Shelved, Slot, decide};
+use super::kept::{Found, Held, Shelved, Slot, SlotContent, decide};
 use crate::offsets::image::{self, Image, ImageFault, check, empty};
 
 /// The result of power-up: the table of the board and the state of its storage.
@@ -48,21 +48,21 @@ impl KeptOffsets {
     }
 }
 
-fn place(held: Held<'_>) -> Place {
+fn place(held: Held<'_>) -> SlotContent {
     match held {
-        Ok(None) => Place::Empty,
-        Err(_) => Place::Damaged,
+        Ok(None) => SlotContent::Empty,
+        Err(_) => SlotContent::Damaged,
         Ok(Some(bytes)) => match check(bytes) {
-            Ok(head) => Place::Whole {
+            Ok(head) => SlotContent::Whole {
                 number: head.revision.0,
                 identity: head.sum,
             },
-            Err(ImageFault::Schema(schema, revision)) => Place::Foreign {
+            Err(ImageFault::Schema(schema, revision)) => SlotContent::Foreign {
                 number: revision.0,
                 schema,
                 key: 0,
             },
-            Err(ImageFault::Damaged | ImageFault::Range(_)) => Place::Damaged,
+            Err(ImageFault::Damaged | ImageFault::Range(_)) => SlotContent::Damaged,
         },
     }
 }

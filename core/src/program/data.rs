@@ -25,7 +25,7 @@ const STEP_NM: i64 = 100;
 
 /// What a block writes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum Destination {
     Shift,
     Work(u8),
     Wear(u8),
@@ -34,7 +34,7 @@ enum Place {
     Radius(u8),
 }
 
-impl Place {
+impl Destination {
     const fn record(self) -> Record {
         match self {
             Self::Shift => Record::Shift,
@@ -83,20 +83,25 @@ impl State<'_> {
         Ok(())
     }
 
-    fn write_to(&self, table: &mut Offsets, place: Place, block: &Block) -> Result<(), Alarm> {
+    fn write_to(
+        &self,
+        table: &mut Offsets,
+        place: Destination,
+        block: &Block,
+    ) -> Result<(), Alarm> {
         let by_x = block.has_any(Letters::of(b"XU"));
         let by_z = block.has_any(Letters::of(b"ZW"));
         match place {
-            Place::Shift => self.write_offset(&mut table.shift, block),
-            Place::Work(index) => match table.work.get_mut(usize::from(index)) {
+            Destination::Shift => self.write_offset(&mut table.shift, block),
+            Destination::Work(index) => match table.work.get_mut(usize::from(index)) {
                 Some(offset) => self.write_offset(offset, block),
                 None => Ok(()),
             },
-            Place::Wear(number) => match table.tool_mut(number) {
+            Destination::Wear(number) => match table.tool_mut(number) {
                 Some(tool) => self.write_offset(&mut tool.wear, block),
                 None => Ok(()),
             },
-            Place::Geometry(number) | Place::Radius(number) => {
+            Destination::Geometry(number) | Destination::Radius(number) => {
                 let Some(tool) = table.tool_mut(number) else {
                     return Ok(());
                 };
@@ -132,7 +137,7 @@ impl State<'_> {
 }
 
 /// What P and L name.
-fn place(block: &Block, g10: &Word) -> Result<Place, Alarm> {
+fn place(block: &Block, g10: &Word) -> Result<Destination, Alarm> {
     const LIMIT: u32 = 99_999;
     const TOOL: u32 = TOOLS as u32;
     const LAST_SYSTEM: u32 = SYSTEMS as u32 - 1;
@@ -144,20 +149,20 @@ fn place(block: &Block, g10: &Word) -> Result<Place, Alarm> {
     let Some(p) = number(b'P')? else {
         return Err(g10.alarm(Code::DataPlace));
     };
-    let within = |place: fn(u8) -> Place, from: u32, last: u32| {
+    let within = |place: fn(u8) -> Destination, from: u32, last: u32| {
         let index = p.checked_sub(from).filter(|index| *index <= last);
         index.and_then(|index| u8::try_from(index).ok()).map(place)
     };
-    let tool = |place: fn(u8) -> Place| within(place, 0, TOOL).filter(|_| p != 0);
+    let tool = |place: fn(u8) -> Destination| within(place, 0, TOOL).filter(|_| p != 0);
     let named = match kind {
-        0 if p == 0 => Some(Place::Shift),
-        0 if p <= TOOL => tool(Place::Wear),
-        0 => within(Place::Geometry, GEOMETRY, TOOL).filter(|_| p != GEOMETRY),
-        2 if p == 0 => Some(Place::Shift),
-        2 => within(Place::Work, 1, LAST_SYSTEM),
-        10 => tool(Place::Geometry),
-        11 => tool(Place::Wear),
-        12 => tool(Place::Radius),
+        0 if p == 0 => Some(Destination::Shift),
+        0 if p <= TOOL => tool(Destination::Wear),
+        0 => within(Destination::Geometry, GEOMETRY, TOOL).filter(|_| p != GEOMETRY),
+        2 if p == 0 => Some(Destination::Shift),
+        2 => within(Destination::Work, 1, LAST_SYSTEM),
+        10 => tool(Destination::Geometry),
+        11 => tool(Destination::Wear),
+        12 => tool(Destination::Radius),
         _ => None,
     };
     let blamed = block.find(b'P').unwrap_or(*g10);

@@ -3,7 +3,7 @@
 //! `objects` says which row uses which function, `served` how a value travels.
 
 use super::change::Change;
-use super::dictionary::{self, Place};
+use super::dictionary::{self, ObjectSource};
 use super::objects;
 use super::table::DROP;
 use super::values::{ObjectValues, Told};
@@ -30,16 +30,16 @@ impl ObjectValues {
     pub(super) fn number(
         &self,
         object: Object,
-        place: Place,
+        place: ObjectSource,
         params: &Params,
     ) -> Result<i64, Abort> {
         let row = match place {
-            Place::Parameter(entry) => {
+            ObjectSource::Parameter(entry) => {
                 let told = self.current(params).told_slot(entry.place());
                 return Ok(dictionary::told(entry, told.unwrap_or(0)));
             }
-            Place::Highest(highest) => return Ok(highest.into()),
-            Place::Row(row) => row,
+            ObjectSource::Highest(highest) => return Ok(highest.into()),
+            ObjectSource::Row(row) => row,
         };
         if let Some(pdo) = self.pdos.of(object.index) {
             return pdo.read(object.sub).map(i64::from);

@@ -60,7 +60,7 @@ impl Item {
 
 /// The source of an object. A board asks for one property after the other.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Place {
+pub(super) enum ObjectSource {
     /// A row of the table.
     Row(&'static Row),
     /// The highest sub-index of an object with several.
@@ -69,7 +69,7 @@ pub(super) enum Place {
     Parameter(&'static Entry),
 }
 
-impl Place {
+impl ObjectSource {
     pub fn kind(self) -> Kind {
         match self {
             Self::Row(row) => row.kind,
@@ -108,14 +108,14 @@ impl Place {
 ///
 /// # Errors
 /// [`Abort::NoObject`], [`Abort::NoSubIndex`].
-pub(super) fn find(object: Object) -> Result<Place, Abort> {
+pub(super) fn find(object: Object) -> Result<ObjectSource, Abort> {
     let mut highest = None;
     if let PARAMETERS..0x5000 = object.index {
         let no = Entry::number_of(object.index.wrapping_sub(PARAMETERS));
         for entry in Entry::all().iter().filter(|entry| entry.no == no) {
             let sub = sub_of(entry);
             if sub == object.sub {
-                return Ok(Place::Parameter(entry));
+                return Ok(ObjectSource::Parameter(entry));
             }
             // The tables are sorted.
             highest = Some(sub);
@@ -123,14 +123,14 @@ pub(super) fn find(object: Object) -> Result<Place, Abort> {
     }
     for row in &ROWS {
         if row.object == object {
-            return Ok(Place::Row(row));
+            return Ok(ObjectSource::Row(row));
         }
         if row.object.index == object.index {
             highest = Some(row.object.sub);
         }
     }
     match highest {
-        Some(highest @ 1..) if object.sub == 0 => Ok(Place::Highest(highest)),
+        Some(highest @ 1..) if object.sub == 0 => Ok(ObjectSource::Highest(highest)),
         Some(_) => Err(Abort::NoSubIndex),
         None => Err(Abort::NoObject),
     }

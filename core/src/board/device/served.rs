@@ -5,7 +5,7 @@
 //! made and taken value by value, that of the offsets has buffers of its own.
 
 use super::change::Change;
-use super::dictionary::{Access, Kind, Place, find};
+use super::dictionary::{Access, Kind, ObjectSource, find};
 use super::objects::{BATCH, IMAGE, OFFSETS, STAGED_IMAGE, STAGED_OFFSETS};
 use super::values::ObjectValues;
 use crate::board::store::copy;
@@ -39,7 +39,7 @@ impl Objects for Served<'_> {
         }
         let values = &mut *self.values;
         let length = match (place.kind(), place) {
-            (Kind::Text, Place::Row(row)) => copy(row.text().as_bytes(), &mut values.buffer),
+            (Kind::Text, ObjectSource::Row(row)) => copy(row.text().as_bytes(), &mut values.buffer),
             (Kind::Domain, _) => values.domain(object, self.params)?,
             (kind, _) => {
                 let number = values.number(object, place, self.params)?;
@@ -157,7 +157,7 @@ impl Objects for Served<'_> {
             .unwrap_or_default();
         let number = kind.number(raw);
         place.admit(number)?;
-        if let Place::Parameter(entry) = place {
+        if let ObjectSource::Parameter(entry) = place {
             return values.take_parameter(entry, number, self.params);
         }
         values.take_number(object, number as u32, self.params)

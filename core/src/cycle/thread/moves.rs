@@ -6,7 +6,7 @@
 use super::depth::{Depths, MOST_PASSES};
 use super::helix::{Helix, TURN_UDEG};
 use super::refuse::refuse_thread;
-use super::shape::{Corners, Pass, Place, Point, Shape};
+use super::shape::{Corners, MachinePoint, Pass, Point, Shape};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{ThreadCall, ThreadCycle, start_angle};
 use crate::moves::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
@@ -31,7 +31,7 @@ pub struct ThreadMoves {
     after_approach: Step,
     after_stroke: Step,
     /// A, and the corners of the pass under way.
-    home: Place,
+    home: MachinePoint,
     pass: Places,
     /// Rough or finish.
     stroke: Stage,
@@ -51,10 +51,10 @@ pub struct ThreadMoves {
 /// The corners of a pass in the order of its moves.
 #[derive(Clone, Copy, Debug, Default)]
 struct Places {
-    begin: Place,
-    line: Place,
-    leave: Place,
-    end: Place,
+    begin: MachinePoint,
+    line: MachinePoint,
+    leave: MachinePoint,
+    end: MachinePoint,
 }
 
 /// The next step of a pass.
@@ -250,7 +250,7 @@ impl ThreadMoves {
                     self.step = Step::Return;
                     let end = self.pass.end;
                     if end.x != self.home.x {
-                        let out = Place {
+                        let out = MachinePoint {
                             x: self.home.x,
                             z: end.z,
                         };
@@ -368,7 +368,7 @@ impl ThreadMoves {
     }
 
     #[inline]
-    fn rapid(&mut self, to: Place, stage: Stage) -> Option<&Move> {
+    fn rapid(&mut self, to: MachinePoint, stage: Stage) -> Option<&Move> {
         let next = &mut self.rapid;
         (next.to.x, next.to.z) = (to.x, to.z);
         if let Some(tag) = &mut next.tag {
@@ -378,7 +378,7 @@ impl ThreadMoves {
     }
 
     #[inline]
-    fn thread(&mut self, to: Place, stage: Stage, turned: u32, last: bool) -> Option<&Move> {
+    fn thread(&mut self, to: MachinePoint, stage: Stage, turned: u32, last: bool) -> Option<&Move> {
         // Both are at most a turn, and the start angle is less.
         let angle = self.angle.wrapping_add(turned);
         let next = &mut self.thread;

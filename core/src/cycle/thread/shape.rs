@@ -31,7 +31,7 @@ pub(crate) struct Point {
 
 /// A point in machine coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct MachinePoint {
     pub(crate) x: Length,
     pub(crate) z: Length,
 }
@@ -156,12 +156,12 @@ impl Shape {
 
     /// A point in machine coordinates.
     #[inline]
-    pub(crate) fn place(&self, at: &Point) -> Place {
+    pub(crate) fn place(&self, at: &Point) -> MachinePoint {
         // Needs no saturation: coordinates are far inside the integer's range, and this is the innermost arithmetic of
         // the cycles.
         let x = self.x.nm().wrapping_add(flip(at.out, self.side));
         let z = self.z.nm().wrapping_add(flip(at.along, self.sigma));
-        Place {
+        MachinePoint {
             x: Length::from_nm(x),
             z: Length::from_nm(z),
         }
