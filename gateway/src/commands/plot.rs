@@ -8,6 +8,7 @@ use crate::diagnostics;
 use crate::drawing::{Drawing, Drawn};
 use crate::execution::{self, Execution};
 use crate::failure::{Doing, Failure, Outcome};
+use crate::features::{self, Tools};
 use crate::machine::Observer;
 use crate::number;
 use crate::output;
@@ -28,6 +29,19 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
     }
     let mut execution = Execution::prepare(setup, &source)?;
     let drawn = drawn(setup, &source)?;
+    let tools = Tools {
+        edges: args.tool.clone(),
+        widths: args.tool_width.clone(),
+    };
+    let features = features::collect(setup, &source, &execution.report, &tools)?;
+    if features.left_out > 0 {
+        let told = both!(
+            "{left_out} features, or pieces of them, are not drawn near by: they did not fit\n",
+            "有 {left_out} 个特征或其组成部分画不下，未画局部视图\n",
+            left_out = features.left_out
+        );
+        diagnostics::say(told.get(setup.lang));
+    }
     let tick_us = f64::from(setup.params.tick_us());
     let mut watcher = Watcher {
         tick_us,
@@ -45,6 +59,9 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
             lang: setup.lang,
             path: drawn.strokes,
             view: View::Whole,
+            features: features.list,
+            stock: features.stock,
+            through: features.through,
             series: Some(watcher.series),
         };
         let way = watcher.way.at(drawn.origin);
@@ -71,6 +88,9 @@ fn without_time(setup: &Setup, source: &SourceFile, args: &Plot) -> Outcome {
             lang: setup.lang,
             path: drawn(setup, source)?.strokes,
             view: View::Part,
+            features: Vec::new(),
+            stock: None,
+            through: Vec::new(),
             series: None,
         };
         write(setup, source, args, &picture, None)?;
@@ -103,6 +123,7 @@ fn write(
             path: &picture.path,
             program: listing(source),
             way,
+            cuts: picture.cuts(),
             over_time: picture.over_time(),
         }
         .html(),
