@@ -13,7 +13,7 @@ use crate::machine::Observer;
 use crate::number;
 use crate::output;
 use crate::page::{Page, Way};
-use crate::plot::{Envelope, Picture, Sample, View};
+use crate::plot::{Envelope, Feature, Picture, Sample, Shape, View};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
@@ -33,7 +33,7 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
         edges: args.tool.clone(),
         widths: args.tool_width.clone(),
     };
-    let features = features::collect(setup, &source, &execution.report, &tools)?;
+    let mut features = features::collect(setup, &source, &execution.report, &tools)?;
     if features.left_out > 0 {
         let told = both!(
             "{left_out} features, or pieces of them, are not drawn near by: they did not fit\n",
@@ -49,9 +49,15 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
         series: Envelope::new(tick_us / 1e6),
         way: Way::new(tick_us / 1e6),
         spindle: None,
+        features: &mut features.list,
     };
     execution.run(&args.drive, [None; 2], &mut watcher)?;
-    let summary = watcher.summary;
+    let Watcher {
+        summary,
+        series,
+        way,
+        ..
+    } = watcher;
     if !execution.is_interrupted() {
         let picture = Picture {
             title: title(&args.program),
@@ -59,12 +65,13 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
             lang: setup.lang,
             path: drawn.strokes,
             view: View::Whole,
+            ideal: args.drive.spindle_ripple.is_none(),
             features: features.list,
             stock: features.stock,
             through: features.through,
-            series: Some(watcher.series),
+            series: Some(series),
         };
-        let way = watcher.way.at(drawn.origin);
+        let way = way.at(drawn.origin);
         write(setup, &source, args, &picture, Some(way))?;
     }
     execution.conclude(&summary, None)
@@ -89,6 +96,7 @@ fn without_time(setup: &Setup, source: &SourceFile, args: &Plot) -> Outcome {
             path: drawn(setup, source)?.strokes,
             view: View::Part,
             features: Vec::new(),
+            ideal: true,
             stock: None,
             through: Vec::new(),
             series: None,
@@ -203,16 +211,40 @@ fn drawn(setup: &Setup, source: &SourceFile) -> Outcome<Drawn> {
 }
 
 /// Collects the time series.
-struct Watcher {
+struct Watcher<'a> {
     tick_us: f64,
     summary: Summary,
     series: Envelope,
     way: Way,
     /// The spindle in the picture and its angle in the tick before.
     spindle: Option<(u8, i64)>,
+    features: &'a mut [Feature],
 }
 
-impl Observer for Watcher {
+impl Watcher<'_> {
+    /// The distance from the helix belongs to the thread of its line.
+    fn phase(&mut self, point: &Setpoint) {
+        let threads = self.features.iter_mut();
+        let threads = threads.filter(|feature| matches!(feature.shape, Shape::Thread(_)));
+        let locked = point.error_nm.filter(|_| point.tap.is_none());
+        for thread in threads {
+            let is_here = (thread.lines.0..=thread.lines.1).contains(&point.line);
+            match (locked, is_here) {
+                (Some(nm), true) => {
+                    let phase = thread.phase.get_or_insert_default();
+                    phase.push(point.s1_urev, nm as f64 / 1e3);
+                }
+                _ => {
+                    if let Some(phase) = &mut thread.phase {
+                        phase.interrupt();
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Observer for Watcher<'_> {
     fn setpoint(&mut self, point: &Setpoint) -> Outcome {
         let [x, z, _] = self.summary.push(point);
         let spindle = point.turning_spindle();
@@ -223,6 +255,7 @@ impl Observer for Watcher {
         // Nanometres a tick to millimetres a minute, millionths of a turn a tick to turns a minute.
         let minute = 60e6 / self.tick_us;
         self.way.push(point.line, point.x_nm, point.z_nm);
+        self.phase(point);
         self.series.push(&Sample {
             x: x as f64 * minute / 1e6,
             z: z as f64 * minute / 1e6,

@@ -287,6 +287,8 @@ impl Finder<'_> {
             };
             Feature {
                 name,
+                lines: found.lines,
+                phase: None,
                 figures,
                 warnings,
                 shape,

@@ -9,7 +9,7 @@ mod series;
 mod thread;
 mod time;
 
-pub use cut::{Column, Contour, Feature, Groove, Pass, Piece, Shape, Thread};
+pub use cut::{Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
 pub use path::{Kind, Stock, Stroke, View};
 pub use series::{Envelope, Sample};
 pub use thread::{Chip, Curve, Line, Sheet, svg};
@@ -42,6 +42,8 @@ pub struct Picture {
     pub stock: Option<Stock>,
     /// Lines with a rapid through it.
     pub through: Vec<u32>,
+    /// The spindle has no ripple.
+    pub ideal: bool,
     /// What is cut, near by.
     pub features: Vec<Feature>,
     /// What the machine did over time; `None` where it did nothing.
@@ -53,7 +55,7 @@ impl Picture {
     pub fn svg(&self) -> String {
         let mut body = Group::new();
         let mut top = path::draw(&mut body, TITLE, self);
-        top = cut::draw(&mut body, top + 20.0, &self.features, self.lang);
+        top = cut::draw(&mut body, top + 20.0, &self.features, self.ideal, self.lang);
         if let Some(series) = &self.series {
             top = time::draw(&mut body, top + 34.0, series, self.lang) + 18.0;
         }
@@ -68,7 +70,7 @@ impl Picture {
             return None;
         }
         let mut body = Group::new();
-        let bottom = cut::draw(&mut body, 0.0, &self.features, self.lang);
+        let bottom = cut::draw(&mut body, 0.0, &self.features, self.ideal, self.lang);
         Some(document(&[], body, bottom + 10.0))
     }
 
@@ -202,6 +204,7 @@ mod tests {
                 path: path.clone(),
                 view,
                 features: Vec::new(),
+                ideal: true,
                 stock: None,
                 through: Vec::new(),
                 series: None,
@@ -226,6 +229,7 @@ mod tests {
             path: Vec::new(),
             view: View::Part,
             features: Vec::new(),
+            ideal: true,
             stock: None,
             through: Vec::new(),
             series: Some(Envelope::new(0.001)),

@@ -146,3 +146,15 @@ fn grooves_have_the_width_of_their_tool_and_warnings_their_place() {
         "{told}"
     );
 }
+
+#[test]
+fn z_over_the_spindle_angle_is_told_to_be_ideal_where_it_is() {
+    let folder = Folder::new("plot-phase");
+    let program = "examples/o0013-g76-m68x6.nc";
+    let ideal = "ideal spindle: add `--spindle-ripple`";
+    let over = "over the spindle angle: from lowest to highest; filled: all 6 passes";
+    let told = texts(&folder, program, &[]).join("\n");
+    assert!(told.contains(ideal) && told.contains(over), "{told}");
+    let told = texts(&folder, program, &["--spindle-ripple=10@5"]).join("\n");
+    assert!(!told.contains(ideal) && told.contains(over), "{told}");
+}

@@ -4,10 +4,12 @@
 mod contour;
 mod groove;
 mod pane;
+mod phase;
 mod thread;
 
 pub use contour::{Contour, Piece};
 pub use groove::{Column, Groove};
+pub use phase::Phase;
 pub use thread::{Pass, Thread};
 
 use leadscrew_core::alarm::Lang;
@@ -25,6 +27,10 @@ pub struct Feature {
     pub name: String,
     /// Further lines: its figures.
     pub figures: Vec<String>,
+    /// First and last line of the program, as the machine counts them.
+    pub lines: (u32, u32),
+    /// How far Z was from the helix over the spindle's angle, where it ran.
+    pub phase: Option<Phase>,
     /// What the check warns of in its lines.
     pub warnings: Vec<String>,
     /// Its geometry.
@@ -62,7 +68,13 @@ impl Shape {
 }
 
 /// Draws all features from `top` on and returns the lower edge.
-pub(super) fn draw(document: &mut Group, top: f64, features: &[Feature], lang: Lang) -> f64 {
+pub(super) fn draw(
+    document: &mut Group,
+    top: f64,
+    features: &[Feature],
+    ideal: bool,
+    lang: Lang,
+) -> f64 {
     let mut bottom = top;
     let mut number = 0;
     for row in rows(features) {
@@ -94,7 +106,16 @@ pub(super) fn draw(document: &mut Group, top: f64, features: &[Feature], lang: L
                 Shape::Contour(contour) => contour::draw(document, area, contour, number, lang),
             }
         }
-        bottom = begin + VIEW + 56.0;
+        bottom = begin + VIEW + 18.0;
+        if let [
+            Feature {
+                phase: Some(phase), ..
+            },
+        ] = row
+        {
+            bottom = phase::draw(document, (LEFT, RIGHT), bottom + 40.0, phase, ideal, lang);
+        }
+        bottom += 38.0;
     }
     bottom - 30.0
 }
