@@ -61,7 +61,7 @@ impl Picture {
         }
         let title = text(MARGIN, 36.0, "title", &self.title);
         let subtitle = text(MARGIN, 60.0, "subtitle", &self.subtitle);
-        document(&[title, subtitle], body, top + 36.0)
+        document(STYLE, &[title, subtitle], body, top + 36.0)
     }
 
     /// What is cut, alone, as SVG.
@@ -71,7 +71,7 @@ impl Picture {
         }
         let mut body = Group::new();
         let bottom = cut::draw(&mut body, 0.0, &self.features, self.ideal, self.lang);
-        Some(document(&[], body, bottom + 10.0))
+        Some(document(STYLE, &[], body, bottom + 10.0))
     }
 
     /// What the machine did over time, alone, as SVG.
@@ -79,12 +79,14 @@ impl Picture {
         let mut body = Group::new();
         let series = self.series.as_ref()?;
         let bottom = time::draw(&mut body, 34.0, series, self.lang);
-        Some(document(&[], body, bottom + 36.0))
+        Some(document(STYLE, &[], body, bottom + 36.0))
     }
 }
 
+const STYLE: &str = include_str!("style.css");
+
 /// A document of this height, in pixels.
-fn document(head: &[Text], body: Group, height: f64) -> String {
+fn document(style: &str, head: &[Text], body: Group, height: f64) -> String {
     let paper = Rectangle::new()
         .set("class", "paper")
         .set("width", WIDTH)
@@ -95,7 +97,7 @@ fn document(head: &[Text], body: Group, height: f64) -> String {
         .set("width", WIDTH)
         .set("height", height)
         .set("role", "img")
-        .add(Style::new(include_str!("style.css")))
+        .add(Style::new(style))
         .add(paper);
     for text in head {
         document.append(text.clone());
