@@ -17,6 +17,7 @@ pub mod commands;
 pub mod doctor;
 pub mod drawing;
 pub mod execution;
+pub mod features;
 pub mod feeder;
 pub mod hole;
 pub mod inspection;

@@ -7,6 +7,7 @@ use leadscrew_core::call::{Call, Position};
 use leadscrew_core::cycle;
 use leadscrew_core::moves::Move;
 use leadscrew_core::program::Event;
+use leadscrew_language::stock::Stock;
 
 use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
@@ -38,6 +39,11 @@ impl<'s> Walk<'s> {
             at: setup.options().position,
             hole: Hole::new(setup.tap),
         })
+    }
+
+    /// The stock that the program declares.
+    pub const fn stock(&self) -> Option<&Stock> {
+        self.program.stock()
     }
 
     /// Goes through the moves of the next call; `None` after the last call.

@@ -49,6 +49,30 @@ impl Tool {
         Self::vee(Degrees(0.0), Nose::Flat(width))
     }
 
+    /// Its outline from −Z to +Z: distance from the reference along Z, and height above it, up to `height`.
+    #[must_use]
+    pub fn outline(&self, height: Mm) -> Vec<(Mm, Mm)> {
+        /// Points of half a round nose.
+        const STEPS: u32 = 24;
+        let half = |half: &Half| {
+            let (end, low) = half.begin;
+            let top = height.0.max(0.0);
+            let end = end.min(half.reach(top));
+            let mut points: Vec<(f64, f64)> = (1..=STEPS)
+                .map(|n| end * f64::from(n) / f64::from(STEPS))
+                .map(|distance| (distance, half.nose(distance)))
+                .collect();
+            if top > low {
+                points.push((half.reach(top), top));
+            }
+            points
+        };
+        let [minus, plus] = self.halves();
+        let left = half(&minus).into_iter().rev().map(|(z, u)| (Mm(-z), Mm(u)));
+        let right = half(&plus).into_iter().map(|(z, u)| (Mm(z), Mm(u)));
+        left.chain([(Mm(0.0), Mm(0.0))]).chain(right).collect()
+    }
+
     fn half(&self, flank: Degrees) -> Half {
         let (sin, cos) = flank.0.to_radians().sin_cos();
         let slope = if sin > 1e-9 { cos / sin } else { f64::INFINITY };

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::features::Width;
 use crate::inspection::edge::{Edge, Millimetres};
 use crate::profiles::Choice;
 use crate::values::{Ripple, Tolerance};
@@ -94,8 +95,15 @@ pub struct Plot {
     #[arg(short, long, value_name = "FILE.{svg,html}")]
     pub output: PathBuf,
     /// The tool path alone, near the part: nothing is run, so there is nothing over time
-    #[arg(long, conflicts_with_all = ["spindle_ripple", "tick_us"])]
+    #[arg(long, conflicts_with_all = ["spindle_ripple", "tick_us", "tool", "tool_width"])]
     pub path: bool,
+    /// The edge of a threading tool: `V60:r0.1`, `T3=V30/27:f0.2` (repeatable) [default: the thread's angle and the norm's
+    /// root]
+    #[arg(long, value_name = "[Tn=]SHAPE")]
+    pub tool: Vec<Edge>,
+    /// The width of a grooving tool, from its programmed corner toward +Z: `T2=4` (repeatable)
+    #[arg(long, value_name = "Tn=MM")]
+    pub tool_width: Vec<Width>,
     /// The plant.
     #[command(flatten)]
     pub drive: Drive,

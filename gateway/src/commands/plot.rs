@@ -8,11 +8,12 @@ use crate::diagnostics;
 use crate::drawing::{Drawing, Drawn};
 use crate::execution::{self, Execution};
 use crate::failure::{Doing, Failure, Outcome};
+use crate::features::{self, Tools};
 use crate::machine::Observer;
 use crate::number;
 use crate::output;
 use crate::page::{Page, Way};
-use crate::plot::{Envelope, Picture, Sample, View};
+use crate::plot::{Envelope, Feature, Picture, Sample, Shape, View};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
@@ -28,6 +29,19 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
     }
     let mut execution = Execution::prepare(setup, &source)?;
     let drawn = drawn(setup, &source)?;
+    let tools = Tools {
+        edges: args.tool.clone(),
+        widths: args.tool_width.clone(),
+    };
+    let mut features = features::collect(setup, &source, &execution.report, &tools)?;
+    if features.left_out > 0 {
+        let told = both!(
+            "{left_out} features, or pieces of them, are not drawn near by: they did not fit\n",
+            "有 {left_out} 个特征或其组成部分画不下，未画局部视图\n",
+            left_out = features.left_out
+        );
+        diagnostics::say(told.get(setup.lang));
+    }
     let tick_us = f64::from(setup.params.tick_us());
     let mut watcher = Watcher {
         tick_us,
@@ -35,9 +49,15 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
         series: Envelope::new(tick_us / 1e6),
         way: Way::new(tick_us / 1e6),
         spindle: None,
+        features: &mut features.list,
     };
     execution.run(&args.drive, [None; 2], &mut watcher)?;
-    let summary = watcher.summary;
+    let Watcher {
+        summary,
+        series,
+        way,
+        ..
+    } = watcher;
     if !execution.is_interrupted() {
         let picture = Picture {
             title: title(&args.program),
@@ -45,9 +65,13 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
             lang: setup.lang,
             path: drawn.strokes,
             view: View::Whole,
-            series: Some(watcher.series),
+            ideal: args.drive.spindle_ripple.is_none(),
+            features: features.list,
+            stock: features.stock,
+            through: features.through,
+            series: Some(series),
         };
-        let way = watcher.way.at(drawn.origin);
+        let way = way.at(drawn.origin);
         write(setup, &source, args, &picture, Some(way))?;
     }
     execution.conclude(&summary, None)
@@ -71,6 +95,10 @@ fn without_time(setup: &Setup, source: &SourceFile, args: &Plot) -> Outcome {
             lang: setup.lang,
             path: drawn(setup, source)?.strokes,
             view: View::Part,
+            features: Vec::new(),
+            ideal: true,
+            stock: None,
+            through: Vec::new(),
             series: None,
         };
         write(setup, source, args, &picture, None)?;
@@ -103,6 +131,7 @@ fn write(
             path: &picture.path,
             program: listing(source),
             way,
+            cuts: picture.cuts(),
             over_time: picture.over_time(),
         }
         .html(),
@@ -182,16 +211,40 @@ fn drawn(setup: &Setup, source: &SourceFile) -> Outcome<Drawn> {
 }
 
 /// Collects the time series.
-struct Watcher {
+struct Watcher<'a> {
     tick_us: f64,
     summary: Summary,
     series: Envelope,
     way: Way,
     /// The spindle in the picture and its angle in the tick before.
     spindle: Option<(u8, i64)>,
+    features: &'a mut [Feature],
 }
 
-impl Observer for Watcher {
+impl Watcher<'_> {
+    /// The distance from the helix belongs to the thread of its line.
+    fn phase(&mut self, point: &Setpoint) {
+        let threads = self.features.iter_mut();
+        let threads = threads.filter(|feature| matches!(feature.shape, Shape::Thread(_)));
+        let locked = point.error_nm.filter(|_| point.tap.is_none());
+        for thread in threads {
+            let is_here = (thread.lines.0..=thread.lines.1).contains(&point.line);
+            match (locked, is_here) {
+                (Some(nm), true) => {
+                    let phase = thread.phase.get_or_insert_default();
+                    phase.push(point.s1_urev, nm as f64 / 1e3);
+                }
+                _ => {
+                    if let Some(phase) = &mut thread.phase {
+                        phase.interrupt();
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Observer for Watcher<'_> {
     fn setpoint(&mut self, point: &Setpoint) -> Outcome {
         let [x, z, _] = self.summary.push(point);
         let spindle = point.turning_spindle();
@@ -202,6 +255,7 @@ impl Observer for Watcher {
         // Nanometres a tick to millimetres a minute, millionths of a turn a tick to turns a minute.
         let minute = 60e6 / self.tick_us;
         self.way.push(point.line, point.x_nm, point.z_nm);
+        self.phase(point);
         self.series.push(&Sample {
             x: x as f64 * minute / 1e6,
             z: z as f64 * minute / 1e6,

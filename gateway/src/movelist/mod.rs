@@ -156,7 +156,7 @@ fn rpm(speed: Rpm) -> i64 {
     i64::from(speed.get()) * 1_000_000
 }
 
-fn cycle_name(cycle: Cycle) -> &'static str {
+pub(crate) fn cycle_name(cycle: Cycle) -> &'static str {
     match cycle {
         Cycle::G74 => "G74",
         Cycle::G75 => "G75",

@@ -34,6 +34,8 @@ pub struct Page<'a> {
     pub program: Vec<String>,
     /// Where the tool was over time; `None` where nothing ran.
     pub way: Option<Way>,
+    /// What is cut, near by, as SVG.
+    pub cuts: Option<String>,
     /// What the machine did over time, as SVG.
     pub over_time: Option<String>,
 }
@@ -53,7 +55,7 @@ impl Page<'_> {
             include_str!("page.css")
         );
         page.push_str(&self.view());
-        if let Some(svg) = &self.over_time {
+        for svg in self.cuts.iter().chain(&self.over_time) {
             let _ = writeln!(page, "<figure>{}</figure>", svg.trim_end());
         }
         // No text of the program can end the element.
@@ -180,6 +182,7 @@ mod tests {
             }],
             program: vec!["O1 (</script><script>alert(1))".into(), "G32 Z-30".into()],
             way: Some(way.at((0.0, 0.5))),
+            cuts: None,
             over_time: Some("<svg></svg>".into()),
         }
         .html()

@@ -87,7 +87,7 @@ pub(super) fn width(text: &str) -> f64 {
 }
 
 /// A tick's number, without a negative zero.
-fn label(value: f64, decimals: usize) -> String {
+pub(super) fn label(value: f64, decimals: usize) -> String {
     format!(
         "{:.decimals$}",
         if value.abs() < 1e-12 { 0.0 } else { value }

@@ -1,6 +1,7 @@
 //! The picture of a program: the tool path as the trade draws it, and what the machine did over time. Turns numbers into
 //! one SVG document; knows nothing of programs or machines.
 
+mod cut;
 mod frame;
 mod path;
 mod scale;
@@ -8,7 +9,8 @@ mod series;
 mod thread;
 mod time;
 
-pub use path::{Kind, Stroke, View};
+pub use cut::{Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
+pub use path::{Kind, Stock, Stroke, View};
 pub use series::{Envelope, Sample};
 pub use thread::{Chip, Curve, Line, Sheet, svg};
 
@@ -36,6 +38,14 @@ pub struct Picture {
     pub path: Vec<Stroke>,
     /// How much of the path is shown.
     pub view: View,
+    /// What there is before the first cut, where it is known.
+    pub stock: Option<Stock>,
+    /// Lines with a rapid through it.
+    pub through: Vec<u32>,
+    /// The spindle has no ripple.
+    pub ideal: bool,
+    /// What is cut, near by.
+    pub features: Vec<Feature>,
     /// What the machine did over time; `None` where it did nothing.
     pub series: Option<Envelope>,
 }
@@ -44,13 +54,24 @@ impl Picture {
     /// The SVG document.
     pub fn svg(&self) -> String {
         let mut body = Group::new();
-        let mut top = path::draw(&mut body, TITLE, &self.path, self.view, self.lang);
+        let mut top = path::draw(&mut body, TITLE, self);
+        top = cut::draw(&mut body, top + 20.0, &self.features, self.ideal, self.lang);
         if let Some(series) = &self.series {
             top = time::draw(&mut body, top + 34.0, series, self.lang) + 18.0;
         }
         let title = text(MARGIN, 36.0, "title", &self.title);
         let subtitle = text(MARGIN, 60.0, "subtitle", &self.subtitle);
-        document(&[title, subtitle], body, top + 36.0)
+        document(STYLE, &[title, subtitle], body, top + 36.0)
+    }
+
+    /// What is cut, alone, as SVG.
+    pub fn cuts(&self) -> Option<String> {
+        if self.features.is_empty() {
+            return None;
+        }
+        let mut body = Group::new();
+        let bottom = cut::draw(&mut body, 0.0, &self.features, self.ideal, self.lang);
+        Some(document(STYLE, &[], body, bottom + 10.0))
     }
 
     /// What the machine did over time, alone, as SVG.
@@ -58,12 +79,14 @@ impl Picture {
         let mut body = Group::new();
         let series = self.series.as_ref()?;
         let bottom = time::draw(&mut body, 34.0, series, self.lang);
-        Some(document(&[], body, bottom + 36.0))
+        Some(document(STYLE, &[], body, bottom + 36.0))
     }
 }
 
+const STYLE: &str = include_str!("style.css");
+
 /// A document of this height, in pixels.
-fn document(head: &[Text], body: Group, height: f64) -> String {
+fn document(style: &str, head: &[Text], body: Group, height: f64) -> String {
     let paper = Rectangle::new()
         .set("class", "paper")
         .set("width", WIDTH)
@@ -74,7 +97,7 @@ fn document(head: &[Text], body: Group, height: f64) -> String {
         .set("width", WIDTH)
         .set("height", height)
         .set("role", "img")
-        .add(Style::new(include_str!("style.css")))
+        .add(Style::new(style))
         .add(paper);
     for text in head {
         document.append(text.clone());
@@ -182,6 +205,10 @@ mod tests {
                 lang: Lang::En,
                 path: path.clone(),
                 view,
+                features: Vec::new(),
+                ideal: true,
+                stock: None,
+                through: Vec::new(),
                 series: None,
             }
             .svg()
@@ -203,6 +230,10 @@ mod tests {
             lang: Lang::En,
             path: Vec::new(),
             view: View::Part,
+            features: Vec::new(),
+            ideal: true,
+            stock: None,
+            through: Vec::new(),
             series: Some(Envelope::new(0.001)),
         };
         let svg = picture.svg();

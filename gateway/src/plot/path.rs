@@ -5,11 +5,11 @@ use std::collections::HashSet;
 
 use leadscrew_core::alarm::Lang;
 use svg::Node as _;
-use svg::node::element::{Circle, ClipPath, Group, Path};
+use svg::node::element::{Circle, ClipPath, Group, Path, Rectangle};
 
 use super::frame::{self, LEFT, RIGHT};
 use super::scale::Scale;
-use super::{px, text};
+use super::{Picture, px, text};
 use crate::words::pick;
 
 /// What a stroke is.
@@ -48,6 +48,19 @@ pub struct Stroke {
     pub points: Vec<(f64, f64)>,
 }
 
+/// A bar or a tube before the first cut, in millimetres of the work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stock {
+    /// Outer radius.
+    pub outside: f64,
+    /// Radius of the hole that is there already; 0 where there is none.
+    pub bore: f64,
+    /// Z of its face.
+    pub face: f64,
+    /// From the face toward the chuck.
+    pub length: f64,
+}
+
 /// The tallest the drawing gets; a longer part is scaled to the width.
 const TALLEST: f64 = 470.0;
 const SHORTEST: f64 = 200.0;
@@ -76,13 +89,8 @@ fn bounds<'a>(strokes: impl Iterator<Item = &'a Stroke>) -> ((f64, f64), (f64, f
 }
 
 /// Draws the panel at `top` and returns its lower edge.
-pub(super) fn draw(
-    document: &mut Group,
-    top: f64,
-    strokes: &[Stroke],
-    view: View,
-    lang: Lang,
-) -> f64 {
+pub(super) fn draw(document: &mut Group, top: f64, picture: &Picture) -> f64 {
+    let (strokes, view, lang) = (&picture.path[..], picture.view, picture.lang);
     let cuts = |stroke: &&Stroke| stroke.kind != Kind::Rapid;
     let part = view == View::Part && strokes.iter().any(|stroke| cuts(&stroke));
     let (mut low, mut high) = if part {
@@ -90,6 +98,10 @@ pub(super) fn draw(
     } else {
         bounds(strokes.iter())
     };
+    if let Some(stock) = &picture.stock {
+        low = (low.0.min(stock.face - stock.length), low.1.min(stock.bore));
+        high = (high.0.max(stock.face), high.1.max(stock.outside));
+    }
     // The centre line belongs to the picture unless the part is far away from it.
     if low.1 > 0.0 && low.1 < 3.0 * (high.1 - low.1).max(1.0) {
         low.1 = 0.0;
@@ -123,6 +135,18 @@ pub(super) fn draw(
         frame::line(document, "centre", [(LEFT, x.px(0.0)), (RIGHT, x.px(0.0))]);
     }
     let place = |(at_z, radius): (f64, f64)| (z.px(at_z), x.px(2.0 * radius));
+    if let Some(stock) = &picture.stock {
+        let (left, upper) = place((stock.face - stock.length, stock.outside));
+        let (right, lower) = place((stock.face, stock.bore));
+        document.append(
+            Rectangle::new()
+                .set("class", "stock")
+                .set("x", px(left))
+                .set("y", px(upper))
+                .set("width", px(right - left))
+                .set("height", px(lower - upper)),
+        );
+    }
     if part {
         let mut inside = Group::new().set("clip-path", "url(#inside)");
         strokes_in_layers(&mut inside, strokes, place);
@@ -133,6 +157,7 @@ pub(super) fn draw(
         strokes_in_layers(document, strokes, place);
     }
 
+    through(document, top, picture, place);
     document.append(text(
         LEFT - 8.0,
         top - 8.0,
@@ -149,6 +174,29 @@ pub(super) fn draw(
         dot(document, at, class);
     }
     bottom + 18.0
+}
+
+/// Rapids through the material.
+fn through(
+    document: &mut Group,
+    top: f64,
+    picture: &Picture,
+    place: impl Fn((f64, f64)) -> (f64, f64),
+) {
+    let hits =
+        |stroke: &&Stroke| stroke.kind == Kind::Rapid && picture.through.contains(&stroke.line);
+    for stroke in picture.path.iter().filter(hits) {
+        let pixels = stroke.points.iter().map(|point| place(*point));
+        frame::line(document, "missing", pixels);
+    }
+    for (n, line) in picture.through.iter().enumerate() {
+        let words = match picture.lang {
+            Lang::En => format!("⚠ line {line}: rapid through the material"),
+            Lang::Zh => format!("⚠ 第 {line} 行：快速移动穿过毛坯"),
+        };
+        let y = top + 18.0 * (n as f64 + 1.0);
+        document.append(text(LEFT + 10.0, y, "warn", &words));
+    }
 }
 
 /// Rapids below, cuts above; neighbours of one kind share a path, and what has been drawn is not drawn again.

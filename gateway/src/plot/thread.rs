@@ -2,12 +2,12 @@
 //! by, its pitch error over the turns, and the chip of each pass. Turns numbers into one SVG document.
 
 use leadscrew_core::alarm::Lang;
-use svg::node::element::{ClipPath, Group, Rectangle, Style};
-use svg::{Document, Node as _};
+use svg::Node as _;
+use svg::node::element::{ClipPath, Group, Rectangle};
 
 use super::frame::{self, LEFT, RIGHT};
 use super::scale::Scale;
-use super::{MARGIN, TITLE, WIDTH, px, simplified, text};
+use super::{MARGIN, TITLE, document, px, simplified, text};
 use crate::words::pick;
 
 /// What a curve in the section is.
@@ -93,26 +93,9 @@ pub fn svg(title: &str, sheets: &[Sheet], lang: Lang) -> String {
     for (n, sheet) in sheets.iter().enumerate() {
         top = draw(&mut body, top, n, sheet, lang);
     }
-    let height = top + 10.0;
-    let mut document = Document::new();
-    document.assign("viewBox", (0, 0, WIDTH, height));
-    document.assign("width", WIDTH);
-    document.assign("height", height);
-    document.assign("role", "img");
-    document.append(Style::new(concat!(
-        include_str!("style.css"),
-        include_str!("thread.css")
-    )));
-    document.append(
-        Rectangle::new()
-            .set("class", "paper")
-            .set("width", WIDTH)
-            .set("height", height)
-            .set("rx", 8),
-    );
-    document.append(text(MARGIN, 36.0, "title", title));
-    document.append(body);
-    format!("{document}\n")
+    let style = concat!(include_str!("style.css"), include_str!("thread.css"));
+    let head = [text(MARGIN, 36.0, "title", title)];
+    document(style, &head, body, top + 10.0)
 }
 
 /// One thread; returns the lower edge.

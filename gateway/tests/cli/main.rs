@@ -107,6 +107,13 @@ fn examples() -> Vec<String> {
     programs
 }
 
+/// Writes a program into a folder; gives its name.
+fn write(folder: &Folder, name: &str, text: &str) -> String {
+    let program = folder.file(name);
+    std::fs::write(&program, text).unwrap();
+    program
+}
+
 mod check;
 mod corners;
 mod dialects;
@@ -120,6 +127,7 @@ mod machine;
 mod macros;
 mod measure;
 mod plausible;
+mod plot;
 mod recovery;
 mod strokes;
 mod subprograms;

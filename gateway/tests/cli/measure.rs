@@ -6,12 +6,6 @@ use super::*;
 const GOOD: &str = "O0040\nG50 X80 Z20\nM3 S600\nT0303\nG0 X46 Z10\nG76 P020060 Q1500 R0.05 J1.9 K3\n\
                     G76 X36.18 Z-32 P18000 Q6000 F3\nG0 X80 Z20\nM5\nM30\n%\n";
 
-fn write(folder: &Folder, name: &str, text: &str) -> String {
-    let program = folder.file(name);
-    std::fs::write(&program, text).unwrap();
-    program
-}
-
 fn measured(args: &[&str]) -> serde_json::Value {
     let output = leadscrew(&[&["measure", "--json"], args].concat());
     serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(&output)))

@@ -1,7 +1,7 @@
 //! Ideal threads: within 1 µm and one minute of the norm.
 
 use super::{Made, within};
-use crate::{Side, inspect, measure, tables};
+use crate::{Degrees, Grid, Mm, Nose, Side, Stock, Tool, Turns, Work, inspect, measure, tables};
 
 const MICROMETRE: f64 = 1e-3;
 const MINUTE: f64 = 1.0 / 60.0;
@@ -122,4 +122,55 @@ fn the_sheet_says_what_a_gauge_says() {
     assert_eq!(judged(38.004), (Some(false), Some(true), Some(false)));
     assert_eq!(judged(37.804), (Some(true), Some(true), Some(true)));
     assert_eq!(judged(37.802), (Some(true), Some(false), Some(false)));
+}
+
+#[test]
+fn the_outline_of_an_edge_is_what_it_removes() {
+    let (place, radius) = (-5.0, 18.16);
+    let shapes = [
+        Tool::vee(Degrees(60.0), Nose::Round(Mm(0.433))),
+        Tool {
+            nose: Nose::Flat(Mm(0.2)),
+            minus: Degrees(27.0),
+            plus: Degrees(3.0),
+        },
+    ];
+    for tool in shapes {
+        let stock = Stock {
+            side: Side::External,
+            radius: Mm(20.0),
+            taper: 0.0,
+            from: Mm(-10.0),
+            face: Mm(0.0),
+        };
+        let grid = Grid {
+            angles: 4,
+            step: Mm(0.002),
+        };
+        let mut work = Work::new(stock, grid);
+        work.stamp(0, place, radius, &tool, 1, 1);
+        let outline = tool.outline(Mm(20.0 - radius));
+        assert!(
+            outline.windows(2).all(|pair| pair[0].0 <= pair[1].0),
+            "{outline:?}"
+        );
+        let (left, right) = (outline[0], outline[outline.len() - 1]);
+        assert!((left.1.0 - 1.84).abs() < 1e-9 && (right.1.0 - 1.84).abs() < 1e-9);
+        let mut compared = 0;
+        for (z, cut) in work.section(Turns(0.0), Mm(-10.0), Mm(0.0)) {
+            let at = z.0 - place;
+            let next = outline
+                .windows(2)
+                .find(|pair| pair[0].0.0 <= at && at <= pair[1].0.0);
+            let drawn = next.map_or(20.0, |pair| {
+                let [(Mm(z0), Mm(u0)), (Mm(z1), Mm(u1))] = [pair[0], pair[1]];
+                let part = if z1 > z0 { (at - z0) / (z1 - z0) } else { 0.0 };
+                compared += 1;
+                radius + u0 + (u1 - u0) * part
+            });
+            // Round noses are drawn as chords.
+            assert!((drawn - cut.0).abs() < 0.001, "{at}: {drawn} {cut:?}");
+        }
+        assert!(compared > 500, "{compared}");
+    }
 }

@@ -1,0 +1,361 @@
+//! What a program cuts, feature by feature: its threads with their passes, its grooves with their columns, and its turned
+//! contours. Made from the moves of a program that has been checked; must not know how they are drawn.
+
+mod thread;
+mod width;
+
+use leadscrew_core::alarm::{Code, Lang};
+use leadscrew_core::call::{Aux, Call, Position};
+use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage};
+use leadscrew_language::whose::Whose;
+use leadscrew_metrology::Mm;
+
+pub use self::width::Width;
+
+use self::thread::{Lathe, Threads};
+use crate::checking::Report;
+use crate::drawing;
+use crate::failure::Outcome;
+use crate::inspection::edge::Edge;
+use crate::inspection::plan::{Wish, plan};
+use crate::movelist::cycle_name;
+use crate::plot::{Column, Contour, Feature, Groove, Piece, Shape, Stock};
+use crate::setup::Setup;
+use crate::source::SourceFile;
+use crate::walk::Walk;
+use crate::words::{both, pick};
+
+/// The most features of a picture.
+const FEATURES: usize = 24;
+/// The most pieces of one of them.
+const PIECES: usize = 5_000;
+
+/// What is known of the tools.
+#[derive(Clone, Debug, Default)]
+pub struct Tools {
+    /// Edges of threading tools.
+    pub edges: Vec<Edge>,
+    /// Widths of grooving tools.
+    pub widths: Vec<Width>,
+}
+
+/// The features of a program.
+#[derive(Clone, Debug, Default)]
+pub struct Features {
+    /// In the order of cutting.
+    pub list: Vec<Feature>,
+    /// What there is before the first cut, where the program declares it.
+    pub stock: Option<Stock>,
+    /// Lines with a rapid through it.
+    pub through: Vec<u32>,
+    /// The number of those, and of pieces of them, that did not fit.
+    pub left_out: u64,
+}
+
+/// A feature with what its name is made of.
+#[derive(Debug)]
+struct Found {
+    /// First and last line as the machine counts them.
+    lines: (u32, u32),
+    tool: u32,
+    cycle: Option<Cycle>,
+    shape: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    /// The number of a thread.
+    Thread(usize),
+    Groove(Groove),
+    Contour(Contour),
+}
+
+/// Collects them.
+///
+/// # Errors
+/// The program cannot be read.
+pub fn collect(
+    setup: &Setup,
+    source: &SourceFile,
+    report: &Report,
+    tools: &Tools,
+) -> Outcome<Features> {
+    let mut walk = Walk::open(setup, source)?;
+    let mm = |nm: i64| nm as f64 / 1e6;
+    let stock = walk.stock().map(|stock| Stock {
+        outside: mm(stock.outside),
+        bore: mm(stock.bore),
+        face: mm(stock.face),
+        length: mm(stock.length),
+    });
+    let wish = Wish {
+        tools: tools.edges.clone(),
+        face: stock.map(|stock| Mm(stock.face)),
+        ..Wish::default()
+    };
+    let (jobs, _) = plan(setup, source, &wish)?;
+    let mut finder = Finder {
+        tools,
+        threads: Threads::new(jobs),
+        found: Vec::new(),
+        at: setup.options().position,
+        tool: 0,
+        step: 0,
+        left_out: 0,
+    };
+    while let Some(call) = walk.next_call(|call, step| finder.push(call, step))? {
+        finder.threads.lead_in(&call, &setup.params);
+    }
+    let mut features = finder.finish(report, setup.lang);
+    features.stock = stock;
+    let warnings = report.warnings.iter();
+    let through = warnings.filter(|warning| warning.number == Code::RapidInStock.number());
+    features.through = through.map(|warning| warning.counted).collect();
+    Ok(features)
+}
+
+struct Finder<'a> {
+    tools: &'a Tools,
+    threads: Threads,
+    found: Vec<Found>,
+    at: Position,
+    tool: u32,
+    step: u64,
+    left_out: u64,
+}
+
+impl Finder<'_> {
+    fn push(&mut self, call: &Call, step: &Move) {
+        self.step += 1;
+        let of_work = |position: &Position| {
+            let (z, x) = (position.z - call.origin.z, position.x - call.origin.x);
+            (z.nm() as f64 / 1e6, x.nm() as f64 / 1e6)
+        };
+        let (from, to) = (of_work(&self.at), of_work(&step.to));
+        self.at = step.to;
+        let line = step.span.line;
+        match step.kind {
+            MoveKind::Aux(Aux::T(code)) => {
+                let code = u32::from(code);
+                self.tool = if code > 99 { code / 100 } else { code };
+            }
+            MoveKind::Thread(thread) => {
+                let lathe = Lathe { from, to, line };
+                if let Some(number) = self.threads.push(self.step, step, &thread, lathe) {
+                    self.thread(number, line, step.tag.map(|tag| tag.cycle));
+                }
+            }
+            MoveKind::Feed(_) => match step.tag {
+                Some(tag) if tag.cycle == Cycle::G75 => {
+                    if tag.stage == Stage::Peck {
+                        self.peck(line, tag.pass, tag.peck, from, to);
+                    }
+                }
+                tag => self.piece(line, tag.map(|tag| tag.cycle), vec![from, to]),
+            },
+            MoveKind::Arc {
+                i, k, clockwise, ..
+            } => {
+                let centre = (from.0 + k.nm() as f64 / 1e6, from.1 + i.nm() as f64 / 1e6);
+                self.piece(line, None, drawing::arc(from, to, centre, clockwise));
+            }
+            MoveKind::Rapid
+            | MoveKind::Tap(_)
+            | MoveKind::Dwell(_)
+            | MoveKind::Spindle(_)
+            | MoveKind::Aux(_) => {}
+        }
+    }
+
+    /// The last feature, where the tool goes on in it.
+    fn last(&mut self, cycle: Option<Cycle>) -> Option<&mut Found> {
+        let tool = self.tool;
+        let last = self.found.last_mut();
+        last.filter(|last| last.tool == tool && last.cycle == cycle)
+    }
+
+    fn begin(&mut self, cycle: Option<Cycle>, line: u32, shape: Kind) {
+        if self.found.len() == FEATURES {
+            self.left_out += 1;
+            return;
+        }
+        self.found.push(Found {
+            lines: (line, line),
+            tool: self.tool,
+            cycle,
+            shape,
+        });
+    }
+
+    fn thread(&mut self, number: usize, line: u32, cycle: Option<Cycle>) {
+        let known = self.found.iter_mut().rev();
+        let mut same = known.filter(|found| matches!(found.shape, Kind::Thread(n) if n == number));
+        match same.next() {
+            Some(found) => found.lines.1 = line,
+            None => self.begin(cycle, line, Kind::Thread(number)),
+        }
+    }
+
+    fn piece(&mut self, line: u32, cycle: Option<Cycle>, points: Vec<(f64, f64)>) {
+        let piece = Piece {
+            line: match Whose::line(line) {
+                Whose::Program => line,
+                Whose::Subprogram(_) => 0,
+            },
+            points,
+        };
+        let mut is_full = false;
+        if let Some(Found {
+            shape: Kind::Contour(contour),
+            lines,
+            ..
+        }) = self.last(cycle)
+        {
+            lines.1 = line;
+            is_full = contour.pieces.len() == PIECES;
+            if !is_full {
+                contour.pieces.push(piece);
+                return;
+            }
+        }
+        if is_full {
+            self.left_out += 1;
+        } else {
+            let pieces = vec![piece];
+            self.begin(cycle, line, Kind::Contour(Contour { pieces }));
+        }
+    }
+
+    fn peck(&mut self, line: u32, number: u32, peck: u32, from: (f64, f64), to: (f64, f64)) {
+        let width = self
+            .tools
+            .widths
+            .iter()
+            .find(|width| width.tool == self.tool);
+        let width = width.map(|width| width.mm);
+        let column = Column {
+            number,
+            from,
+            pecks: vec![to],
+        };
+        // Each block makes a groove of its own.
+        let is_same = self.found.last().is_some_and(|last| last.lines.0 == line);
+        let last = self.last(Some(Cycle::G75)).filter(|_| is_same);
+        let Some(Found {
+            shape: Kind::Groove(groove),
+            ..
+        }) = last
+        else {
+            let columns = vec![column];
+            return self.begin(
+                Some(Cycle::G75),
+                line,
+                Kind::Groove(Groove { columns, width }),
+            );
+        };
+        let has_room = groove.columns.len() < PIECES;
+        match groove.columns.last_mut() {
+            Some(last) if last.number == number && peck > 1 => {
+                if last.pecks.len() < PIECES {
+                    last.pecks.push(to);
+                } else {
+                    self.left_out += 1;
+                }
+            }
+            _ if has_room => groove.columns.push(column),
+            _ => self.left_out += 1,
+        }
+    }
+
+    fn finish(self, report: &Report, lang: Lang) -> Features {
+        let threads = self.threads;
+        let left_out = self.left_out + threads.left_out;
+        let features = self.found.into_iter().map(|found| {
+            let warnings = report
+                .warnings
+                .iter()
+                .filter(|warning| (found.lines.0..=found.lines.1).contains(&warning.counted))
+                .map(|warning| format!("{} {}", warning.number, warning.message));
+            let mut warnings: Vec<String> = warnings.collect();
+            // One of many lines is told once.
+            warnings.dedup();
+            let name = name(&found, lang);
+            let (figures, shape) = match found.shape {
+                Kind::Thread(number) => threads.feature(number, lang),
+                Kind::Groove(groove) => (columns(&groove, found.tool, lang), Shape::Groove(groove)),
+                Kind::Contour(contour) => (Vec::new(), Shape::Contour(contour)),
+            };
+            Feature {
+                name,
+                lines: found.lines,
+                phase: None,
+                figures,
+                warnings,
+                shape,
+            }
+        });
+        Features {
+            list: features.collect(),
+            stock: None,
+            through: Vec::new(),
+            left_out,
+        }
+    }
+}
+
+/// `line 43-44 · T3 · G76`.
+fn name(found: &Found, lang: Lang) -> String {
+    let lines = match found.lines {
+        (a, b) if a == b => crate::place::SourceLine(a).to_string(),
+        (a, b) => format!(
+            "{}–{}",
+            crate::place::SourceLine(a),
+            crate::place::SourceLine(b)
+        ),
+    };
+    let lines = both!("line {lines}", "第 {lines} 行");
+    let tool = match found.tool {
+        0 => String::new(),
+        tool => format!(" · T{tool}"),
+    };
+    let what = match (&found.shape, found.cycle) {
+        (Kind::Contour(_), None) => pick(lang, "turning", "车削"),
+        (_, Some(cycle)) => cycle_name(cycle),
+        (_, None) => pick(lang, "thread", "螺纹"),
+    };
+    format!("{what}{tool} · {}", lines.get(lang))
+}
+
+/// The figures of a groove.
+fn columns(groove: &Groove, tool: u32, lang: Lang) -> Vec<String> {
+    let bottoms = groove.columns.iter().map(Column::bottom);
+    let deepest = bottoms.map(|bottom| bottom.1).fold(f64::INFINITY, f64::min);
+    let pecks: usize = groove.columns.iter().map(|column| column.pecks.len()).sum();
+    let count = groove.columns.len();
+    let bottom = mm(2.0 * deepest);
+    let mut lines = vec![
+        both!(
+            "bottom ⌀{bottom} · columns: {count}, feeds: {pecks}",
+            "槽底 ⌀{bottom} · {count} 列，进给 {pecks} 次"
+        )
+        .get(lang)
+        .to_owned(),
+    ];
+    let told = match groove.width.map(mm) {
+        Some(width) => both!(
+            "tool {width} mm wide, programmed at its corner toward -Z",
+            "刀宽 {width} mm，刀位点为 -Z 侧刀尖"
+        ),
+        None => both!(
+            "tool width not known, its corner is drawn: add `--tool-width T{tool}=MM`",
+            "刀宽未知，只画刀位点：请加 `--tool-width T{tool}=MM`"
+        ),
+    };
+    lines.push(told.get(lang).to_owned());
+    lines
+}
+
+/// A length for a person.
+fn mm(value: f64) -> String {
+    crate::number::text::<4>((value * 1e4).round() as i64)
+}

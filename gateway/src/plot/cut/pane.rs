@@ -1,0 +1,136 @@
+//! A box with a grid of its own scales: what a view of the cut is drawn into.
+
+use svg::Node as _;
+use svg::node::element::{ClipPath, Group, Rectangle};
+
+use crate::plot::frame::{label, line};
+use crate::plot::scale::Scale;
+use crate::plot::{px, text};
+
+/// A place on the page, in pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Area {
+    pub(super) left: f64,
+    pub(super) right: f64,
+    pub(super) top: f64,
+    pub(super) bottom: f64,
+}
+
+/// From the lowest to the highest value of Z and of the radius, in millimetres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Range {
+    pub(super) z: (f64, f64),
+    pub(super) r: (f64, f64),
+}
+
+impl Range {
+    /// That of points; `None` without any.
+    pub(super) fn of(points: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+        points
+            .into_iter()
+            .map(|(z, r)| Self {
+                z: (z, z),
+                r: (r, r),
+            })
+            .reduce(|a, b| Self {
+                z: (a.z.0.min(b.z.0), a.z.1.max(b.z.1)),
+                r: (a.r.0.min(b.r.0), a.r.1.max(b.r.1)),
+            })
+    }
+
+    /// With room on each side: shares of its own lengths.
+    pub(super) fn with_room(self, along: f64, across: f64) -> Self {
+        let open = |(low, high): (f64, f64), share: f64| {
+            let room = share * (high - low).max(0.05);
+            (low - room, high + room)
+        };
+        Self {
+            z: open(self.z, along),
+            r: open(self.r, across),
+        }
+    }
+}
+
+/// A box with its scales: Z to the right, X upwards, labelled as a diameter.
+#[derive(Debug)]
+pub(super) struct Pane {
+    pub(super) area: Area,
+    z: Scale,
+    x: Scale,
+    id: String,
+}
+
+impl Pane {
+    /// Both axes to one scale, the range in the middle.
+    pub(super) fn true_to_scale(area: Area, range: Range, id: String) -> Self {
+        let (width, height) = (area.right - area.left, area.bottom - area.top);
+        let (length, across) = (range.z.1 - range.z.0, range.r.1 - range.r.0);
+        let mm = (width / length.max(1e-3)).min(height / across.max(1e-3));
+        let middle = |(low, high): (f64, f64), pixels: f64| {
+            let (at, half) = (f64::midpoint(low, high), pixels / mm / 2.0);
+            (at - half, at + half)
+        };
+        let range = Range {
+            z: middle(range.z, width),
+            r: middle(range.r, height),
+        };
+        Self::filled(area, range, id)
+    }
+
+    /// Each axis as large as the box allows.
+    pub(super) fn filled(area: Area, range: Range, id: String) -> Self {
+        Self {
+            area,
+            z: Scale::new(range.z.0, range.z.1, area.left, area.right),
+            x: Scale::new(2.0 * range.r.0, 2.0 * range.r.1, area.bottom, area.top),
+            id,
+        }
+    }
+
+    /// The pixels of a point: Z, radius.
+    pub(super) fn place(&self, (z, radius): (f64, f64)) -> (f64, f64) {
+        (self.z.px(z), self.x.px(2.0 * radius))
+    }
+
+    /// How much more X is drawn than Z.
+    pub(super) fn stretch(&self) -> f64 {
+        let ((z0, r0), (z1, r1)) = (self.place((0.0, 0.0)), self.place((1.0, 1.0)));
+        ((r1 - r0) / (z1 - z0)).abs()
+    }
+
+    /// Draws the box, its grid and its labels, and returns the group for what is inside.
+    pub(super) fn frame(&self, document: &mut Group) -> Group {
+        let Area {
+            left,
+            right,
+            top,
+            bottom,
+        } = self.area;
+        document.append(self.edge().set("class", "panel"));
+        let (ticks, decimals) = self.z.ticks(((right - left) / 80.0).max(2.0));
+        for tick in ticks {
+            let at = self.z.px(tick);
+            line(document, "grid", [(at, top), (at, bottom)]);
+            document.append(text(at, bottom + 18.0, "below", &label(tick, decimals)));
+        }
+        let (ticks, decimals) = self.x.ticks(((bottom - top) / 36.0).max(2.0));
+        for tick in ticks {
+            let at = self.x.px(tick);
+            line(document, "grid", [(left, at), (right, at)]);
+            document.append(text(left - 8.0, at + 4.5, "left", &label(tick, decimals)));
+        }
+        document.append(text(left - 8.0, top - 8.0, "left name", "⌀"));
+        document.append(text(right + 8.0, bottom + 18.0, "right name", "Z"));
+        document.append(ClipPath::new().set("id", self.id.as_str()).add(self.edge()));
+        Group::new().set("clip-path", format!("url(#{})", self.id))
+    }
+
+    fn edge(&self) -> Rectangle {
+        let area = self.area;
+        Rectangle::new()
+            .set("x", px(area.left))
+            .set("y", px(area.top))
+            .set("width", px(area.right - area.left))
+            .set("height", px(area.bottom - area.top))
+    }
+}

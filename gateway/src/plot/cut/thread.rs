@@ -1,0 +1,344 @@
+//! A thread near by: on the left the groove that all passes cut, with the tool's edge, to scale; on the right the passes
+//! over their length with lead-in, face and run-out, X larger than Z.
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_metrology::{Mm, Side, Tool};
+use svg::Node as _;
+use svg::node::element::{Group, Path};
+
+use super::pane::{Area, Pane, Range};
+use super::{labelled, shown};
+use crate::plot::{frame, polyline, text};
+use crate::words::pick;
+
+/// A pass: one way of the tool along the thread.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// Its number at this start, from 1.
+    pub number: u32,
+    /// The line of the program as the machine counts it.
+    pub line: u32,
+    /// Its start of a multiple thread, from 1.
+    pub start: u8,
+    /// Depth below the crest in millimetres, where the cycle knows it.
+    pub depth: Option<f64>,
+    /// Its way: Z, radius.
+    pub points: Vec<(f64, f64)>,
+    /// The point of the way at which the run-in ends; the first one where there is none.
+    pub run_in: usize,
+    /// The point of the way at which the run-out begins; the last one where there is none.
+    pub run_out: usize,
+    /// Where the helix stands along Z at the spindle's index, in millimetres.
+    pub phase: f64,
+}
+
+impl Pass {
+    /// Z where it begins.
+    fn begin(&self) -> f64 {
+        self.points.first().map_or(0.0, |point| point.0)
+    }
+
+    /// Where the run-out begins: Z, radius.
+    fn bottom(&self) -> (f64, f64) {
+        self.points.get(self.run_out).copied().unwrap_or_default()
+    }
+
+    fn end(&self) -> (f64, f64) {
+        self.points.last().copied().unwrap_or_default()
+    }
+}
+
+/// A thread along Z.
+#[derive(Clone, Debug)]
+pub struct Thread {
+    /// Outer or inner.
+    pub side: Side,
+    /// In the order of cutting.
+    pub passes: Vec<Pass>,
+    /// The edge that cuts it.
+    pub tool: Tool,
+    /// Travel per turn in millimetres.
+    pub lead: f64,
+    /// Z of the face.
+    pub face: f64,
+    /// Radius of the surface at the face, and its change per millimetre of Z.
+    pub surface: (f64, f64),
+    /// The way in which the axis gets onto the lead, where it is known.
+    pub lead_in: Option<f64>,
+}
+
+impl Thread {
+    /// The pass that gets onto the lead last, and how much of the lead-in lies in the material (negative: before it).
+    pub fn lead_in_left(&self) -> Option<(&Pass, f64)> {
+        let lead_in = self.lead_in?;
+        let toward = self.toward();
+        let late = |pass: &&Pass| (pass.begin() * toward * 1e6) as i64;
+        let last = self.passes.iter().max_by_key(late)?;
+        // Where the tool comes from the other end, that end is not known.
+        (toward < 0.0).then(|| (last, self.face - (last.begin() - lead_in)))
+    }
+
+    /// +1 where it is cut toward +Z.
+    fn toward(&self) -> f64 {
+        let first = self.passes.first();
+        first.map_or(-1.0, |pass| {
+            if pass.bottom().0 > pass.begin() {
+                1.0
+            } else {
+                -1.0
+            }
+        })
+    }
+
+    fn surface_at(&self, z: f64) -> f64 {
+        self.surface.0 + self.surface.1 * (z - self.face)
+    }
+
+    /// Where the groove of a pass lies along Z, from that of the last pass, in half a lead to each side.
+    fn aside(&self, pass: &Pass) -> f64 {
+        let last = self.passes.last().map_or(0.0, |last| last.phase);
+        let lead = self.lead.max(1e-6);
+        let off = (pass.phase - last).rem_euclid(lead);
+        if off > lead * 0.75 { off - lead } else { off }
+    }
+
+    /// The groove that a pass cuts, by the distance along Z from that of the last pass: up to the surface.
+    pub fn groove(&self, pass: &Pass) -> Vec<(f64, f64)> {
+        let (z, radius) = pass.bottom();
+        let surface = self.surface_at(z);
+        let up = match self.side {
+            Side::External => 1.0,
+            Side::Internal => -1.0,
+        };
+        let height = ((surface - radius) * up).max(0.0);
+        let aside = self.aside(pass);
+        let outline = self.tool.outline(Mm(height)).into_iter();
+        outline
+            .map(|(z, u)| (aside + z.0, radius + up * u.0))
+            .collect()
+    }
+}
+
+/// Draws both views.
+pub(super) fn draw(document: &mut Group, area: Area, thread: &Thread, n: usize, lang: Lang) {
+    if thread.passes.is_empty() {
+        return;
+    }
+    let form = Area {
+        right: area.left + 0.34 * (area.right - area.left),
+        ..area
+    };
+    let length = Area {
+        left: form.right + 76.0,
+        right: area.right - 110.0,
+        ..area
+    };
+    draw_form(document, form, thread, n, lang);
+    draw_length(document, length, thread, n, lang);
+}
+
+/// The grooves of all passes, one upon the other.
+fn draw_form(document: &mut Group, area: Area, thread: &Thread, n: usize, lang: Lang) {
+    let grooves: Vec<Vec<(f64, f64)>> = thread
+        .passes
+        .iter()
+        .map(|pass| thread.groove(pass))
+        .collect();
+    let Some(range) = Range::of(grooves.iter().flatten().copied()) else {
+        return;
+    };
+    let pane = Pane::true_to_scale(area, range.with_room(0.12, 0.12), format!("form{n}"));
+    let mut inside = pane.frame(document);
+    let at = thread.passes.last().map_or(0.0, |pass| pass.bottom().0);
+    let surface = pane.place((0.0, thread.surface_at(at))).1;
+    frame::line(
+        &mut inside,
+        "surface",
+        [(area.left, surface), (area.right, surface)],
+    );
+    for (number, groove) in grooves.iter().enumerate().rev() {
+        let pixels = groove.iter().map(|point| pane.place(*point));
+        if number + 1 == grooves.len() {
+            let data = polyline(pixels);
+            inside.append(Path::new().set("class", "tip line").set("d", data));
+        } else {
+            frame::line(&mut inside, "line pass", pixels);
+        }
+    }
+    document.append(inside);
+    let words = pick(
+        lang,
+        "all passes in one groove and the edge, to scale",
+        "各次走刀的牙槽与刀刃，按比例",
+    );
+    document.append(text(area.left, area.top - 8.0, "key", words));
+}
+
+/// The passes over their length.
+fn draw_length(document: &mut Group, area: Area, thread: &Thread, n: usize, lang: Lang) {
+    let ends = thread
+        .passes
+        .iter()
+        .flat_map(|pass| pass.points.iter().copied());
+    let face = (thread.face, thread.surface_at(thread.face));
+    let Some(range) = Range::of(ends.chain([face])) else {
+        return;
+    };
+    // Room below for the lead-in, and above for the words of the marks.
+    let range = range.with_room(0.05, 0.2);
+    let pane = Pane::filled(area, range, format!("length{n}"));
+    let mut inside = pane.frame(document);
+    let (far, near) = (range.z.0, thread.face);
+    let surface = [far, near].map(|z| pane.place((z, thread.surface_at(z))));
+    frame::line(&mut inside, "surface", surface);
+    for pass in &thread.passes {
+        let pixels: Vec<(f64, f64)> = pass.points.iter().map(|point| pane.place(*point)).collect();
+        let parts = [
+            ("line run-out", 0, pass.run_in),
+            ("line thread", pass.run_in, pass.run_out),
+            ("line run-out", pass.run_out, pixels.len() - 1),
+        ];
+        for (class, from, to) in parts.into_iter().filter(|(_, from, to)| to > from) {
+            frame::line(&mut inside, class, pixels[from..=to].iter().copied());
+        }
+    }
+    document.append(inside);
+    marks(document, &pane, thread, lang);
+    depths(document, &pane, thread, lang);
+    let factor = pane.stretch();
+    let words = match lang {
+        Lang::En => format!("passes over Z, X drawn ×{factor:.1}"),
+        Lang::Zh => format!("各次走刀沿 Z 方向，X 放大 ×{factor:.1}"),
+    };
+    document.append(text(area.left, area.top - 8.0, "key", &words));
+}
+
+/// Face, run-out and lead-in.
+fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
+    let area = pane.area;
+    let Some(last) = thread.passes.last() else {
+        return;
+    };
+    let mut upright = |z: f64, class: &str, words: String, row: f64| {
+        let at = pane.place((z, 0.0)).0;
+        frame::line(document, class, [(at, area.top), (at, area.bottom)]);
+        // Words stay inside the view.
+        let room = frame::width(&words);
+        let left = if at + 6.0 + room > area.right {
+            at - 6.0 - room
+        } else {
+            at + 6.0
+        };
+        document.append(text(left, area.top + 16.0 * row, "key", &words));
+    };
+    let face = pick(lang, "face", "端面");
+    upright(
+        thread.face,
+        "mark",
+        format!("{face} Z{}", shown(thread.face)),
+        1.0,
+    );
+    if last.run_in > 0 {
+        let within = last.points[last.run_in].0;
+        let words = match lang {
+            Lang::En => format!("run-in to Z{}", shown(within)),
+            Lang::Zh => format!("切入段至 Z{}", shown(within)),
+        };
+        upright(within, "mark", words, 2.0);
+    }
+    let (out, end) = (last.bottom().0, last.end().0);
+    if last.run_out + 1 < last.points.len() {
+        let words = match lang {
+            Lang::En => format!("run-out from Z{} to Z{}", shown(out), shown(end)),
+            Lang::Zh => format!("退尾 Z{} 至 Z{}", shown(out), shown(end)),
+        };
+        upright(out, "mark", words, 1.0);
+    } else {
+        let words = pick(lang, "no run-out: ends at", "无退尾，终点");
+        upright(end, "mark", format!("{words} Z{}", shown(end)), 1.0);
+    }
+    let Some((late, missing)) = thread.lead_in_left() else {
+        return;
+    };
+    let lead_in = thread.lead_in.unwrap_or(0.0);
+    let (begin, y) = (late.begin(), area.bottom - 10.0);
+    let bar = [begin, begin - lead_in].map(|z| (pane.place((z, 0.0)).0, y));
+    let (class, words) = match (missing > 0.0, lang) {
+        (true, Lang::En) => (
+            "missing",
+            format!(
+                "⚠ lead-in {} mm: {} mm of it are missing before the face",
+                micrometres(lead_in),
+                micrometres(missing)
+            ),
+        ),
+        (true, Lang::Zh) => (
+            "missing",
+            format!(
+                "⚠ 升速段 {} mm：端面前缺 {} mm",
+                micrometres(lead_in),
+                micrometres(missing)
+            ),
+        ),
+        (false, Lang::En) => (
+            "enough",
+            format!(
+                "lead-in {} mm, {} mm to spare",
+                micrometres(lead_in),
+                micrometres(-missing)
+            ),
+        ),
+        (false, Lang::Zh) => (
+            "enough",
+            format!(
+                "升速段 {} mm，余量 {} mm",
+                micrometres(lead_in),
+                micrometres(-missing)
+            ),
+        ),
+    };
+    frame::line(document, class, bar);
+    let left = (bar[0].0.max(bar[1].0) - frame::width(&words)).max(area.left + 4.0);
+    let class = if missing > 0.0 { "warn" } else { "key" };
+    document.append(text(left, y - 8.0, class, &words));
+}
+
+/// A length of millimetres to the micrometre.
+fn micrometres(mm: f64) -> String {
+    crate::number::rounded::<6>((mm * 1e6).round() as i64, 3)
+}
+
+/// Number, diameter and depth of the passes beside the view.
+fn depths(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
+    let area = pane.area;
+    let heights: Vec<f64> = thread
+        .passes
+        .iter()
+        .map(|pass| pane.place(pass.bottom()).1)
+        .collect();
+    let several = thread.passes.iter().any(|pass| pass.start > 1);
+    for n in labelled(&heights, 14.0) {
+        let (pass, y) = (&thread.passes[n], heights[n]);
+        let number = if several {
+            format!("{}/{}", pass.number, pass.start)
+        } else {
+            pass.number.to_string()
+        };
+        let deep = pass
+            .depth
+            .map_or_else(|| format!("⌀{}", shown(2.0 * pass.bottom().1)), shown);
+        let class = if n + 1 == thread.passes.len() {
+            "depth-of name"
+        } else {
+            "depth-of"
+        };
+        document.append(text(
+            area.right + 10.0,
+            y + 4.5,
+            class,
+            &format!("{number}: {deep}"),
+        ));
+    }
+    let words = pick(lang, "pass: depth mm", "刀次：深度 mm");
+    document.append(text(area.right + 10.0, area.top - 8.0, "name", words));
+}

@@ -1,0 +1,160 @@
+//! Pictures of the cut, compared with the moves of the program.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::{Folder, code, leadscrew, stderr, stdout, write};
+
+/// The texts of a picture of a program.
+fn texts(folder: &Folder, program: &str, more: &[&str]) -> Vec<String> {
+    let picture = folder.file("picture.svg");
+    let args = [&["plot", program, "-o", &picture][..], more].concat();
+    let output = leadscrew(&args);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let svg = std::fs::read_to_string(&picture).unwrap();
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    let texts = svg.split("<text").skip(1);
+    let content = |text: &str| {
+        let (_, rest) = text.split_once('>').unwrap();
+        rest.split_once("</text>").unwrap().0.trim().to_owned()
+    };
+    texts.map(content).collect()
+}
+
+/// The depth of each pass of a program's thread with one start, as `expand` has it.
+fn depths(program: &str) -> BTreeMap<u32, f64> {
+    let output = leadscrew(&["expand", program, "--format", "jsonl"]);
+    let moves = stdout(&output);
+    let moves = moves
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let cuts = moves.filter(|each| each["kind"] == "thread");
+    let depth = |each: &Value| each["depth"].as_f64().unwrap();
+    cuts.map(|each| (each["pass"].as_u64().unwrap() as u32, depth(&each)))
+        .collect()
+}
+
+#[test]
+fn the_depths_at_the_passes_are_those_of_the_moves() {
+    let folder = Folder::new("plot-depths");
+    let sixty =
+        "M3 S300\nG0 X80 Z10\nG76 P020560 Q50 R0.02\nG76 X60.64 Z-62 P36800 Q4500 F6\nM30\n";
+    let sixty = write(&folder, "sixty.nc", sixty);
+    for program in ["examples/o0013-g76-m68x6.nc", "examples/shaft.nc", &sixty] {
+        let depths = depths(program);
+        let texts = texts(&folder, program, &[]);
+        let labels = texts.iter().filter_map(|text| {
+            let (pass, depth) = text.split_once(": ")?;
+            Some((pass.parse::<u32>().ok()?, depth.parse::<f64>().ok()?))
+        });
+        let labels: BTreeMap<u32, f64> = labels.collect();
+        assert!(labels.len() > 3, "{program}: {texts:?}");
+        let last = depths.keys().last().unwrap();
+        assert!(
+            labels.contains_key(&1) && labels.contains_key(last),
+            "{labels:?}"
+        );
+        for (pass, depth) in labels {
+            let exact = depths[&pass];
+            assert!(
+                (exact - depth).abs() <= 0.000_051,
+                "{program} {pass}: {exact} {depth}"
+            );
+        }
+    }
+    assert!(depths(&sixty).len() > 60);
+}
+
+#[test]
+fn a_thread_tells_its_hand_its_run_out_and_its_lead_in() {
+    let folder = Folder::new("plot-thread");
+    let program = "examples/o0013-g76-m68x6.nc";
+    let told = texts(&folder, program, &["--tool", "V60:r0.5"]).join("\n");
+    for line in [
+        "G76 · line 6",
+        "right-hand (M3, toward -Z) · lead 6 mm · starts: 1 · passes: 6",
+        "edge V60:r0.5 · face assumed at Z0",
+        "run-out from Z-59 to Z-62",
+        // From Z7.875351 the lead is reached 0.827281 mm on.
+        "lead-in 0.827 mm, 7.048 mm to spare",
+    ] {
+        assert!(told.contains(line), "{line}: {told}");
+    }
+    let told = texts(&folder, program, &["--lang", "zh"]).join("\n");
+    assert!(
+        told.contains("右旋（M3，向 -Z）") && told.contains("退尾 Z-59 至 Z-62"),
+        "{told}"
+    );
+    assert!(
+        told.contains("刀具未知，请加 `--tool V60:r0.866`"),
+        "{told}"
+    );
+    // Left-hand, from a place where the lead-in has no room.
+    let short = "M4 S300\nG0 X46 Z0.2\nG92 X39 Z-30 F3\nX38.5\nG0 X80\nM30\n";
+    let short = write(&folder, "short.nc", short);
+    let told = texts(&folder, &short, &[]).join("\n");
+    assert!(
+        told.contains("left-hand (M4, toward -Z) · lead 3 mm · starts: 1 · passes: 2"),
+        "{told}"
+    );
+    assert!(
+        told.contains("⚠ lead-in ") && told.contains(" mm of it are missing before the face"),
+        "{told}"
+    );
+    assert!(
+        told.contains("1: ⌀39") && told.contains("2: ⌀38.5"),
+        "{told}"
+    );
+}
+
+#[test]
+fn grooves_have_the_width_of_their_tool_and_warnings_their_place() {
+    let folder = Folder::new("plot-groove");
+    let told = texts(&folder, "examples/shaft.nc", &[]).join("\n");
+    assert!(
+        told.contains("G75 · T2 · line 35\n") && told.contains("G75 · T2 · line 37\n"),
+        "{told}"
+    );
+    assert!(told.contains("turning · T1 · line 10–28"), "{told}");
+    assert!(
+        told.replace('\n', " ").contains("`--tool-width T2=MM`"),
+        "{told}"
+    );
+    let told = texts(&folder, "examples/shaft.nc", &["--tool-width", "T2=4"]).join(" ");
+    assert!(told.contains("tool 4 mm wide"), "{told}");
+    let output = leadscrew(&[
+        "plot",
+        "examples/shaft.nc",
+        "--tool-width",
+        "4",
+        "-o",
+        "x.svg",
+    ]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("`4` is no width"),
+        "{}",
+        stderr(&output)
+    );
+    let hit =
+        "(STOCK X60 L100)\nT0101\nM3 S600\nG0 X64 Z10\nG0 X50 Z-20\nG1 X40 F100\nG0 X80\nM30\n";
+    let hit = write(&folder, "hit.nc", hit);
+    let told = texts(&folder, &hit, &[]).join("\n");
+    assert!(
+        told.contains("⚠ line 5: rapid through the material"),
+        "{told}"
+    );
+}
+
+#[test]
+fn z_over_the_spindle_angle_is_told_to_be_ideal_where_it_is() {
+    let folder = Folder::new("plot-phase");
+    let program = "examples/o0013-g76-m68x6.nc";
+    let ideal = "ideal spindle: add `--spindle-ripple`";
+    let over = "over the spindle angle: from lowest to highest; filled: all 6 passes";
+    let told = texts(&folder, program, &[]).join("\n");
+    assert!(told.contains(ideal) && told.contains(over), "{told}");
+    let told = texts(&folder, program, &["--spindle-ripple=10@5"]).join("\n");
+    assert!(!told.contains(ideal) && told.contains(over), "{told}");
+}
