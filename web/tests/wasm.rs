@@ -170,6 +170,15 @@ fn the_page_has_the_setpoints_of_the_emulated_board() {
         }
         let text = std::fs::read_to_string(root().join("examples").join(name)).expect("an example");
         let own = on_host("", &text, u64::MAX).expect("it ends");
+        if words[3] != "0" {
+            // The board runs up to the alarm; the page refuses the program before anything moves.
+            let found = own["found"].as_array().expect("a list");
+            let has = found
+                .iter()
+                .any(|one| one["number"].to_string() == words[3]);
+            assert!(has, "{name}: {found:?}");
+            continue;
+        }
         assert_eq!(
             (&own["hash"], &own["ticks"]),
             (&json!(hash), &json!(count)),
