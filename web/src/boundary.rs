@@ -1,7 +1,7 @@
-//! The functions that a browser, or an interpreter in a test, calls. The one file with `unsafe`: the names that are exported.
+//! The functions that a browser, or an interpreter in a test, calls. The one file with `unsafe`: the exported names.
 //!
-//! The caller asks for room with `leadscrew_room`, writes a message there, calls `leadscrew_answer`, and reads as many bytes
-//! at the place that it gives as `leadscrew_length` says. The module has one thread, so that nothing else runs in between.
+//! The caller asks for room with `leadscrew_room`, writes a message there, calls `leadscrew_answer`, and reads as many
+//! bytes at the place that it gives as `leadscrew_length` says. The module has one thread: nothing else runs in between.
 //! After a trap `leadscrew_panic` says why: a panic ends the module, and its message is all that is left.
 
 use std::cell::RefCell;
