@@ -3,6 +3,7 @@
 //! Each machine function has what it switches: its input answers as soon as its output is switched. Somebody may set an
 //! input, which then stays. Must not know how the board reads its inputs.
 
+use super::turret::{Turret, TurretFault};
 use leadscrew_core::params::{Answer, Contact, FunctionAction, Params};
 
 /// The inputs of a board.
@@ -15,12 +16,26 @@ pub struct Around {
     door_open: bool,
     /// What devices answer.
     answers: u16,
+    turret: Turret,
 }
 
 impl Around {
     /// Opens or closes the door. It moves the input of 9423.
     pub const fn open_door(&mut self, open: bool) {
         self.door_open = open;
+    }
+
+    /// Takes over what somebody has set. What devices have done meanwhile stays.
+    pub const fn be_as(&mut self, set: &Self) {
+        let (answers, mut turret) = (self.answers, self.turret);
+        turret.spoil(set.turret.fault());
+        *self = *set;
+        (self.answers, self.turret) = (answers, turret);
+    }
+
+    /// What is wrong with the turret from now on.
+    pub const fn spoil_turret(&mut self, fault: TurretFault) {
+        self.turret.spoil(fault);
     }
 
     /// Sets an input on or off, or lets devices have it again.
@@ -69,6 +84,7 @@ impl Around {
         let on = held
             .into_iter()
             .fold(self.answers | chuck, |all, input| all | bit(input));
+        let on = on | self.turret.inputs(params, outputs);
         let on = (on & !self.set) | (self.levels & self.set);
         match self.door_open {
             true => on & !door,

@@ -10,7 +10,9 @@ pub mod line;
 pub mod plant;
 mod sim;
 mod storage;
+mod turret;
 
 pub use around::Around;
 pub use sim::{CutPoint, Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};
 pub use storage::{keep, stored_params, stored_tap};
+pub use turret::TurretFault;

@@ -335,6 +335,9 @@ impl Sim {
     /// The board sees its pins.
     fn look_around(&mut self) {
         let outputs = self.board.ticker().machine_outputs();
+        // The gearbox has no sensors: what the board takes to be in is in.
+        let gear = self.board.ticker().gear();
+        self.plant.shift(self.board.params().gear(gear));
         let mut wires = || self.around.wires(self.board.params(), outputs);
         let machine = self.pins.machine.or_else(|| Some(wires()));
         self.board.set_pins(Inputs {

@@ -336,7 +336,7 @@ mod tests {
         for (bytes, word) in [
             (b"G0 X0\n".to_vec(), "no image"),
             (Vec::new(), "no image"),
-            (good[..good.len() - 1].to_vec(), "of the 16652 bytes"),
+            (good[..good.len() - 1].to_vec(), "of the 33292 bytes"),
             (long, "longer"),
             (damaged, "checksum"),
         ] {

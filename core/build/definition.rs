@@ -330,6 +330,8 @@ fn unit_named(name: &str) -> Option<Unit> {
         "" => Unit::Number,
         "0.1 lead" => Unit::TenthLead,
         "0.1 rpm" => Unit::TenthRpm,
+        "0.1 /s" => Unit::TenthPerSecond,
+        "0.1 %" => Unit::TenthPercent,
         "whole °" => Unit::WholeDegree,
         "%" => Unit::Percent,
         "Hz" => Unit::Hertz,

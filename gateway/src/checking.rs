@@ -58,6 +58,9 @@ pub struct Report {
 /// Bytes of a program that are looked at for its control.
 const LOOKED_AT: usize = 1 << 20;
 
+/// From here on a length without a point is hardly millimetres, in a program without any point, too.
+const LARGE: f64 = 1000.0;
+
 /// The most alarms or warnings of a kind in the list, so that the report of any program is bounded.
 pub const LISTED: usize = 10;
 
@@ -283,17 +286,19 @@ impl Checker<'_> {
         self.plausible = plausible;
     }
 
-    /// Warns of a word without a point that leads beyond the travel, where increments would not, if others have points.
+    /// Warns of a word without a point that leads beyond the travel, where increments would not, if others have points or
+    /// it is [`LARGE`].
     fn points(&mut self) -> Outcome {
         if self.beyond.is_empty() {
             return Ok(());
         }
         let text = self.front()?;
         let lines = || text.split(|byte| *byte == b'\n');
-        if !lines().any(|line| lengths(line).any(|word| word.has_point)) {
+        let has_points = lines().any(|line| lengths(line).any(|word| word.has_point));
+        let params = &self.setup.params;
+        if !params.whole_units() {
             return Ok(());
         }
-        let params = &self.setup.params;
         let step = if params.increment_is_c() {
             100.0
         } else {
@@ -315,6 +320,9 @@ impl Checker<'_> {
             let Some(word) = lengths(line).find(is_meant) else {
                 continue;
             };
+            if !has_points && word.value.abs() < LARGE {
+                continue;
+            }
             let increments = (word.value * step).round() as i64;
             let less = (word.value * (1e6 - step) * share).round() as i64;
             let would = to.nm() - less;
@@ -469,14 +477,16 @@ impl Checker<'_> {
     }
 
     fn keep(&mut self, cycle: CycleReport) {
-        let report = &mut self.report;
-        if self.detail == Detail::Cycles {
-            if report.cycles.len() < CYCLES {
-                report.cycles.push(cycle);
-            } else {
-                report.further_cycles += 1;
-            }
+        if self.lists_cycles() {
+            self.report.cycles.push(cycle);
+        } else if self.detail == Detail::Cycles {
+            self.report.further_cycles += 1;
         }
+    }
+
+    /// The next cycle is kept with its figures: those that cost much need not be found for others.
+    fn lists_cycles(&self) -> bool {
+        self.detail == Detail::Cycles && self.report.cycles.len() < CYCLES
     }
 
     /// A groove: each different move with its number of repeats.

@@ -14,10 +14,10 @@ use leadscrew_can::{Address, BitRate, MachineName, WrongAddress};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::units::Axis;
-use leadscrew_desk::control::{Contact, Door, Level, Power};
+use leadscrew_desk::control::{Contact, Door, Level, Power, Turret};
 use leadscrew_language::dialect::Control;
 
-pub use by_hand::{AxisWay, Jog, ModeName, StepLength, Wheel};
+pub use by_hand::{AxisWay, Jog, ModeName, StepLength, Tune, Wheel};
 
 use crate::failure::{Failure, Outcome};
 use crate::inspection::edge::{Edge, Millimetres};
@@ -389,6 +389,11 @@ pub enum Command {
     /// The board moves only while this program lives: it comes to rest by itself when the frames stay away.
     #[command(after_help = examples::JOG)]
     Jog(Jog),
+    /// Move an axis to and fro and find the lag of its drive (not with `--bus sim`)
+    ///
+    /// It jogs at three speeds, twice: limits, interlocks and the dead man hold as for `jog`.
+    #[command(after_help = examples::TUNE)]
+    Tune(Tune),
     /// Turn a simulated handwheel that leads an axis, or a program (not with `--bus sim`)
     ///
     /// Its frames go over the bus, as those of a real one.
@@ -417,6 +422,15 @@ pub enum Command {
         /// `NAME=0` or `NAME=1`
         #[arg(value_name = "NAME=0|1")]
         signal: SetSignal,
+    },
+    /// Inputs and outputs of the machine by their names: list, switch, wait (not with `--bus sim`)
+    ///
+    /// Names are those of the machine file (`[io.NAME]`): of `--params`, else of the nearest `leadscrew.toml`.
+    #[command(after_help = examples::IO)]
+    Io {
+        /// What to do
+        #[command(subcommand)]
+        command: IoCommand,
     },
     /// Brings a tap out of its hole in phase, the same as G30 P99
     ///
@@ -456,6 +470,9 @@ pub enum Command {
     /// Capture the bus into a file, until Ctrl-C
     #[command(after_help = examples::RECORD)]
     Record(Record),
+    /// Say what is set up wrong on a bus, from what is heard on it or from a candump log
+    #[command(after_help = examples::DOCTOR)]
+    Doctor(Doctor),
     /// Say what an alarm or a warning means, what to do, and which program raises it
     #[command(after_help = examples::EXPLAIN)]
     Explain(Explain),
@@ -620,6 +637,26 @@ pub struct Record {
     pub count: Option<u64>,
 }
 
+/// `doctor`.
+#[derive(Args, Debug)]
+pub struct Doctor {
+    /// A candump log instead of a bus
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
+    /// How long to listen
+    #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=3600))]
+    pub seconds: u16,
+    /// Send nothing: neither the board's parameters nor objects of drives are read
+    #[arg(long, conflicts_with = "log")]
+    pub listen_only: bool,
+    /// Print the table of all rules
+    #[arg(long, conflicts_with_all = ["log", "listen_only"])]
+    pub rules: bool,
+    /// The drives.
+    #[command(flatten)]
+    pub drives: Drives,
+}
+
 /// `run`.
 #[derive(Args, Debug, Default)]
 pub struct Run {
@@ -678,6 +715,31 @@ pub struct Up {
     pub detached: bool,
 }
 
+/// `io`.
+#[derive(Debug, Subcommand)]
+pub enum IoCommand {
+    /// Print those that are on, or have a name or a use
+    #[command(after_help = examples::IO_LIST)]
+    List,
+    /// Switch an output, by the M code whose row does it
+    #[command(after_help = examples::IO_SET)]
+    Set {
+        /// A name, or a place as `output:3`, and 0 or 1
+        #[arg(value_name = "NAME=0|1")]
+        level: String,
+    },
+    /// Wait until an input or output is so; exit code 1 where the time is over
+    #[command(after_help = examples::IO_WAIT)]
+    Wait {
+        /// A name, or a place as `input:3`, and 0 or 1
+        #[arg(value_name = "NAME=0|1")]
+        level: String,
+        /// Longest time in seconds [default: no limit]
+        #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=86_400))]
+        timeout: Option<u32>,
+    },
+}
+
 /// `drives`.
 #[derive(Debug, Subcommand)]
 pub enum DrivesCommand {
@@ -726,6 +788,13 @@ pub enum SimCommand {
         /// How it is then; `auto`: as the simulated devices have it
         #[arg(value_enum)]
         to: Level,
+    },
+    /// Spoil the turret, or mend it
+    #[command(after_help = examples::SIM_TURRET)]
+    Turret {
+        /// How it is then
+        #[arg(value_enum)]
+        to: Turret,
     },
     /// Tell which inputs and outputs of the board are on
     #[command(after_help = examples::SIM_OUTPUTS)]

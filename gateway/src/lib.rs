@@ -14,6 +14,7 @@ pub mod beside;
 pub mod checking;
 pub mod cli;
 pub mod commands;
+pub mod doctor;
 pub mod drawing;
 pub mod execution;
 pub mod feeder;
@@ -35,6 +36,7 @@ pub mod synchronism;
 pub mod tapping;
 pub mod threads;
 pub mod trace;
+pub mod tuning;
 pub mod variables;
 pub mod walk;
 

@@ -2,6 +2,7 @@
 
 use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple, ServoOptions};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
+use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::call::Call;
@@ -174,6 +175,10 @@ fn carry_out(
                 Event::Alarm(alarm) => {
                     stopping = true;
                     ended.alarms.push(feeder.words(&placed(alarm, line)));
+                }
+                // Whoever stands at a machine that lives in one command is quick.
+                Event::Warning(warning) if warning.code == Code::ToolByHand => {
+                    sim.command(Command::Resume);
                 }
                 Event::Warning(warning)
                     if ended.warnings.iter().all(|w| w.number != warning.number()) =>

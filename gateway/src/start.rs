@@ -12,7 +12,7 @@ use std::io::{self, IsTerminal as _};
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang, Span};
 use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position};
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Params, gear_of_code};
 use leadscrew_core::units::{Axis, Feed, Length, Rpm};
 
 use crate::commands::board::modal_words;
@@ -132,6 +132,9 @@ fn shown(start: &Start, setup: &Setup, source: &SourceFile) -> Both {
             let said = both!("T{tool:04} has to be in place", "T{tool:04} 须已就位");
             row("tool     ", "刀具    ", said.get(lang));
         }
+        if let Some(code) = gear(start, setup) {
+            row("gear     ", "档位    ", &format!("M{code}"));
+        }
         if let Some(spindle) = &start.spindle {
             row(
                 "spindle  ",
@@ -142,8 +145,10 @@ fn shown(start: &Start, setup: &Setup, source: &SourceFile) -> Both {
         if start.coolant {
             row("coolant  ", "冷却    ", "M08");
         }
-        if !start.functions.is_empty() {
-            let codes: Vec<_> = start.functions.iter().map(|m| format!("M{m:02}")).collect();
+        let given = |m: &&u16| gear_of_code(**m).is_some() && setup.params.has_gears();
+        let left = start.functions.iter().filter(|m| !given(m));
+        let codes: Vec<_> = left.map(|m| format!("M{m:02}")).collect();
+        if !codes.is_empty() {
             row("not again", "不再执行", &codes.join(" "));
         }
         let zero = start.origin;
@@ -235,7 +240,7 @@ pub fn lead(start: &Start, setup: &Setup) -> VecDeque<VecDeque<Call>> {
         kind,
     };
     let programs = [
-        spindle_and_coolant(start),
+        spindle_and_coolant(start, setup),
         approach(setup.options().position, start.at, &setup.params),
     ];
     programs
@@ -250,10 +255,17 @@ pub fn lead(start: &Start, setup: &Setup) -> VecDeque<VecDeque<Call>> {
         .collect()
 }
 
-fn spindle_and_coolant(start: &Start) -> Vec<CallKind> {
+fn spindle_and_coolant(start: &Start, setup: &Setup) -> Vec<CallKind> {
+    let gear = gear(start, setup).map(|code| CallKind::Aux(Aux::M(code)));
     let spindle = start.spindle.map(CallKind::Spindle);
     let coolant = start.coolant.then_some(CallKind::Aux(Aux::M(8)));
-    spindle.into_iter().chain(coolant).collect()
+    gear.into_iter().chain(spindle).chain(coolant).collect()
+}
+
+/// The M code of the gear that the lines before have selected, where that is not in.
+fn gear(start: &Start, setup: &Setup) -> Option<u16> {
+    let code = start.gear.filter(|_| setup.params.has_gears())?;
+    (gear_of_code(code) != Some(setup.gear)).then_some(code)
 }
 
 fn approach(from: Position, to: Position, params: &Params) -> Vec<CallKind> {

@@ -9,6 +9,7 @@ mod calls;
 mod contours;
 mod frame;
 mod jumps;
+mod main_program;
 mod returns;
 mod search;
 #[cfg(test)]
@@ -204,6 +205,10 @@ pub struct Flow<S> {
     depth: u32,
     /// A block has been carried out.
     started: bool,
+    /// Where the main program begins has been found.
+    placed: bool,
+    /// That numbers are rounded has been told.
+    told_digits: bool,
     over: bool,
     /// The next block belongs to the contour of a cycle.
     in_contour: bool,
@@ -235,6 +240,8 @@ impl<S: Source> Flow<S> {
             last: Place::START,
             depth: 0,
             started: false,
+            placed: false,
+            told_digits: false,
             over: false,
             in_contour: false,
             idle: 0,
@@ -336,6 +343,13 @@ impl<S: Source> Flow<S> {
             && self.reads_plain(machine);
         if !self.started {
             self.at = behind_leader(&mut self.lines, self.at)?;
+        }
+        if !std::mem::replace(&mut self.placed, true)
+            && let Some((main, told)) = self.main_behind()?
+        {
+            machine.note(told);
+            self.at = main;
+            return Ok(());
         }
         let Some(line) = self.lines.line(self.at)? else {
             return self.text_over(machine);

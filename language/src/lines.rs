@@ -186,6 +186,8 @@ impl<S: Source> Lines<S> {
         if let Some(rest) = text
             .strip_prefix(MARK)
             .filter(|_| line_in_file(at.line) == 1)
+            // The core passes over one, too; a second one is a mistake.
+            .filter(|rest| !rest.starts_with(MARK))
         {
             text = rest;
         }

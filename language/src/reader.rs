@@ -4,8 +4,11 @@
 //! block with expressions goes there as words, each with its place in the text. This module knows which increment a word
 //! has; it must not know files.
 
+mod angle;
 mod drill;
 mod glimpse;
+#[cfg(test)]
+mod published;
 mod system;
 #[cfg(test)]
 mod tests;
@@ -59,6 +62,8 @@ struct Core<'p> {
     contour: Option<(Collected, Option<Interpreter<'p>>)>,
     /// The drilling cycle in force, and where the tool was before its first hole.
     drill: Option<(Drill, Position)>,
+    /// A line that is given by its angle and ends where the next one says.
+    open_line: Option<angle::Open>,
     /// Corners and the round nose.
     path: Path,
     /// Events of the core that go through the path.
@@ -92,6 +97,7 @@ impl<'p, S: Source> Reader<'p, S> {
                 first: FirstLines::new(control),
                 contour: None,
                 drill: None,
+                open_line: None,
                 path: Path::new(),
                 events: VecDeque::new(),
             },
@@ -155,6 +161,7 @@ impl<'p, S: Source> Reader<'p, S> {
         !self.flow.is_in_call()
             && core.contour.is_none()
             && core.drill.is_none()
+            && core.open_line.is_none()
             && core.path.is_idle()
             && !core.interpreter.in_force().taps
     }
@@ -245,6 +252,11 @@ impl Core<'_> {
             b'P' | b'Q' if !self.counts() => length,
             _ => 0,
         }
+    }
+
+    /// A number without a point counts increments. On a GSK 980TD it does not, whatever the parameter.
+    fn counts_increments(&self) -> bool {
+        self.control != Control::Gsk980td && !self.params.whole_units()
     }
 
     /// P and Q of G74 to G76 count increments.
@@ -573,6 +585,9 @@ impl Machine for Acting<'_, '_> {
     }
 
     fn words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
+        if let Some(done) = self.line_by_angle(line, words)? {
+            return Ok(done);
+        }
         match self.drill(line, words)? {
             Some(done) => Ok(done),
             None => self.plain_words(line, words),
@@ -580,7 +595,7 @@ impl Machine for Acting<'_, '_> {
     }
 
     fn wants_words(&self) -> bool {
-        self.core.drill.is_some()
+        self.core.drill.is_some() || self.core.counts_increments()
     }
 
     fn returns_to_r(&mut self, returns: bool) {
@@ -593,11 +608,19 @@ impl Machine for Acting<'_, '_> {
 
     fn setting(&self) -> Setting {
         let now = self.core.interpreter.in_force();
+        // An open line has not been carried out, and is one of G01.
+        let motion = match self.core.open_line {
+            Some(_) => 1,
+            None => now.motion,
+        };
         Setting {
-            motion: now.motion,
+            motion,
             increment: self.core.unit().decimals,
             counts: self.core.counts(),
             holes: now.taps,
+            inch: self.core.interpreter.is_inch(),
+            per_turn: now.per_turn,
+            counts_increments: self.core.counts_increments(),
         }
     }
 
@@ -611,6 +634,7 @@ impl Machine for Acting<'_, '_> {
     }
 
     fn contour_begins(&mut self, cycle: Cycle, words: &[Word], span: Span) -> Result<(), Alarm> {
+        self.refuse_open_line()?;
         self.release()?;
         let core = &mut *self.core;
         let at = core.interpreter.position();
@@ -623,8 +647,9 @@ impl Machine for Acting<'_, '_> {
     }
 
     fn contour_ends(&mut self) -> Result<Done, Alarm> {
+        self.refuse_open_line()?;
         let core = &mut *self.core;
-        let Some((collected, own)) = core.contour.take() else {
+        let Some((mut collected, own)) = core.contour.take() else {
             return Ok(Done::default());
         };
         let Some(own) = own else {
@@ -636,6 +661,9 @@ impl Machine for Acting<'_, '_> {
         core.interpreter = own;
         let mut done = Done::default();
         let stock = core.stock;
+        if let Some(told) = collected.leave_out_way_back() {
+            self.note(told);
+        }
         for doubt in collected.doubts(stock.as_ref()) {
             self.note(doubt);
         }
@@ -652,6 +680,7 @@ impl Machine for Acting<'_, '_> {
     }
 
     fn finish(&mut self) -> Result<(), Alarm> {
+        self.refuse_open_line()?;
         self.act(|core, out| core.interpreter.finish(&mut |event| out(event)))
             .map(drop)
     }

@@ -7,7 +7,7 @@ use leadscrew_core::alarm::{Alarm, Arg, At, Code, Span};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Diameter, Length};
 
-use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats, Roughing};
+use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats, Roughing, without_way_back};
 use crate::dialect::Control;
 use crate::plane::{Element, Point};
 use crate::stock::Stock;
@@ -371,6 +371,17 @@ impl Collected {
         if self.elements.len() <= Contour::MAX {
             self.elements.push(element);
         }
+    }
+
+    /// Leaves out rapids at the end of the contour of G71 or G72 that lead back clear of it; what is to be told then.
+    pub fn leave_out_way_back(&mut self) -> Option<Alarm> {
+        let Figures::Rough(along, _) = self.figures else {
+            return None;
+        };
+        let kept = without_way_back(self.start, self.axes?, along, &self.elements)?;
+        let told = Alarm::new(Code::ContourWayBack, self.elements.get(kept)?.span);
+        self.elements.truncate(kept);
+        Some(told)
     }
 
     /// What looks wrong about the cycle, though it can be cut [D252]: its depth beside the declared stock, too [D275].

@@ -41,6 +41,8 @@ impl Word {
     pub const CHAMFER_L: u8 = b'l';
     /// C, I or K of FANUC and Haas: a chamfer whose sign says where the next motion goes.
     pub const CHAMFER_TOWARD: u8 = b'k';
+    /// `,A`, and A of a line in a Haas: the angle of the line.
+    pub const ANGLE: u8 = b'g';
     /// Q of G76 in one block: the start angle, for which the block that takes its place has no letter.
     pub const START_ANGLE: u8 = b'a';
     /// R of FANUC and Haas: a rounding with such a sign.
@@ -182,11 +184,13 @@ pub fn read<L: Lookup>(
     Ok(())
 }
 
-/// The letter of `,C` or `,R`, small.
+/// The letter of `,C`, `,R` or `,A` in words of their own.
 fn corner(mut cursor: Cursor<'_>) -> Option<u8> {
     cursor.advance();
     match cursor.peek() {
-        Some(letter @ (b'C' | b'R')) => Some(letter.to_ascii_lowercase()),
+        Some(b'C') => Some(Word::CHAMFER),
+        Some(b'R') => Some(Word::ROUND),
+        Some(b'A') => Some(Word::ANGLE),
         _ => None,
     }
 }

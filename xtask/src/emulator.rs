@@ -7,17 +7,20 @@ use anyhow::{Context, Result, anyhow, bail};
 use crate::{audit, run, target};
 
 /// The most instructions of a whole tick: X, Z, C and a spindle in any motion, and between two motions.
-const TICK_LIMIT: u64 = 2250;
+const TICK_LIMIT: u64 = 2300;
 /// Rows whose name begins like this count whole ticks of the board.
 const WHOLE_TICK: &str = "board/";
-/// The rows with a higher limit: three more spindles are three more drives, and a joined cut rounds two axes besides.
-const DEARER: [&str; 3] = [
+/// The rows with a higher limit: three more spindles are three more drives, a joined cut rounds two axes besides, and the
+/// lag of a drive costs some 50 instructions, with feed-forward 120.
+const DEARER: [&str; 5] = [
     "board/seven-drives",
+    "board/lags",
+    "board/lags-forward",
     "board/joined-line",
     "board/joined-arc",
 ];
 /// Their limit.
-const DEARER_LIMIT: u64 = 2400;
+const DEARER_LIMIT: u64 = 2450;
 /// A row may grow by this much, in percent, before the table has to be renewed on purpose.
 const GROWTH_PERCENT: u64 = 5;
 /// A loop of known length. It shows that the emulated clock counts instructions.
@@ -229,16 +232,16 @@ mod tests {
     #[test]
     fn whole_ticks_have_a_limit() {
         let rows = [
-            row("board/line", 2250),
-            row("board/arc", 2251),
-            row("board/seven-drives", 2400),
-            row("board/seven-drives", 2401),
+            row("board/line", 2300),
+            row("board/arc", 2301),
+            row("board/seven-drives", 2450),
+            row("board/seven-drives", 2451),
             row("plan/line", 30_000),
         ];
         let dear = too_dear(&rows);
         assert_eq!(dear.len(), 2, "{dear:?}");
-        assert!(dear[0].starts_with("board/arc: worst 2251"));
-        assert!(dear[1].starts_with("board/seven-drives: worst 2401"));
+        assert!(dear[0].starts_with("board/arc: worst 2301"));
+        assert!(dear[1].starts_with("board/seven-drives: worst 2451"));
     }
 
     #[test]

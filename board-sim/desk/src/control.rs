@@ -48,6 +48,11 @@ pub enum Request {
         /// How it is then.
         to: Level,
     },
+    /// Spoils the turret, or mends it.
+    Turret {
+        /// How it is then.
+        to: Turret,
+    },
     /// Takes the power of board and drives, or gives it.
     Power {
         /// What happens to it.
@@ -95,6 +100,20 @@ pub enum Level {
     Off,
     /// The simulated devices have it.
     Auto,
+}
+
+/// A turret.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Turret {
+    /// Nothing is wrong with it.
+    Well,
+    /// It does not turn.
+    Stuck,
+    /// It goes on to the next station before it is clamped.
+    Slips,
+    /// It never says that it is clamped.
+    Loose,
 }
 
 /// The power of board and drives.

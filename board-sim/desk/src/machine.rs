@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::{Flash, HomingOptions, PlantOptions};
-use leadscrew_board_sim::{Around, Sim, SimError};
+use leadscrew_board_sim::{Around, Sim, SimError, TurretFault};
 use leadscrew_common::diagnostics::alarm_words;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::profiles::Chosen;
@@ -169,6 +169,12 @@ impl Machine {
         self.show_around();
     }
 
+    /// What is wrong with the turret from now on.
+    pub fn spoil_turret(&mut self, fault: TurretFault) {
+        self.around.spoil_turret(fault);
+        self.show_around();
+    }
+
     /// Somebody sets an input, or leaves it to the simulated devices.
     pub fn set_input(&mut self, input: Contact, on: Option<bool>) {
         self.around.set(input, on);
@@ -177,7 +183,7 @@ impl Machine {
 
     fn show_around(&mut self) {
         if let Power::On(sim) = &mut self.power {
-            *sim.around() = self.around;
+            sim.around().be_as(&self.around);
         }
     }
 

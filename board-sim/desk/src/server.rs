@@ -22,8 +22,9 @@ use nix::sys::time::TimeSpec;
 
 use crate::bus::{Bus, WAITING};
 use crate::clock::{Clock, Speed};
-use crate::control::{Answer, Contact, LONGEST, Level, Power, Request, View};
+use crate::control::{Answer, Contact, LONGEST, Level, Power, Request, Turret, View};
 use crate::machine::{Contacts, Machine};
+use leadscrew_board_sim::TurretFault;
 
 /// The longest wait for anything, so that an interruption is noticed.
 const GLANCE: Duration = Duration::from_millis(50);
@@ -307,6 +308,15 @@ impl Server {
                     Level::Auto => None,
                 };
                 self.machine.set_input(input, on);
+                Ok(())
+            }
+            Request::Turret { to } => {
+                self.machine.spoil_turret(match to {
+                    Turret::Well => TurretFault::None,
+                    Turret::Stuck => TurretFault::Stuck,
+                    Turret::Slips => TurretFault::Slips,
+                    Turret::Loose => TurretFault::Loose,
+                });
                 Ok(())
             }
             Request::Power { to } => self.power(to),

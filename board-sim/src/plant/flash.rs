@@ -123,7 +123,7 @@ impl Flash {
     /// Bytes of a page.
     pub const PAGE: usize = 4096;
     /// Bytes in all.
-    pub const SIZE: usize = 4 * Self::PAGE;
+    pub const SIZE: usize = 8 * Self::PAGE;
     /// Bytes of an [image](Self::image).
     pub const IMAGE: usize = Self::MARK.len() + Self::SIZE + Self::WORDS / 8 + 4;
 

@@ -54,7 +54,7 @@ use leadscrew_core::bus::{
     CobId, FdFrame, Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
 };
 use leadscrew_core::call::{Position, TapSpindle};
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Gear, Params};
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Length, Turns};
 
@@ -126,6 +126,9 @@ pub struct Plant {
     spindle_drive: Drive,
     /// Increments of the spindle's drive in a turn.
     per_turn: u32,
+    /// The same where the motor turns as the spindle.
+    direct_per_turn: u32,
+    gear: Option<Gear>,
     /// The position of the spindle in position mode.
     position: Follower,
     /// Spindles 2 to 4, and how many of them exist.
@@ -175,6 +178,8 @@ impl Plant {
             )
             .for_spindle(),
             per_turn: params.spindle_increments(),
+            direct_per_turn: params.spindle_increments(),
+            gear: None,
             position,
             positioning: false,
         })
@@ -277,9 +282,27 @@ impl Plant {
         }
     }
 
-    /// From now on the spindle follows the command of its drive.
+    /// From now on the spindle follows the command of its drive, through the gear that is in.
     fn tell_spindle(&mut self) {
-        self.spindle.command(self.spindle_drive.velocity());
+        let motor = self.spindle_drive.velocity();
+        self.spindle.command(match self.gear {
+            None => motor,
+            Some(gear) => {
+                let turned = i64::from(motor.get()).wrapping_mul(gear.spindle.into());
+                let speed = turned.checked_div(gear.motor.into()).unwrap_or(0);
+                MilliRpm::new(speed as i32)
+            }
+        });
+    }
+
+    /// The gear that is in from now on; the spindle stands. Without one the motor turns as the spindle.
+    pub fn shift(&mut self, gear: Option<Gear>) {
+        if gear != self.gear {
+            self.gear = gear;
+            let direct = self.direct_per_turn;
+            let geared = gear.and_then(|gear| gear.increments(direct));
+            self.per_turn = geared.unwrap_or(direct);
+        }
     }
 
     /// Takes a frame of another node: NMT commands and SDO requests reach the drives, whose answers go to `to_bus`.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params, Part};
 
-use super::{name, value_text};
+use super::{functions, name, value_text};
 use crate::json::Json;
 use crate::words::pick;
 
@@ -51,11 +51,16 @@ pub struct DriveChange {
 #[must_use]
 pub fn text(changes: &[Change], drives: &[DriveChange], lang: Lang) -> String {
     let of_set = changes.iter().map(|change| {
+        let mut new = value_text(change.entry, change.new);
+        let words = functions::row_of(change.entry).and_then(|_| functions::words(change.new));
+        if let Some(words) = words {
+            let _ = write!(new, "  # {words}");
+        }
         [
             change.entry.to_string(),
             name(change.entry),
             value_text(change.entry, change.old),
-            value_text(change.entry, change.new),
+            new,
         ]
     });
     let of_drives = drives.iter().map(|change| {

@@ -9,7 +9,7 @@ use leadscrew_core::params::Entry;
 use toml::de::{DeTable, DeValue};
 
 use super::file::in_order;
-use super::{literal, name};
+use super::{functions, literal, name};
 
 /// A value in a file: the pieces of its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -140,9 +140,15 @@ pub fn with_values(text: &str, values: &[(&'static Entry, i64)]) -> String {
     let Some(leaves) = leaves(text, &super::OTHER_KEYS) else {
         return text.to_owned();
     };
-    let mut replacements = Vec::new();
+    let functions::Rewritten {
+        mut replacements,
+        rows,
+    } = functions::rewritten(text, values);
     let mut added = String::new();
     for &(entry, raw) in values {
+        if functions::row_of(entry).is_some_and(|row| rows.contains(&row)) {
+            continue;
+        }
         let same = |leaf: &&Leaf| Entry::find_text(&leaf.key()) == Ok(entry);
         if let Some(leaf) = leaves.iter().find(same) {
             replacements.push(Replacement {
@@ -243,7 +249,9 @@ fn at_top(text: &str, leaves: &[Leaf], lines: String, end: &str) -> Replacement 
 fn header_of_others(text: &str) -> Option<usize> {
     let mut start = 0;
     for line in text.split_inclusive('\n') {
-        if line.trim_start().starts_with("[drive") {
+        let head = line.trim_start().strip_prefix('[');
+        let head = head.map(|head| head.split([']', '.']).next().unwrap_or_default());
+        if head.is_some_and(|head| super::OTHER_KEYS.contains(&head.trim())) {
             return Some(start);
         }
         start += line.len();

@@ -8,8 +8,9 @@
 //! X = "120.5 mm"
 //! ```
 //!
-//! Four keys are no parameters: `schema`, the version of the file's table; `drive`, the sections of the drives; `dialect`,
-//! the control that programs beside the file are written for; `allow`, the numbers that are not told of these programs.
+//! Six keys are no parameters: `schema`, the version of the file's table; `drive`, the sections of the drives; `dialect`,
+//! the control that programs beside the file are written for; `allow`, the numbers that are not told of these programs;
+//! `io` and `m`, names of inputs and outputs and what M codes do with them, which become parameters.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -23,7 +24,7 @@ use leadscrew_language::dialect::Control;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-use super::{Loader, drives, mistake, schema};
+use super::{Loader, drives, functions, mistake, schema};
 use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::{Doing, Failure, Outcome, unreadable};
 use crate::source::SourceFile;
@@ -195,14 +196,19 @@ impl<'a> Source<'a> {
         if let Some(value) = table.get(schema::KEY)
             && schema::version(self.text) != Ok(Some(schema::SCHEMA))
         {
-            let found = self.text.get(value.span()).unwrap_or_default();
+            let found = self.text_at(&value.span());
             let figures = [mistake::shown(found), schema::SCHEMA.to_string()];
             return loader.report(Code::ParamSchema, &figures, &self.place(&value.span()));
+        }
+        // Values may be names, and a row goes where the values leave room.
+        if let Some((key, value)) = table.get_key_value(functions::IO) {
+            functions::names(loader, self, key, value);
         }
         for (key, value) in in_order(table) {
             let name = key.get_ref().as_ref();
             match value.get_ref() {
                 _ if name == schema::KEY => {}
+                _ if [functions::IO, functions::M].contains(&name) => {}
                 _ if name == super::DIALECT => self.dialect(loader, value),
                 _ if name == super::ALLOW => self.allow(loader, value),
                 _ if name == drives::KEY => drives::apply(loader, self, key, value),
@@ -212,6 +218,9 @@ impl<'a> Source<'a> {
                     Err(error) => loader.not_found(name, error, &self.place(&key.span())),
                 },
             }
+        }
+        if let Some((key, value)) = table.get_key_value(functions::M) {
+            functions::apply(loader, self, key, value);
         }
     }
 
@@ -224,7 +233,7 @@ impl<'a> Source<'a> {
         match named {
             Some(control) => loader.loaded.dialect = Some(control),
             None => {
-                let found = self.text.get(value.span()).unwrap_or_default();
+                let found = self.text_at(&value.span());
                 let figures = [mistake::shown(found), Control::names()];
                 loader.report(Code::ParamDialect, &figures, &self.place(&value.span()));
             }
@@ -278,8 +287,18 @@ impl<'a> Source<'a> {
         value: &Spanned<DeValue>,
     ) {
         let at_value = self.place(&value.span());
+        let number;
         let text = match value.get_ref() {
-            DeValue::String(text) => text.as_ref(),
+            DeValue::String(text) => {
+                match functions::contact_number(loader, entry, text, &at_value) {
+                    Some(Some(contact)) => {
+                        number = contact.number().to_string();
+                        number.as_str()
+                    }
+                    Some(None) => return,
+                    None => text.as_ref(),
+                }
+            }
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
             // A decimal number without a unit. The missing unit depends on the parameter.
             DeValue::Float(float) => float.as_str(),
@@ -298,6 +317,11 @@ impl<'a> Source<'a> {
             &self.place(key),
             &at_value,
         );
+    }
+
+    /// What is written there.
+    pub fn text_at(&self, span: &Range<usize>) -> &'a str {
+        self.text.get(span.clone()).unwrap_or_default()
     }
 
     /// Line and columns of a span, which is cut at the end of its first line.

@@ -8,6 +8,7 @@ pub mod difference;
 pub mod drives;
 pub mod edit;
 mod file;
+pub mod functions;
 mod mistake;
 mod option;
 pub mod schema;
@@ -49,13 +50,24 @@ pub struct Loaded {
     pub dialect: Option<Control>,
     /// Numbers of what is not told of programs beside the file.
     pub allow: Allowed,
+    /// Names of inputs and outputs in the order of the files.
+    pub names: Vec<functions::Named>,
+    /// Tables of M codes in the order of the files.
+    functions: Vec<functions::Table>,
     /// The values without a place are a board's; otherwise the built-in machine's.
     pub of_a_board: bool,
     sources: BTreeMap<Key, Source>,
 }
 
 /// Keys at the top of a file that are no parameters.
-const OTHER_KEYS: [&str; 4] = [schema::KEY, drives::KEY, DIALECT, ALLOW];
+const OTHER_KEYS: [&str; 6] = [
+    schema::KEY,
+    drives::KEY,
+    DIALECT,
+    ALLOW,
+    functions::IO,
+    functions::M,
+];
 
 /// The key of the control that programs beside the file are written for.
 pub(crate) const DIALECT: &str = "dialect";
@@ -172,6 +184,8 @@ impl Loaded {
             drives: Vec::new(),
             dialect: None,
             allow: Allowed::NONE,
+            names: Vec::new(),
+            functions: Vec::new(),
             of_a_board: true,
             sources: BTreeMap::new(),
         }
@@ -301,12 +315,17 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::TravelBeyondDrive => &[1320, 1321, 9001, 9002, 9058],
         Code::IncrementAboveLimit => &[1828, 9001, 9002],
         Code::ToleranceAboveVariation => &[9007, 9010],
+        Code::GainTooLow => &[9070, 9073],
         Code::TapSpeedAboveSpindle => &[3772, 5241],
         Code::NoPeckReturn => &[5213],
         Code::ExtractionOverrideOff => &[5200, 5201],
         Code::FunctionUnusable => &[
             9401, 9402, 9403, 9404, 9405, 9406, 9407, 9408, 9409, 9410, 9411, 9412, 9413, 9414,
             9415, 9416,
+        ],
+        Code::TurretUnusable => &[9451, 9452, 9454, 9455, 9456],
+        Code::GearUnusable => &[
+            3772, 9013, 9431, 9432, 9433, 9434, 9436, 9437, 9438, 9439, 9441, 9442, 9443, 9444,
         ],
         Code::DriveNodeTwice => &[9014, 9015, 9016],
         _ => &[],
@@ -333,6 +352,31 @@ impl Loader {
         self.report(code, &figures, place);
     }
 
+    /// Takes a raw value that a file says in its own words; false where this file has set it already.
+    fn put(&mut self, entry: &'static Entry, raw: i64, at: &Place) -> bool {
+        if let Some(first) = self.loaded.sources.get(&key(entry))
+            && first.layer == self.layer
+        {
+            let line = first.place.line.to_string();
+            self.report(Code::ParamTwice, &[mistake::label(entry), line], at);
+            return false;
+        }
+        // What makes it keeps within the range.
+        let _ = self.loaded.params.set(entry, raw);
+        self.came_from(entry, at);
+        true
+    }
+
+    fn came_from(&mut self, entry: &'static Entry, at: &Place) {
+        self.count += 1;
+        let source = Source {
+            order: self.count,
+            layer: self.layer,
+            place: at.clone(),
+        };
+        self.loaded.sources.insert(key(entry), source);
+    }
+
     /// Takes one value. `at_key` and `at_value` are the places for a mistake in either.
     fn set(
         &mut self,
@@ -356,12 +400,6 @@ impl Loader {
             self.report(code, &figures, at_value);
         }
         // Counted also where it was refused, so that a second mistake about the same value is reported as such.
-        self.count += 1;
-        let source = Source {
-            order: self.count,
-            layer: self.layer,
-            place: at_value.clone(),
-        };
-        self.loaded.sources.insert(key(entry), source);
+        self.came_from(entry, at_value);
     }
 }

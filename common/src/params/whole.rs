@@ -6,7 +6,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params};
 
 use super::schema::{KEY, SCHEMA};
-use super::{CHAPTERS, literal, meaning, name, value_text};
+use super::{CHAPTERS, functions, literal, meaning, name, value_text};
 use crate::words::pick;
 
 /// The file. `head` is printed at its top, each line as a comment.
@@ -41,7 +41,10 @@ pub fn file(params: &Params, head: &[String], lang: Lang) -> String {
 
 fn value(out: &mut String, params: &Params, entry: &Entry, lang: Lang) {
     let (raw, built_in) = (params.get(entry), Params::slant_bed().get(entry));
-    let _ = write!(out, "{} = {}", name(entry), literal(entry, raw));
+    let _ = match functions::row_of(entry).and_then(|_| functions::line(entry, raw)) {
+        Some(line) => write!(out, "{line}"),
+        None => write!(out, "{} = {}", name(entry), literal(entry, raw)),
+    };
     if raw != built_in {
         let words = pick(lang, "built in:", "内置值：");
         let _ = write!(out, "  # {words} {}", value_text(entry, built_in));
@@ -61,6 +64,8 @@ mod tests {
             ("1320.C", 90_000_000),
             ("019", 7),
             ("5200.4", 1),
+            ("9401", 81_011_010_200),
+            ("9403", 9_998_162_169_999),
         ] {
             params.set(Entry::find_text(key).unwrap(), raw).unwrap();
         }

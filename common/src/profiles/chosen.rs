@@ -72,6 +72,12 @@ impl Chosen {
         Ok(chosen)
     }
 
+    /// The profiles of X and Z.
+    #[must_use]
+    pub const fn axes(&self) -> &[Option<Profile>; 2] {
+        &self.0
+    }
+
     fn put(&mut self, axis: Option<&str>, profile: Option<Profile>) -> Outcome {
         let Some(axis) = axis else {
             self.0 = [profile.clone(), profile];

@@ -7,6 +7,7 @@ use std::io;
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::call::{Aux, Call, CallKind, Position, SpindleCall, SpindleMode};
+use leadscrew_core::params::gear_of_code;
 use leadscrew_core::program::{Carried, Event};
 use leadscrew_language::flow::Trouble;
 
@@ -31,6 +32,8 @@ pub struct Start {
     pub coolant: bool,
     /// Other functions of the lines before, which are not given again.
     pub functions: BTreeSet<u16>,
+    /// The latest of M41 to M44.
+    pub gear: Option<u16>,
     /// G61.
     pub exact: bool,
     /// The first motion of the line itself.
@@ -68,6 +71,7 @@ struct Skipped {
     spindle: Option<SpindleCall>,
     coolant: bool,
     functions: BTreeSet<u16>,
+    gear: Option<u16>,
     exact: bool,
     ended: bool,
     /// The last stroke is one that the next goes on from.
@@ -83,6 +87,9 @@ impl Skipped {
             // Stops have no effect later.
             CallKind::Aux(Aux::M(0 | 1) | Aux::T(_)) => {}
             CallKind::Aux(Aux::M(code)) => {
+                if gear_of_code(*code).is_some() {
+                    self.gear = Some(*code);
+                }
                 self.functions.insert(*code);
             }
             CallKind::ExactStop(exact) => self.exact = *exact,
@@ -161,6 +168,7 @@ impl Program<'_> {
                 tool: before.3,
                 coolant: skipped.coolant,
                 functions: skipped.functions,
+                gear: skipped.gear,
                 exact: skipped.exact,
                 first,
             };

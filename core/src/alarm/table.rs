@@ -467,7 +467,14 @@ codes! {
         "write a bottom beyond R, R as its distance from the initial level with its sign, and Q in the unit of this control",
         "该孔在 R 平面以下没有深度，或 R 不在初始平面与孔底之间，或 Q 使进给次数超过 9999", "请将孔底写在 R 平面之外，R 写为距初始平面的带符号距离，Q 使用本系统的单位";
 
-    // 4086–4089: the program as a whole; `common` and `language`.
+    /// A line given by its angle, whose end is not told.
+    AngleEnd = 4089, "the angle {w} and the words beside it do not tell where this line ends",
+        "write {w} with X or Z of the end, whichever the line moves along: the other is calculated; or {w} alone, and next a line with {w}, X and Z, where the two meet",
+        "角度 {w} 与同段的字不足以确定该直线的终点", "请将 {w} 与直线所移动轴的终点 X 或 Z 同写，另一个由系统计算；或只写 {w}，下一段直线写 {w}、X 和 Z，两线相交于一点";
+    /// A feed per turn or a lead without a point, where numbers without one count increments.
+    FeedWithoutPoint = 4090, "{w} has no point, and numbers without one count increments here (3401.0 = 0): for a feed per turn controls count 0.01, 0.001 or 0.0001 mm", "write it with a point, as F0.2",
+        "{w} 没有小数点，而此处省略小数点的数以最小增量为单位（3401.0 = 0）；每转进给的单位因系统而异（0.01、0.001 或 0.0001 mm）", "请带小数点书写，如 F0.2";
+    // 4086–4088: the program as a whole; `common` and `language`.
     /// A comment with DIALECT that names none.
     DialectUnknown = 4086, "there is no dialect of this name", "write one of gsk980td, gsk988, fanuc-a, fanuc-b, fanuc-c, haas: `(DIALECT FANUC-B)`",
         "没有该名称的方言", "请写下列之一：gsk980td、gsk988、fanuc-a、fanuc-b、fanuc-c、haas，如 `(DIALECT FANUC-B)`";
@@ -624,6 +631,15 @@ codes! {
     /// An ordinary tap by another spindle; {0} its number.
     FloatSpindleWithoutEncoder = 4271, "spindle {0} has no encoder here: an ordinary tap follows spindle 1 only", "write E1 or M24, or tap in rigid mode",
         "{0} 号主轴没有编码器：普通攻丝只能跟随 1 号主轴", "请写 E1 或 M24，或使用刚性攻丝";
+    /// A gain of a drive that no position loop has: number of the parameter, value in tenths per second.
+    GainTooLow = 4434, "a position loop with a gain of {1} times 0.1 /s ({0}) is too slow to be made up for", "write the gain of the drive, 50 (5 /s) or more, or 0 where nothing is to be taken off",
+        "位置环增益 {1} × 0.1 /s（{0}）过低，无法补偿", "请填写驱动器的增益（至少 50，即 5 /s），不补偿时填 0";
+    /// A turret whose inputs and outputs are missing, or do not fit.
+    TurretUnusable = 4433, "the turret (9451 = 2) cannot work", "set its stations (9452: 2 or more), the output that turns it (9454), the first input of its code (9455; the code needs inputs up to 16 at most) and the input of its clamp (9456)",
+        "刀塔（9451 = 2）不能工作", "请设定工位数（9452，不少于 2）、转位输出（9454）、工位码的第一个输入（9455，全部码位不超过输入 16）和锁紧输入（9456）";
+    /// A gear that is set in part, or that no drive can follow; {0} is its number.
+    GearUnusable = 4432, "gear {0} cannot work", "set all three, 9430 + {0}, 9435 + {0} and 9440 + {0}, or none; at most 15 turns of the motor for one of the spindle, increments of the drive (9013) for a turn of the spindle that are a whole number, and a speed of at most 3772",
+        "第 {0} 档不能工作", "9430 + {0}、9435 + {0}、9440 + {0} 应全部设定或全部为 0；电机与主轴圈数之比不超过 15，主轴每转的驱动脉冲数（9013）须为整数，转速不超过 3772";
     /// An encoder whose edges are not timed shakes an axis on this lead: lead, noise and limit in m/s², the longest lead.
     LeadForEncoder = 4272, "the counts of the spindle encoder would shake the axis by up to {1} m/s² on a lead of {0}; its acceleration is {2} m/s²",
         "write a lead of {3} or less, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
@@ -980,6 +996,28 @@ codes! {
         "use an encoder of {3} counts (3720) or more, or hardware that times its edges (9006.0), or lower 9005",
         "每转 {0} 个计数且不捕获边沿时间，在 1 mm 导程上使 Z 轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",
         "请使用不少于 {3} 个计数的编码器（3720），或使用能捕获边沿时间的硬件（9006.0），或减小 9005";
+    // 4440–4446, inputs, outputs and machine functions of parameter files: the figures are texts.
+    /// No input or output of this name; {0} the name, {1} `input` or `output`.
+    IoUnknown = 4440, "there is no {1} `{0}`", "name one: `[io.{0}]` with `at = \"{1}:1\"`, or write its place, as `{1}:1`",
+        "没有名为 `{0}` 的 {1}", "请先命名：`[io.{0}]` 与 `at = \"{1}:1\"`，或直接写位置，如 `{1}:1`";
+    /// An input where an output has to be, or the reverse; {0} the name, {1} what has to be.
+    IoOtherSide = 4441, "`{0}` is no {1}", "write the name of an {1}, or its place, as `{1}:1`",
+        "`{0}` 不是 {1}", "请写 {1} 的名称，或直接写位置，如 `{1}:1`";
+    /// A key that such a table does not have; {0} the table, {1} the key, {2} those that there are.
+    FieldUnknown = 4442, "{0} has no `{1}`", "write {2}",
+        "{0} 中没有 `{1}`", "请写 {2}";
+    /// A value of such a table; {0} the table, {1} the key, {2} what is written, {3} what can be.
+    FieldValue = 4443, "{0}: `{1}` cannot be {2}", "write {3}",
+        "{0}：`{1}` 不能是 {2}", "请写 {3}";
+    /// A key that is missing; {0} the table, {1} the key, {2} an example.
+    FieldMissing = 4444, "{0} needs `{1}`", "write {2}",
+        "{0} 缺少 `{1}`", "请写 {2}";
+    /// A key beside which another one has no meaning; {0} the table, {1} the key, {2} the other.
+    FieldIdle = 4445, "{0}: `{1}` and `{2}` do not go together", "leave out one of them",
+        "{0}：`{1}` 与 `{2}` 不能同时使用", "请删去其中之一";
+    /// All rows are taken; {0} the M code.
+    RowsTaken = 4446, "there is no row left for M{0}", "leave out another M code: a board has sixteen rows (9401 to 9416)",
+        "M{0} 没有空行可用", "请删去另一个 M 代码：控制板共有 16 行（9401 至 9416）";
     // 4450–4458, drive sections of parameter files: the figures are texts.
     /// `[drive.NAME]` of a drive that no machine has; {0} the name.
     DriveUnknown = 4450, "there is no drive `{0}`", "write `[drive.X]`, Z, C, or S1 to S4 for a spindle",
@@ -1089,6 +1127,36 @@ codes! {
     /// The answer of a function that is switched on has gone: input, output.
     AnswerLost = 4552, "input {0}, which answered for output {1}, has gone while that is on", "look at what the output switches, and at its input; then reset",
         "输出 {1} 接通期间，其应答输入 {0} 消失", "请检查该输出控制的装置及其输入，然后复位";
+    /// The turret has not come to its station in its time; {0} is the station, {1} its code now, {2} the time in ms.
+    TurretLate = 4570, "the turret has not come to station {0} within {2} ms: its code is {1}", "look at what keeps it, and at its output and code; then reset, and T again",
+        "刀塔在 {2} ms 内未到达工位 {0}：当前工位码为 {1}", "请检查卡阻、输出和工位码；然后复位并重新执行 T";
+    /// T where the turret would not be clear of the work; {0} is the axis.
+    OutsideChange = 4571, "{0} is not where the turret may turn", "move X to 9458 and Z to 9459, or beyond, before T",
+        "{0} 轴不在允许刀塔转位的位置", "请在 T 之前将 X 移到 9458、Z 移到 9459 或更远处";
+    /// The turret is clamped at another station; {0} is the station, {1} its code.
+    WrongStation = 4572, "the turret is clamped at station {1} instead of {0}", "look at its code and its stop; then reset, and T again",
+        "刀塔锁紧在工位 {1}，而不是 {0}", "请检查工位码和定位；然后复位并重新执行 T";
+    /// The turret is not clamped in its time; {0} is the station.
+    NotClamped = 4573, "the turret is not clamped at station {0}", "look at its clamp and at the input of 9456; then reset, and T again",
+        "刀塔在工位 {0} 未锁紧", "请检查锁紧机构和 9456 的输入；然后复位并重新执行 T";
+    /// A station that the turret does not have; {0} is the station, {1} those that it has.
+    StationMissing = 4574, "T names station {0}, and the turret has {1}", "correct T, or 9452",
+        "T 指定工位 {0}，而刀塔只有 {1} 个工位", "请改正 T 或 9452";
+    /// Motion while a turret stands between its stations.
+    TurretBetween = 4575, "the turret was stopped on its way: nobody knows which tool is in", "T first; `leadscrew mdi T0101` does it, too",
+        "刀塔在转位途中停止：不知道当前是哪把刀", "请先执行 T，例如 `leadscrew mdi T0101`";
+    /// A speed with no gear selected.
+    GearUnknown = 4554, "no gear is known, so the spindle cannot turn", "select one first: M41 to M44 (after power-up, too: nobody knows which one is in)",
+        "档位未知，主轴不能旋转", "请先用 M41 至 M44 选择档位（上电后也须选择：此时档位未知）";
+    /// A gear is selected while the spindle turns; {0} is the M code.
+    GearTurning = 4556, "M{0} while the spindle is told to turn", "write M05 before it, and the speed after it",
+        "主轴旋转时不能执行 M{0}", "请在其前写 M05，在其后写转速";
+    /// S above the highest speed of the gear; {0} is S, {1} that speed, {2} the gear.
+    SpeedAboveGear = 4557, "S{0} is above the {1} rpm of gear {2} (parameter 9440 + {2})", "write a smaller S, or select another gear (M41 to M44)",
+        "S{0} 超过第 {2} 档的最高转速 {1}（参数 9440 + {2}）", "请减小 S，或选择另一档（M41 至 M44）";
+    /// M41 to M44 for a gear that there is not; {0} is the M code.
+    GearMissing = 4558, "M{0} selects a gear that this machine does not have", "correct the code, or set the gear's parameters (9431 to 9444)",
+        "M{0} 选择的档位不存在", "请改正代码，或设定该档的参数（9431 至 9444）";
     /// Something that holds the work has let go while the spindle was on; {0} is the interlock.
     ClampingLost = 4555, "{0} while the spindle is on: the tool is withdrawn, the spindle is stopped", "look at what holds the work before anything turns again; then reset",
         "主轴接通时{0}：刀具退出，主轴停止", "再次旋转前请检查工件夹持；然后复位";
@@ -1263,6 +1331,9 @@ codes! {
     TapSpeedNotReached = 4945, "S {0} is not reached in the depth: the tap turns at {1} at most, in phase",
         "nothing needs to be done; a smaller S, or shorter ramps (5261), would be reached",
         "在孔深范围内达不到 S {0}：最高 {1}，仍保持同步", "无需处理；减小 S 或缩短 5261 的时间即可达到";
+    /// Somebody has to change the tool; {0} is its station.
+    ToolByHand = 4953, "change to tool {0}, then press start", "`leadscrew resume`, once it is in and nothing is in the way",
+        "请换上 {0} 号刀，然后按启动", "换好且无干涉后执行 `leadscrew resume`";
     /// A thread or a tap of a program that follows the handwheel.
     RunsByItself = 4954, "this runs by itself, without the handwheel: press start", "`leadscrew resume`, once nothing is in the way; a thread or a tap goes with its spindle",
         "此段自行运行，不随手轮：请按启动", "确认无障碍后执行 `leadscrew resume`；螺纹与攻丝随主轴运行";
@@ -1301,13 +1372,25 @@ codes! {
     StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
         "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";
     /// A word without a point that leaves the travel as millimetres only; {w} it, {0} what it would be in increments.
-    PointMissing = 4991, "{w} has no point and is read as millimetres here; in increments it would be {0}, and other words of this program have points", "write the point; `(ALLOW 4991)` if it is meant",
-        "{w} 没有小数点，此处按 mm 读取；按最小增量则为 {0}，而本程序其他字带小数点", "请写小数点；确实如此请写 `(ALLOW 4991)`";
+    PointMissing = 4991, "{w} has no point and is read as millimetres here; in increments it would be {0}", "write the point; where the whole program counts increments, set parameter 3401.0 = 0 (`--set 3401.0=0`; a GSK 980TD has none); `(ALLOW 4991)` if it is meant",
+        "{w} 没有小数点，此处按 mm 读取；按最小增量则为 {0}", "请写小数点；若整个程序以最小增量为单位，请设参数 3401.0 = 0（`--set 3401.0=0`；GSK 980TD 无此参数）；确实如此请写 `(ALLOW 4991)`";
 
     // -- 4992–4999 warnings: `language` -----------------------------------------------------------------------------------
     /// M99 in the main program.
     MainRepeats = 4992, "M99 begins the main program again: it is read once here", "nothing needs to be done; write M30 where the program ends",
         "M99 使主程序重新开始：此处只执行一遍", "无需处理；程序结束处请写 M30";
+
+    /// The rapid at the end of a contour of G71 or G72 that leads back beside the part.
+    ContourWayBack = 4997, "the contour of this cycle ends before this rapid, which leads back clear of it: the cycle returns by itself", "nothing needs to be done; G70 follows this rapid as it is written",
+        "循环的轮廓到此快速移动之前为止：该移动在轮廓之外返回，循环自行返回起点", "无需处理；G70 仍按程序执行此快速移动";
+
+    /// A number with more digits than the increment has; {0} what it counts as.
+    DigitsRounded = 4998, "{w} has a digit beyond the smallest step: it counts as {0}, and further words are rounded the same way", "nothing needs to be done where half a step does not matter; else write so many digits as the control has",
+        "{w} 含有小于最小单位的数字：按 {0} 处理，其余的字同样舍入", "若半个最小单位无关紧要则无需处理；否则请按控制系统的位数书写";
+
+    /// The main program stands behind its subprogram; {0} its number.
+    MainBehind = 4999, "the main program is O{0}: what stands in front of it is called by it and has no end of its own", "nothing needs to be done; write the main program first where another one is meant",
+        "主程序为 O{0}：其前面的程序由它调用，且没有程序结束代码", "无需处理；若另有主程序，请将其写在文件最前面";
 
     /// G41 or G42 with a tool whose radius is zero; {0} the number of the offset.
     NoseRadiusMissing = 4993, "the nose radius of tool {0} is 0: the path is cut as it is written", "set radius and tip direction of this tool (`leadscrew tools set T{0}.radius=0.4 T{0}.tip=3`, without a tool table parameters 9201 to 9216 and 9301 to 9316), and call the tool before it",

@@ -8,6 +8,8 @@ pub(super) use home::Homing;
 
 use heapless::Vec;
 
+use super::gear::Gears;
+use super::lag::{Lag, Lags};
 use super::nodes::DriveNodes;
 use super::spindles::{Spindle, Spindles};
 use crate::alarm::Alarm;
@@ -52,6 +54,9 @@ pub(super) struct Figures {
     nodes: DriveNodes,
     /// All drives get their targets in one frame.
     together: bool,
+    /// What is taken off the lag of the axes.
+    lags: [Option<Lag>; 3],
+    spindle_lag: Option<Lag>,
 }
 
 impl Figures {
@@ -66,6 +71,7 @@ impl Figures {
         // The longest time from a setpoint of the spindle to its effect.
         let latency = Periods::from_ms(params.latency_us(Axis::Z).div_ceil(1000), tick_us)?;
         let per_turn = params.spindle_increments();
+        let reach = Gears::of(params).most_per_turn(per_turn) / SPINDLE_REACH;
         let axis = |axis| axis_config(params, axis, &nodes, step, silence, patience);
         let axes = [axis(Axis::X)?, axis(Axis::Z)?, axis(Axis::C)?];
         let [.., c] = &axes;
@@ -73,12 +79,12 @@ impl Figures {
             letter: b'S',
             node: nodes.spindle(TapSpindle::First),
             following: Some(FollowingLimit {
-                increments: per_turn / SPINDLE_REACH,
+                increments: reach,
                 // The spindle's statuses answer targets of some time ago.
                 time: patience.plus(latency).plus(silence),
                 standing: true,
             }),
-            reach: per_turn / SPINDLE_REACH,
+            reach,
             homes: None,
             ..*c
         };
@@ -93,6 +99,8 @@ impl Figures {
             per_turn,
             nodes,
             together: params.setpoint_frame() == 1,
+            lags: Axis::ALL.map(|axis| Lag::of_axis(params, axis)),
+            spindle_lag: Lag::of_spindle(params),
         })
     }
 }
@@ -136,6 +144,8 @@ pub(super) struct Drives {
     homed: [i32; 3],
     /// The last target of each axis.
     last: [Told; 3],
+    /// What makes the axes follow their setpoints, where the lag of a drive is known.
+    lags: Option<Lags>,
     spindles: Spindles,
     sync: SyncProducer,
     nodes: DriveNodes,
@@ -157,7 +167,13 @@ impl Drives {
             offsets: figures.homed,
             homed: figures.homed,
             last: [x.scale.find(0), z.scale.find(0), c.scale.find(0)],
-            spindles: Spindles::new(&figures.spindle, figures.spindles, figures.per_turn),
+            lags: Lags::of(figures.lags),
+            spindles: Spindles::new(
+                &figures.spindle,
+                figures.spindles,
+                figures.per_turn,
+                figures.spindle_lag,
+            ),
             sync: SyncProducer::new(),
             nodes: figures.nodes,
             are_up: false,
@@ -373,14 +389,21 @@ impl Drives {
             let [x, z, c] = &mut self.axes;
             let [off_x, off_z, off_c] = self.offsets;
             let [last_x, last_z, last_c] = &mut self.last;
+            let [to_x, to_z, to_c] = match &mut self.lags {
+                None => figures(position),
+                Some(lags) => {
+                    let follow = [&*x, &*z, &*c].map(DriveMaster::is_following);
+                    lags.targets(figures(position), follow)
+                }
+            };
             // Three calls in a row: a loop over these four lists costs as much as the calls themselves.
-            if !send_to(x, off_x, last_x, position.x.nm(), &mut put) {
+            if !send_to(x, off_x, last_x, to_x, &mut put) {
                 beyond = Some(Axis::X);
             }
-            if !send_to(z, off_z, last_z, position.z.nm(), &mut put) {
+            if !send_to(z, off_z, last_z, to_z, &mut put) {
                 beyond = Some(Axis::Z);
             }
-            if !send_to(c, off_c, last_c, position.c.udeg(), &mut put) {
+            if !send_to(c, off_c, last_c, to_c, &mut put) {
                 beyond = Some(Axis::C);
             }
         } else {

@@ -240,6 +240,14 @@ impl Machine {
         }
     }
 
+    /// Switches outputs that no row has.
+    pub(super) fn drive(&mut self, outputs: u16, on: bool) {
+        match on {
+            true => self.outputs |= outputs,
+            false => self.outputs &= !outputs,
+        }
+    }
+
     /// A reset: some outputs go off.
     pub(super) fn reset(&mut self) {
         self.outputs &= !self.wiring.reset;

@@ -55,6 +55,8 @@ pub struct Snapshot {
     pub machine_inputs: Option<u16>,
     /// Its outputs that are on.
     pub machine_outputs: u16,
+    /// The gear of spindle 1 that is in, from 1; 0: nobody knows.
+    pub gear: u8,
     /// What is open, or has no pressure.
     pub interlocks: Interlocks,
     /// The operator's settings.
@@ -87,6 +89,7 @@ impl Snapshot {
             unreferenced: ticker.unreferenced(),
             machine_inputs: ticker.machine_inputs(),
             machine_outputs: ticker.machine_outputs(),
+            gear: ticker.gear(),
             interlocks: ticker.interlocks(),
             operator: *ticker.operator(),
             jog: ticker.jog(),
@@ -154,6 +157,12 @@ impl Snapshot {
             None => 0,
         };
         inputs | u32::from(self.interlocks.bits()) << 24
+    }
+
+    /// 5062h: the outputs that are on, and from bit 24 on the gear.
+    #[must_use]
+    pub fn machine_out(&self) -> u32 {
+        u32::from(self.machine_outputs) | u32::from(self.gear) << 24
     }
 
     /// Nothing moves or is about to move: parameters may change.

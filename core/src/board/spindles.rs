@@ -4,6 +4,8 @@
 //! turn, one in a period, so that bus and tick carry one more drive and not three [D91]. The board has an encoder for
 //! spindle 1. For the other spindles, the position that their drive reports counts. Knows nothing of taps or programs.
 
+use super::gear::GearDrive;
+use super::lag::{Inverse, Lag};
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveMaster, Frame, Increments, MilliRpm, NodeId, Periods, SpindleDemand,
@@ -33,15 +35,19 @@ pub(super) struct Spindles {
     selected: TapSpindle,
     /// The spindle that is served next.
     turn: TapSpindle,
-    /// Increments of a drive per turn.
+    /// Increments of a drive per turn of its spindle: of the first, in its gear, and of the others.
+    of_first: Divisor,
     per_turn: Divisor,
     /// For the spindles from 2 on: the last commanded angle, in increments that do not wrap.
     counts: [i64; 3],
+    /// What makes a spindle in position mode follow its angle, where the lag of its drive is known.
+    inverse: Option<Inverse>,
 }
 
 impl Spindles {
-    /// `present` spindles (1–4). `config` is that of the first drive; the others are like it, with consecutive nodes.
-    pub(super) fn new(config: &DriveConfig, present: u8, per_turn: u32) -> Self {
+    /// `present` spindles (1–4). `config` is that of the first drive; the others are like it, with consecutive nodes, and
+    /// `lag` is of each.
+    pub(super) fn new(config: &DriveConfig, present: u8, per_turn: u32, lag: Option<Lag>) -> Self {
         let mut masters = [SpindleMaster::new(*config); 4];
         for (master, before) in masters.iter_mut().zip(0..) {
             let node = config.node.get().saturating_add(before);
@@ -52,8 +58,10 @@ impl Spindles {
             present,
             selected: TapSpindle::First,
             turn: TapSpindle::First,
+            of_first: Divisor::new(per_turn),
             per_turn: Divisor::new(per_turn),
             counts: [0; 3],
+            inverse: lag.map(Inverse::new),
         }
     }
 
@@ -99,6 +107,21 @@ impl Spindles {
         self.drives().find_map(DriveMaster::alarm)
     }
 
+    /// Another gear of spindle 1, which stands.
+    pub(super) fn shift(&mut self, gear: &GearDrive) {
+        let [first, ..] = &mut self.masters;
+        first.shift(gear.ratio);
+        self.of_first = Divisor::new(gear.per_turn);
+    }
+
+    /// Increments of the drive of a spindle per turn.
+    const fn per_turn(&self, spindle: TapSpindle) -> Divisor {
+        match spindle {
+            TapSpindle::First => self.of_first,
+            _ => self.per_turn,
+        }
+    }
+
     /// From now on `spindle` gets a command in every period.
     pub(super) const fn select(&mut self, spindle: TapSpindle) {
         self.selected = spindle;
@@ -120,7 +143,7 @@ impl Spindles {
     pub(super) fn engage(&mut self, spindle: TapSpindle, observed: Turns) -> Option<Turns> {
         let told = pick_mut(&mut self.masters, spindle).engage()?;
         let near = match self.count(spindle) {
-            None => self.increments(observed),
+            None => increments(observed, self.of_first),
             Some(count) => *count,
         };
         let off = told.get().wrapping_sub(near as i32);
@@ -128,23 +151,11 @@ impl Spindles {
         if let Some(last) = self.count(spindle) {
             *last = count;
         }
-        Some(self.angle(count))
-    }
-
-    /// The angle of a count, to the nearest. It uses the reciprocal, because the tick calls it.
-    fn angle(&self, count: i64) -> Turns {
-        // Whole turns rounded down, then the rest of a turn.
-        let per_turn = self.per_turn.get();
-        let (turns, rest) = if count < 0 {
-            let (turns, rest) = self.per_turn.divide(!count as u64);
-            (!(turns as i64), per_turn.wrapping_sub(1).wrapping_sub(rest))
-        } else {
-            let (turns, rest) = self.per_turn.divide(count as u64);
-            (turns as i64, rest)
-        };
-        let rest = (u64::from(rest) << 32).wrapping_add(u64::from(per_turn >> 1));
-        let (part, _) = self.per_turn.divide(rest);
-        Turns::from_raw(turns.wrapping_shl(32).wrapping_add(part as i64))
+        let angle = angle(count, self.per_turn(spindle));
+        if let Some(inverse) = &mut self.inverse {
+            inverse.rest_at(angle);
+        }
+        Some(angle)
     }
 
     /// Makes the frames of a period: the command to the selected spindle, and to the spindle that is served next.
@@ -152,7 +163,11 @@ impl Spindles {
         let demand = match spindle {
             Spindle::Speed(velocity) => SpindleDemand::Speed(velocity),
             Spindle::Angle(angle) => {
-                let count = self.increments(angle);
+                let target = match &mut self.inverse {
+                    None => angle,
+                    Some(inverse) => inverse.angle(angle),
+                };
+                let count = increments(target, self.per_turn(self.selected));
                 if let Some(last) = self.count(self.selected) {
                     *last = count;
                 }
@@ -182,12 +197,6 @@ impl Spindles {
         master.drive_mut().skip(Periods::new(ROUND - 1));
     }
 
-    /// The increment nearest to a spindle angle, not wrapped.
-    fn increments(&self, angle: Turns) -> i64 {
-        let wide = signed_product(angle.raw(), i64::from(self.per_turn.get()));
-        (wide.wrapping_add(1 << 31) >> 32) as i64
-    }
-
     /// The last commanded angle of a spindle without an encoder on the board.
     const fn count(&mut self, spindle: TapSpindle) -> Option<&mut i64> {
         let [second, third, fourth] = &mut self.counts;
@@ -198,6 +207,28 @@ impl Spindles {
             TapSpindle::Fourth => Some(fourth),
         }
     }
+}
+
+/// The angle of a count, to the nearest. It uses the reciprocal, because the tick calls it.
+fn angle(count: i64, by: Divisor) -> Turns {
+    // Whole turns rounded down, then the rest of a turn.
+    let per_turn = by.get();
+    let (turns, rest) = if count < 0 {
+        let (turns, rest) = by.divide(!count as u64);
+        (!(turns as i64), per_turn.wrapping_sub(1).wrapping_sub(rest))
+    } else {
+        let (turns, rest) = by.divide(count as u64);
+        (turns as i64, rest)
+    };
+    let rest = (u64::from(rest) << 32).wrapping_add(u64::from(per_turn >> 1));
+    let (part, _) = by.divide(rest);
+    Turns::from_raw(turns.wrapping_shl(32).wrapping_add(part as i64))
+}
+
+/// The increment nearest to a spindle angle, not wrapped.
+fn increments(angle: Turns, per_turn: Divisor) -> i64 {
+    let wide = signed_product(angle.raw(), i64::from(per_turn.get()));
+    (wide.wrapping_add(1 << 31) >> 32) as i64
 }
 
 const fn pick(masters: &[SpindleMaster; 4], spindle: TapSpindle) -> &SpindleMaster {

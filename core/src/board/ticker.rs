@@ -40,6 +40,7 @@ mod spindle;
 mod state;
 mod stopping;
 mod surface;
+mod tool;
 mod transition;
 mod withheld;
 
@@ -147,6 +148,10 @@ pub struct Ticker {
     machine: Machine,
     /// A machine function that has not been answered.
     function: Option<Pending>,
+    /// The gear of spindle 1 that is in, from 1; 0: nobody knows.
+    gear: u8,
+    /// The station of the tool changer that is in; what else it means is said where T is carried out.
+    station: u8,
     chuck_wait: ChuckWait,
     /// Ticks since a resume that waits for the spindle.
     resuming: Option<u32>,
@@ -184,6 +189,8 @@ impl Ticker {
             home: Home::new(),
             machine: Machine::new(given.wiring),
             function: None,
+            gear: 0,
+            station: 0,
             chuck_wait: ChuckWait::default(),
             resuming: None,
             executor: Executor::new(given.arrival),

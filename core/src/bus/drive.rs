@@ -144,6 +144,12 @@ impl DriveMaster {
         matches!(self.phase, Phase::Enabled)
     }
 
+    /// True while the target of the drive is the demand, no more the place where it was found.
+    #[must_use]
+    pub(crate) const fn is_following(&self) -> bool {
+        self.follows
+    }
+
     /// True while the drive gets no RPDO: until its first status.
     #[must_use]
     pub const fn is_told_nothing(&self) -> bool {

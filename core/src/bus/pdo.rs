@@ -217,6 +217,13 @@ impl MilliRpm {
         self.0
     }
 
+    /// The speed of a motor that turns `ratio` · 2⁻²⁴ times for a turn of the spindle, at most 15 times.
+    #[inline]
+    #[must_use]
+    pub const fn geared(self, ratio: i32) -> Self {
+        Self(((self.0 as i64).wrapping_mul(ratio as i64) >> 24) as i32)
+    }
+
     /// The speed nearest to `rate`; saturates beyond 2.1 million rpm.
     #[must_use]
     pub const fn of_rate(rate: TurnRate) -> Self {

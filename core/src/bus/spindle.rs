@@ -44,7 +44,12 @@ pub struct SpindleMaster {
     told: Option<SpindleCommand>,
     /// Periods since that RPDO2.
     since: u8,
+    /// Turns of the motor for one of the spindle, in 2⁻²⁴.
+    ratio: i32,
 }
+
+/// The motor turns as its spindle does.
+const DIRECT: i32 = 1 << 24;
 
 impl SpindleMaster {
     /// A master that has sent nothing to its drive yet.
@@ -54,6 +59,7 @@ impl SpindleMaster {
             drive: DriveMaster::new(config),
             told: None,
             since: 0,
+            ratio: DIRECT,
         }
     }
 
@@ -66,6 +72,11 @@ impl SpindleMaster {
     /// The same master, to enable, disable, reset and to receive frames.
     pub const fn drive_mut(&mut self) -> &mut DriveMaster {
         &mut self.drive
+    }
+
+    /// Another gear is in. The spindle stands.
+    pub const fn shift(&mut self, ratio: i32) {
+        self.ratio = ratio;
     }
 
     /// Prepares the standing spindle for position mode. Gives its position, which must be the first demand. `None`
@@ -104,7 +115,11 @@ impl SpindleMaster {
         }
         self.told = Some(command);
         self.since = 0;
-        command.frame(self.drive.config().node)
+        let geared = SpindleCommand {
+            mode: command.mode,
+            velocity: command.velocity.geared(self.ratio),
+        };
+        geared.frame(self.drive.config().node)
     }
 
     #[inline(never)]

@@ -24,6 +24,10 @@ const FINEST: i64 = 16;
 /// Half a turn in a tick, in rpm·µs: from this speed on the direction of turning is ambiguous.
 const HALF_TURN: u32 = 30_000_000;
 
+/// The lowest gain of a position loop, in tenths per second: below it an axis is a fifth of a second behind, and what
+/// makes up for that is larger than a part.
+const LOWEST_GAIN: u32 = 50;
+
 /// The lead that every machine for threads can cut: that of an M6.
 const COMMON_LEAD_NM: i64 = 1_000_000;
 
@@ -47,6 +51,7 @@ impl Params {
         self.check_nodes(&mut reasons);
         self.check_fd(&mut reasons);
         self.check_functions(&mut reasons);
+        self.check_lags(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -245,6 +250,22 @@ impl Params {
             });
             if value != 0 && !means {
                 reasons.add(Code::FunctionUnusable, &[Arg::Int(value)]);
+            }
+        }
+        if !self.has_usable_turret() {
+            reasons.add(Code::TurretUnusable, &[]);
+        }
+        if let Some(gear) = self.unusable_gear() {
+            reasons.add(Code::GearUnusable, &[Arg::Int(gear.into())]);
+        }
+    }
+
+    /// A position loop has a gain that makes sense, where it is known.
+    fn check_lags<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
+        let axes = Axis::ALL.map(|axis| (9070, self.drive_gain(axis)));
+        for (number, gain) in axes.into_iter().chain([(9073, self.spindle_drive_gain())]) {
+            if (1..LOWEST_GAIN).contains(&gain) {
+                reasons.add(Code::GainTooLow, &[count(number), count(gain)]);
             }
         }
     }
@@ -491,6 +512,18 @@ mod tests {
                 Code::ToleranceAboveVariation,
                 [Arg::Percent(16), Arg::Percent(15), none, none],
                 &[("9007", "15")],
+            ),
+            (
+                &[("9070.Z", "49")],
+                Code::GainTooLow,
+                [Arg::Int(9070), Arg::Int(49), none, none],
+                &[("9070.Z", "50")],
+            ),
+            (
+                &[("9073", "1")],
+                Code::GainTooLow,
+                [Arg::Int(9073), Arg::Int(1), none, none],
+                &[("9073", "0")],
             ),
             (
                 &[("3772", "2999")],

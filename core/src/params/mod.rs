@@ -10,17 +10,20 @@
 
 mod check;
 mod entry;
+mod gear;
 mod row;
 mod set;
 #[cfg(test)]
 mod tests;
+mod turret;
 pub mod unit;
 
 pub use check::PROFILE_TICKS;
 pub(crate) use check::metres;
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};
-pub use row::{Action as FunctionAction, Answer, CONTACTS, Contact, FunctionRow};
+pub use gear::{GEARS, Gear, gear_of_code};
+pub use row::{Action as FunctionAction, Answer, CONTACTS, Contact, FunctionRow, ROWS};
 pub use set::SetError;
 pub use unit::{Unit, ValueError, Writing};
 

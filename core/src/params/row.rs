@@ -6,7 +6,7 @@
 use super::Params;
 
 /// Rows of the table.
-const ROWS: u8 = 16;
+pub const ROWS: u8 = 16;
 
 /// The most outputs, and the most inputs.
 pub const CONTACTS: u8 = 16;
@@ -132,6 +132,38 @@ impl FunctionRow {
         })
     }
 
+    /// The value of 9401 to 9416 that means this row. A time is cut to its steps of 10 ms.
+    #[must_use]
+    pub fn value(&self) -> i64 {
+        let (output, how) = match self.switches {
+            None => (0, 0),
+            Some((output, Action::On)) => (output.number(), 1),
+            Some((output, Action::Off)) => (output.number(), 2),
+            Some((output, Action::Pulse)) => (output.number(), 3),
+        };
+        let (input, level) = match self.answer {
+            None => (0, 0),
+            Some(Answer { input, on: true }) => (input.number(), 1),
+            Some(Answer { input, on: false }) => (input.number(), 2),
+        };
+        let how = if self.behind {
+            5_u8.wrapping_add(how)
+        } else {
+            how
+        };
+        let digits = [
+            (1000, i64::from(self.code)),
+            (10, i64::from(how)),
+            (100, i64::from(output)),
+            (10, level),
+            (100, i64::from(input)),
+            (10_000, i64::from(self.time_ms.wrapping_div(10))),
+        ];
+        digits.iter().fold(0, |value: i64, &(room, digit)| {
+            value.saturating_mul(room).saturating_add(digit)
+        })
+    }
+
     /// True where `other` and this one switch the same output, so that a block cannot have both.
     #[must_use]
     pub fn excludes(&self, other: &Self) -> bool {
@@ -221,6 +253,7 @@ mod tests {
             ),
         ] {
             assert_eq!(FunctionRow::of(value), Some(row), "{value}");
+            assert_eq!(row.value(), value);
         }
     }
 

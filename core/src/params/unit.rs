@@ -16,6 +16,10 @@ pub enum Unit {
     TenthLead,
     /// Tenths of a turn per minute.
     TenthRpm,
+    /// Tenths of one per second: the gain of a position loop.
+    TenthPerSecond,
+    /// Tenths of a per cent.
+    TenthPercent,
     /// Whole degrees.
     WholeDegree,
     /// Per cent.
@@ -86,6 +90,8 @@ impl Unit {
             Self::Number => "",
             Self::TenthLead => "0.1 lead",
             Self::TenthRpm => "0.1 rpm",
+            Self::TenthPerSecond => "0.1 /s",
+            Self::TenthPercent => "0.1 %",
             Self::WholeDegree | Self::Degree => "°",
             Self::Percent => "%",
             Self::Hertz => "Hz",
@@ -105,7 +111,14 @@ impl Unit {
     /// True where a bare number says all: there is no unit, or only a step of its own.
     #[must_use]
     pub const fn is_bare(self) -> bool {
-        matches!(self, Self::Number | Self::TenthLead | Self::TenthRpm)
+        matches!(
+            self,
+            Self::Number
+                | Self::TenthLead
+                | Self::TenthRpm
+                | Self::TenthPerSecond
+                | Self::TenthPercent
+        )
     }
 
     /// True for an X value that is written as a diameter.
@@ -121,6 +134,8 @@ impl Unit {
             Self::Number => &[("", 1)],
             Self::TenthLead => &[("", 1), ("× 0.1 lead", 1), ("lead", 10)],
             Self::TenthRpm => &[("", 1), ("× 0.1 rpm", 1), ("rpm", 10)],
+            Self::TenthPerSecond => &[("", 1), ("× 0.1 /s", 1), ("/s", 10), ("1/s", 10)],
+            Self::TenthPercent => &[("", 1), ("× 0.1 %", 1), ("%", 10)],
             Self::WholeDegree => &[("°", 1), ("deg", 1)],
             Self::Percent => &[("%", 1)],
             Self::Hertz => &[("Hz", 1), ("kHz", 1_000)],
@@ -186,6 +201,8 @@ impl Unit {
             Self::Number
             | Self::TenthLead
             | Self::TenthRpm
+            | Self::TenthPerSecond
+            | Self::TenthPercent
             | Self::WholeDegree
             | Self::Percent
             | Self::Hertz
@@ -287,7 +304,7 @@ impl fmt::Display for Shown {
         }
         match (self.symbol, self.unit) {
             (false, _) | (true, Unit::Number) => Ok(()),
-            (true, Unit::TenthLead | Unit::TenthRpm) => write!(f, " × {}", self.unit.symbol()),
+            (true, unit) if unit.is_bare() => write!(f, " × {}", self.unit.symbol()),
             (true, unit) => write!(f, " {}", unit.symbol()),
         }
     }
@@ -351,10 +368,12 @@ mod tests {
     use super::*;
     use std::format;
 
-    const ALL: [Unit; 18] = [
+    const ALL: [Unit; 20] = [
         Unit::Number,
         Unit::TenthLead,
         Unit::TenthRpm,
+        Unit::TenthPerSecond,
+        Unit::TenthPercent,
         Unit::WholeDegree,
         Unit::Percent,
         Unit::Hertz,

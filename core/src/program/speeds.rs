@@ -23,7 +23,21 @@ impl State<'_> {
             ];
             return Err(word.alarm(Code::SpeedWordTooHigh).with(args));
         }
+        self.modal.refuse_by_gear(word.span, speed)?;
         Ok(speed)
+    }
+
+    /// Refuses a spindle that is to turn with no gear known, or faster than it turns in its gear: by S of an earlier gear.
+    #[inline(never)]
+    pub(super) fn refuse_by_gear(&self, block: &Block) -> Result<(), Alarm> {
+        let word = block.m(MGroup::Spindle).or_else(|| block.find(b'S'));
+        let span = word.map_or(block.lead(), |word| word.span);
+        let speed = match self.modal.in_surface {
+            // Its law has the limit of the gear.
+            true => 1,
+            false => self.modal.rpm().abs(),
+        };
+        self.modal.refuse_by_gear(span, speed)
     }
 
     /// S under G96: metres or feet a minute.
@@ -169,7 +183,7 @@ impl State<'_> {
         let Some(word) = block.find(b'S') else {
             return Ok(());
         };
-        let highest = self.modal.params.spindle_max_rpm();
+        let highest = self.modal.params.spindle_most(self.modal.gear);
         let limit = word.count(u32::MAX)?;
         if limit > highest {
             let args = [Arg::Int(i64::from(limit)), Arg::Int(i64::from(highest))];

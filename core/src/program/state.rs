@@ -136,6 +136,9 @@ impl<'p> State<'p> {
         if self.modal.in_surface {
             self.follow_surface(block, from, plan);
         }
+        if self.modal.direction != 0 {
+            self.refuse_by_gear(block)?;
+        }
         plan.set_origin(self.modal.origin);
         Ok(())
     }
@@ -309,6 +312,13 @@ impl<'p> State<'p> {
                 Arg::None,
             ];
             return Err(word.alarm(Code::ToolOffset).with(args));
+        }
+        let station = number / 100;
+        let params = self.modal.params;
+        if params.tool_changer() == 2 && station > u32::from(params.turret_stations()) {
+            let figures = [station, params.turret_stations().into()];
+            let figures = figures.map(|figure| Arg::Int(figure.into()));
+            return Err(word.alarm(Code::StationMissing).with(figures));
         }
         self.modal.offset = offset as u8;
         self.modal.place_origin();

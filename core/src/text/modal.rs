@@ -53,10 +53,13 @@ pub(crate) struct Modal<'p> {
     pub(crate) surface: Option<Feed>,
     /// S of G50: the highest speed under G96.
     pub(crate) speed_limit: Option<u32>,
+    /// The gear that is in, from 1; 0: nobody knows.
+    pub(crate) gear: u8,
 }
 
 impl<'p> Modal<'p> {
     pub(crate) fn new(params: &'p Params, options: Options) -> Self {
+        let gear = options.gear;
         let mut modal = Self {
             params,
             options,
@@ -74,6 +77,7 @@ impl<'p> Modal<'p> {
             in_surface: false,
             surface: None,
             speed_limit: None,
+            gear,
         };
         modal.place_origin();
         modal
@@ -176,13 +180,29 @@ impl<'p> Modal<'p> {
     /// The surface speed that the spindle follows: under G96, once there is an S.
     pub(crate) fn law(&self) -> Option<SurfaceSpeed> {
         let speed = self.surface.filter(|_| self.in_surface)?;
-        let highest = self.params.spindle_max_rpm();
+        let highest = self.params.spindle_most(self.gear);
         Some(SurfaceSpeed {
             speed,
             centre: self.origin.x,
             least: self.params.surface_min_rpm(),
             most: self.speed_limit.map_or(highest, |limit| limit.min(highest)),
         })
+    }
+
+    /// Refuses a speed at `span` with no gear known, or above what the spindle turns at in its gear.
+    pub(crate) fn refuse_by_gear(&self, span: Span, speed: u32) -> Result<(), Alarm> {
+        if speed == 0 || !self.params.has_gears() {
+            return Ok(());
+        }
+        if self.gear == 0 {
+            return Err(Alarm::new(Code::GearUnknown, span));
+        }
+        let most = self.params.spindle_most(self.gear);
+        if speed > most {
+            let figures = [speed, most, self.gear.into()].map(|figure| Arg::Int(figure.into()));
+            return Err(Alarm::new(Code::SpeedAboveGear, span).with(figures));
+        }
+        Ok(())
     }
 
     /// The highest commanded speed at any of `places`.

@@ -34,4 +34,6 @@ pub struct Options {
     pub position: Position,
     /// The table of offsets and tools; without one the parameters of old count.
     pub offsets: Option<Offsets>,
+    /// The gear that is in before the first block, from 1; 0: nobody knows.
+    pub gear: u8,
 }

@@ -20,13 +20,15 @@ pub enum Event {
 /// Warnings a block can raise.
 const WARNINGS: usize = 2;
 
-/// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, M24–M27, rigid mode, T, machine
-/// functions, G04; G61 G64; the motion, or several straight moves; M05, M09, machine functions, M00 M01 M02 M30.
+/// The events of one block. Bits of `pending` from the lowest: warnings; M41 to M44; S M03 M04, M08, M24–M27, rigid
+/// mode, T, machine functions, G04; G61 G64; the motion, or several straight moves; M05, M09, machine functions, M00
+/// M01 M02 M30.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
-    pending: u16,
+    pending: u32,
     origin: Position,
     warnings: [Alarm; WARNINGS],
+    gear: (Span, u16),
     spindle: (Span, SpindleCall),
     coolant_on: Span,
     tap_spindle: (Span, u16),
@@ -132,22 +134,23 @@ impl Path {
     }
 }
 
-const WARNING_0: u16 = 1 << 0;
-const WARNING_1: u16 = 1 << 1;
-const SPINDLE: u16 = 1 << 2;
-const COOLANT_ON: u16 = 1 << 3;
-const TAP_SPINDLE: u16 = 1 << 4;
-const RIGID: u16 = 1 << 5;
-const TOOL: u16 = 1 << 6;
-const BEFORE: u16 = 1 << 7;
-const DWELL: u16 = 1 << 8;
-const EXACT_STOP: u16 = 1 << 9;
-const MOTION: u16 = 1 << 10;
-const PATH: u16 = 1 << 11;
-const SPINDLE_STOP: u16 = 1 << 12;
-const COOLANT_OFF: u16 = 1 << 13;
-const BEHIND: u16 = 1 << 14;
-const FLOW: u16 = 1 << 15;
+const WARNING_0: u32 = 1 << 0;
+const WARNING_1: u32 = 1 << 1;
+const GEAR: u32 = 1 << 2;
+const SPINDLE: u32 = 1 << 3;
+const COOLANT_ON: u32 = 1 << 4;
+const TAP_SPINDLE: u32 = 1 << 5;
+const RIGID: u32 = 1 << 6;
+const TOOL: u32 = 1 << 7;
+const BEFORE: u32 = 1 << 8;
+const DWELL: u32 = 1 << 9;
+const EXACT_STOP: u32 = 1 << 10;
+const MOTION: u32 = 1 << 11;
+const PATH: u32 = 1 << 12;
+const SPINDLE_STOP: u32 = 1 << 13;
+const COOLANT_OFF: u32 = 1 << 14;
+const BEHIND: u32 = 1 << 15;
+const FLOW: u32 = 1 << 16;
 
 impl Plan {
     pub(crate) const fn new() -> Self {
@@ -156,6 +159,7 @@ impl Plan {
             pending: 0,
             origin: Position::ZERO,
             warnings: [NONE; WARNINGS],
+            gear: (NOWHERE, 0),
             spindle: (NOWHERE, SpindleCall::STOPPED),
             coolant_on: NOWHERE,
             tap_spindle: (NOWHERE, 0),
@@ -194,6 +198,11 @@ impl Plan {
         if let Some(place) = self.warnings.get_mut(index) {
             *place = alarm;
         }
+    }
+
+    pub(crate) fn gear(&mut self, span: Span, code: u16) {
+        self.pending |= GEAR;
+        self.gear = (span, code);
     }
 
     pub(crate) fn spindle(&mut self, span: Span, call: SpindleCall) {
@@ -297,12 +306,13 @@ impl Plan {
         self.other(first)
     }
 
-    fn other(&mut self, bit: u16) -> Option<Event> {
+    fn other(&mut self, bit: u32) -> Option<Event> {
         let (span, kind) = match bit {
             WARNING_0 | WARNING_1 => {
                 let index = usize::from(bit == WARNING_1);
                 return self.warnings.get(index).copied().map(Event::Warning);
             }
+            GEAR => (self.gear.0, CallKind::Aux(Aux::M(self.gear.1))),
             SPINDLE => (self.spindle.0, CallKind::Spindle(self.spindle.1)),
             COOLANT_ON => (self.coolant_on, CallKind::Aux(Aux::M(8))),
             TAP_SPINDLE => (

@@ -141,7 +141,7 @@ records! {
     TapRecord { sequence in_hole hole position angle }
     ThreadMove { lead change pass_angle angle_udeg long_x part last rpm }
     EncoderSample { count edge_age_ns index }
-    Options { dialect skip optional_stop dry_run per_turn limits_every_speed passes_machine_codes position offsets }
+    Options { dialect skip optional_stop dry_run per_turn limits_every_speed passes_machine_codes position offsets gear }
     DriveCommand { control target }
     DriveStatus { status actual }
     SpindleCommand { mode velocity }

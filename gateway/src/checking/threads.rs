@@ -24,7 +24,11 @@ impl Checker<'_> {
         let Some(report) = findings.report else {
             return;
         };
-        let rpm_max = cycle::rpm_max(call, span, params);
+        let rpm_max = if self.lists_cycles() {
+            cycle::rpm_max(call, span, params)
+        } else {
+            Ok(Rpm::STOPPED)
+        };
         self.keep_thread(call, span, &report, rpm_max, time_us, inch);
     }
 
@@ -44,7 +48,11 @@ impl Checker<'_> {
             Ok(report) => report,
             Err(alarm) => return self.tell(&alarm, inch),
         };
-        let rpm_max = cycle::chain_rpm_max(&chain, params);
+        let rpm_max = if self.lists_cycles() {
+            cycle::chain_rpm_max(&chain, params)
+        } else {
+            Ok(Rpm::STOPPED)
+        };
         let (first, span) = &chain[0];
         self.keep_thread(first, *span, &report, rpm_max, self.chain_us, inch);
     }

@@ -229,3 +229,25 @@ mod tests {
         assert!("C+".parse::<AxisWay>().is_err());
     }
 }
+
+/// Options of `tune`.
+#[derive(Debug, Args)]
+pub struct Tune {
+    /// The axis, and the direction of its first stroke: `X+`, `X-`, `Z+` or `Z-`; each stroke goes back again
+    pub way: AxisWay,
+    /// Time of buffer and interpolation in the drive; 9003 of the axis where it is not given
+    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(1..=20_000))]
+    pub dead_time: Option<u32>,
+    /// Feed-forward of the speed that the drive is set to, in per cent; 9071 of the axis where it is not given
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
+    pub feed_forward: Option<u32>,
+    /// Age of 6064h at the SYNC that it is sent for, as its maker tells it; 9072 of the axis where it is not given
+    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=20_000))]
+    pub age: Option<u32>,
+    /// Write 9003, 9070, 9071 and 9072 of the axis, as one transaction
+    #[arg(long)]
+    pub write: bool,
+    /// Write the result: `.svg`, `.html` or `.json`
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<std::path::PathBuf>,
+}

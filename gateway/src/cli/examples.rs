@@ -30,6 +30,12 @@ Examples:
   leadscrew jog X- --by 0.02 --bus can0          0.02 mm of the diameter
   leadscrew jog Z+ --by 25 --bus can0";
 
+pub(super) const TUNE: &str = "\
+Examples:
+  leadscrew tune Z- --dead-time 1000 --bus can0             moves, and tells what it finds
+  leadscrew tune X+ --bus can0 -o x.svg                     with the dead time of 9003
+  leadscrew tune Z- --dead-time 1000 --write --bus can0     and writes it";
+
 pub(super) const WHEEL: &str = "\
 Examples:
   leadscrew wheel Z --factor 10 --counts -250 --bus can0   2.5 mm towards minus, where the increment is 0.001 mm
@@ -105,6 +111,13 @@ Examples:
   leadscrew record --bus can0 --params a.toml --further b.toml -o both.csv     of two boards
   leadscrew record --bus slcan:/dev/ttyACM0 -o bus.log --count 1000";
 
+pub(super) const DOCTOR: &str = "\
+Examples:
+  leadscrew doctor --bus can0                      listen for ten seconds, read settings, name the first cause
+  leadscrew doctor --bus can0 --listen-only --seconds 30
+  leadscrew doctor --log bus.log --params lathe.toml      a log of `leadscrew record` or `candump -l`
+  leadscrew doctor --rules                         all rules";
+
 pub(super) const RUN: &str = "\
 Examples:
   leadscrew run examples/shaft.nc
@@ -176,6 +189,26 @@ Examples:
 pub(super) const SIGNAL: &str = "\
 Example:
   leadscrew signal G61.2=1 --bus can0     the next tap is left hand";
+
+pub(super) const IO: &str = "\
+Examples:
+  leadscrew io list --bus can0
+  leadscrew io set coolant=1 --bus can0
+  leadscrew io wait input:3=1 --bus can0";
+
+pub(super) const IO_LIST: &str = "\
+Examples:
+  leadscrew io list --bus can0                          by the names of leadscrew.toml
+  leadscrew io list --params lathe.toml --bus sim:desk";
+
+pub(super) const IO_SET: &str = "\
+Examples:
+  leadscrew io set coolant=1 --bus can0     the same as `mdi M8` where M8 sets it
+  leadscrew io set output:2=0 --bus can0";
+
+pub(super) const IO_WAIT: &str = "\
+Example:
+  leadscrew io wait door=1 --timeout 60 --bus can0     a minute at most";
 
 pub(super) const LIST: &str = "\
 Examples:
@@ -292,6 +325,11 @@ pub(super) const SIM_INPUT: &str = "\
 Examples:
   leadscrew sim input 3 off       until it is set otherwise
   leadscrew sim input 3 auto";
+
+pub(super) const SIM_TURRET: &str = "\
+Examples:
+  leadscrew sim turret stuck     it does not turn: 4570 at the next T
+  leadscrew sim turret well";
 
 pub(super) const SIM_OUTPUTS: &str = "\
 Example:

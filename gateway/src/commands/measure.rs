@@ -120,7 +120,7 @@ pub fn format(args: &Measure) -> Outcome {
 }
 
 /// The ending of a file's name, in small letters.
-fn ending(output: &Path) -> String {
+pub(super) fn ending(output: &Path) -> String {
     let ending = output.extension().and_then(|e| e.to_str());
     ending.unwrap_or_default().to_ascii_lowercase()
 }

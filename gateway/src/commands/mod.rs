@@ -4,6 +4,7 @@ pub mod board;
 mod check;
 mod completions;
 mod desk;
+mod doctor;
 mod drives;
 mod expand;
 mod explain;
@@ -16,6 +17,7 @@ pub mod run;
 mod simulate;
 mod status;
 mod tools;
+mod tune;
 mod unavailable;
 
 use leadscrew_can::Address;
@@ -78,6 +80,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             &Setup::over(&cli.global, None, None, Answer::Parameters)?,
             args,
         ),
+        Command::Doctor(args) => doctor::run(&cli.global, args),
         Command::Retract { speed, discard } => retract::retract(
             &cli.global,
             retract::Wish {
@@ -96,11 +99,13 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Stop if is_real(cli) => board::order(&cli.global, Order::Stop),
         Command::Mode { mode } if is_real(cli) => board::mode(&cli.global, *mode),
         Command::Jog(args) if is_real(cli) => board::jog(&cli.global, args),
+        Command::Tune(args) if is_real(cli) => tune::run(&cli.global, args),
         Command::Wheel(args) if is_real(cli) => board::wheel(&cli.global, args),
         Command::Home { axes } if is_real(cli) => board::home(&cli.global, axes),
         Command::Override { what, percent } if is_real(cli) => {
             board::levels(&cli.global, *what, *percent)
         }
+        Command::Io { command } if is_real(cli) => board::io(&cli.global, command),
         Command::Signal { signal } if is_real(cli) => board::signal(&cli.global, *signal),
         _ => unavailable::command(cli),
     }

@@ -407,10 +407,12 @@ impl Link {
     pub fn contacts(&mut self) -> LinkResult<MachineContacts> {
         let read = self.read_number(MACHINE_INPUTS)?;
         let outputs = self.read_number(MACHINE_OUTPUTS)?;
+        let [out_low, out_high, _, gear, ..] = outputs.to_le_bytes();
         let [low, high, told, interlocks, ..] = read.to_le_bytes();
         Ok(MachineContacts {
             inputs: (told & 1 != 0).then_some(u16::from_le_bytes([low, high])),
-            outputs: u16::try_from(outputs).map_err(|_| self.strange(MACHINE_OUTPUTS))?,
+            outputs: u16::from_le_bytes([out_low, out_high]),
+            gear,
             interlocks: Interlocks::from_bits(interlocks),
         })
     }
@@ -441,6 +443,8 @@ pub struct MachineContacts {
     pub inputs: Option<u16>,
     /// The outputs that are on.
     pub outputs: u16,
+    /// The gear that is in, from 1; 0: nobody knows, or there is none.
+    pub gear: u8,
     /// What is open, or has no pressure.
     pub interlocks: Interlocks,
 }

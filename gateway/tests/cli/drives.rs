@@ -52,12 +52,18 @@ fn shift(folder: &Folder, drive: &str) -> f64 {
 
 /// A profile of a user: a drive with this buffer and feed-forward.
 fn profile(folder: &Folder, buffer: u8, feed_forward: &str) -> String {
+    profile_of(folder, 30, buffer, feed_forward)
+}
+
+/// The same, with this gain.
+fn profile_of(folder: &Folder, kv: u32, buffer: u8, feed_forward: &str) -> String {
     let file = folder.file("mine.toml");
     let text = format!(
         "name = \"mine\"\ntitle = \"Mine\"\nsource = [\n  \
          {{ fact = \"figures\", kind = \"assumed\", ref = \"\", verified = false }},\n  \
          {{ fact = \"mode.8\", kind = \"assumed\", ref = \"\", verified = false }},\n]\n\
-         figures.feed_forward = {feed_forward}\nfigures.kv_per_s = 30\nmode.8.buffer.default = {buffer}\n"
+         figures.feed_forward = {feed_forward}\nfigures.kv_per_s = {kv}\nmode.8.buffer.default = {buffer}\n\
+         figures.following_mm = 100\n"
     );
     std::fs::write(&file, text).unwrap();
     file
@@ -79,6 +85,106 @@ fn the_groove_shifts_with_the_speed_as_theory_says() {
             "{buffer} {feed_forward}: {told}"
         );
     }
+}
+
+/// What a board is told of a drive of Z: its gain, its feed-forward, and 9003, the periods it waits and interpolates for
+/// less the inner step of the simulated loop.
+fn known(kv: u32, buffer: u32, per_mille: u32) -> [String; 8] {
+    let set = |text: String| [String::from("--set"), text];
+    let [a, b] = set(format!("9070.Z={kv}0"));
+    let [c, d] = set(format!("9071.Z={per_mille}"));
+    let [e, f] = set(format!("9003.Z={}", (buffer + 1) * 1000 - 125));
+    let [g, h] = set(String::from("1828.Z=100"));
+    [a, b, c, d, e, f, g, h]
+}
+
+#[test]
+fn a_lag_that_the_board_knows_is_taken_off_the_groove() {
+    let folder = Folder::new("drives-known");
+    for (kv, buffer, per_mille) in [
+        (15, 0, 0),
+        (30, 0, 0),
+        (100, 0, 0),
+        (30, 5, 0),
+        (30, 10, 0),
+        (15, 0, 500),
+        (30, 10, 500),
+        (100, 5, 1000),
+    ] {
+        let share = format!("{}.{:03}", per_mille / 1000, per_mille % 1000);
+        let file = profile_of(&folder, kv, buffer, &share);
+        let drive = format!("Z={file}");
+        let known = known(kv, u32::from(buffer), per_mille);
+        let mut args = vec!["--drive", drive.as_str()];
+        args.extend(known.iter().map(String::as_str));
+        let told = simulated(&folder, TWO_SPEEDS, &args);
+        let shift = told["cut"]["shift_um"].as_f64().unwrap();
+        assert!(
+            shift < 1.0,
+            "Kv {kv}, {buffer} wait, {per_mille} ‰: {shift} µm"
+        );
+        // The play of 10 µm leaves the groove where it pulls, at either speed alike.
+        for pass in told["cut"]["passes"].as_array().unwrap() {
+            let groove = pass["groove_um"].as_f64().unwrap();
+            assert!((groove.abs() - 5.0).abs() < 1.0, "{pass}");
+        }
+    }
+}
+
+#[test]
+fn under_ripple_a_lag_that_the_board_knows_stays_off_the_groove() {
+    let folder = Folder::new("drives-ripple");
+    // Off round figures, where the ripple is no harmonic of the turn.
+    let program = TWO_SPEEDS.replace("S100", "S304").replace("S600", "S608");
+    for kv in [15, 30, 100] {
+        let drive = format!("Z={}", profile_of(&folder, kv, 0, "0"));
+        let known = known(kv, 0, 0);
+        let csv = folder.file("part.csv");
+        let mut args = vec!["--drive", &drive, "--spindle-ripple", "10@5", "-o", &csv];
+        args.extend(known.iter().map(String::as_str));
+        simulated(&folder, &program, &args);
+        for (worst, most) in worst_of_passes(&csv, 6.0).into_iter().zip([3.0, 5.0]) {
+            assert!(worst < most, "Kv {kv}: {worst} µm, at most {most} µm");
+        }
+        // Without it the tool is 2 µm and more off for each hundredth of the speed.
+        let csv = folder.file("unknown.csv");
+        let mut args = vec!["--drive", &drive, "--spindle-ripple", "10@5", "-o", &csv];
+        args.extend(&known[4..].iter().map(String::as_str).collect::<Vec<_>>());
+        simulated(&folder, &program, &args);
+        let [slow, _] = worst_of_passes(&csv, 6.0);
+        assert!(slow > 20.0, "Kv {kv}: {slow} µm");
+    }
+}
+
+/// The largest distance of the tool from the mean groove of each of two passes towards −Z, in µm: of the second half of
+/// what is locked, by the true angle of the spindle.
+fn worst_of_passes(csv: &str, lead_mm: f64) -> [f64; 2] {
+    let text = std::fs::read_to_string(csv).unwrap();
+    let mut rows = text.lines();
+    let head: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let at = |name: &str| head.iter().position(|column| *column == name).unwrap();
+    let columns = ["line", "locked", "z_actual_nm", "s1_urev"].map(at);
+    let mut passes: Vec<(i64, Vec<f64>)> = Vec::new();
+    for row in rows {
+        let cells: Vec<&str> = row.split(',').collect();
+        let [line, locked, z, angle] = columns.map(|column| cells[column].parse::<i64>().unwrap());
+        if locked == 0 {
+            continue;
+        }
+        if passes.last().is_none_or(|(of, _)| *of != line) {
+            passes.push((line, Vec::new()));
+        }
+        let off = z as f64 / 1000.0 + lead_mm * angle as f64 / 1000.0;
+        passes.last_mut().unwrap().1.push(off);
+    }
+    let worst = |(_, pass): &(i64, Vec<f64>)| {
+        let half = &pass[pass.len() / 2..];
+        let mean = half.iter().sum::<f64>() / half.len() as f64;
+        half.iter()
+            .fold(0.0_f64, |worst, off| worst.max((off - mean).abs()))
+    };
+    let passes: Vec<f64> = passes.iter().map(worst).collect();
+    passes.try_into().unwrap()
 }
 
 #[test]
@@ -155,7 +261,8 @@ fn a_lag_that_the_drive_does_not_bear_stops_the_machine() {
     let folder = Folder::new("drives-8611");
     let file = profile(&folder, 0, "0");
     let text = std::fs::read_to_string(&file).unwrap();
-    let text = format!("{text}figures.following_mm = 1\nfigures.following_ms = 10\n");
+    let text = text.replace("following_mm = 100", "following_mm = 1");
+    let text = format!("{text}figures.following_ms = 10\n");
     std::fs::write(&file, text).unwrap();
     let part = folder.file("part.nc");
     std::fs::write(&part, TWO_SPEEDS).unwrap();

@@ -323,12 +323,13 @@ fn a_stock_that_cannot_be_read_is_told_with_its_place() {
 }
 
 #[test]
-fn increments_are_doubted_only_beside_points_and_beyond_the_travel() {
+fn increments_are_doubted_beyond_the_travel_beside_points_or_where_they_are_large() {
     let folder = shop("points");
     let program = folder.file("p.nc");
     for (text, told) in [
         ("G0 X5000 Z1.5\nM30\n", &[(4258, 1), (4991, 1)][..]),
-        ("G0 X5000 Z1\nM30\n", &[(4258, 1)]),
+        ("G0 X5000 Z1\nM30\n", &[(4258, 1), (4991, 1)]),
+        ("G0 X900 Z1\nM30\n", &[(4258, 1)]),
         ("G0 X5000. Z1.5\nM30\n", &[(4258, 1)]),
         ("G0 X500 Z1.5\nM30\n", &[]),
         // Beyond the travel in both readings.

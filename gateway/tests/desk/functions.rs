@@ -89,3 +89,92 @@ fn a_code_without_a_row_says_how_to_add_one() {
     let told = bad(&user.does(&["sim", "input", "17", "on"]), 2);
     assert!(told.contains("1..=16"), "{told}");
 }
+
+#[test]
+fn inputs_and_outputs_have_the_names_of_the_machine_file() {
+    let user = User::new();
+    let file = user.0.join("leadscrew.toml");
+    std::fs::write(
+        &file,
+        "door_input = \"door\"\n[io.door]\nat = \"input:1\"\n[io.coolant]\nat = \"output:1\"\n[io.flow]\nat = \"input:2\"\n\
+         [m.8]\nset = \"coolant\"\nanswer = \"flow=1\"\nwithin = \"2 s\"\n[m.9]\nclear = \"coolant\"\n",
+    )
+    .unwrap();
+    good(&user.does(&["up", "--machine", "leadscrew.toml"]));
+    // What the file says in words is what the board has in numbers.
+    let same = good(&user.does(&["params", "diff", "leadscrew.toml"]));
+    assert!(same.contains("no difference"), "{same}");
+    good(&user.does(&["io", "set", "coolant=1"]));
+    let named = ["--params", "leadscrew.toml"];
+    assert_eq!(
+        good(&user.does(&[&["io", "list"], &named[..]].concat())),
+        "input:1    on       door     door\n\
+         input:2    on       flow     M8 answers\n\
+         output:1   on       coolant  M8 on, M9 off\n"
+    );
+    good(&user.does(&[&["io", "set", "coolant=0"], &named[..]].concat()));
+    good(&user.does(&["io", "wait", "output:1=0", "--timeout", "10"]));
+    let list = user.json(&["io", "list"]);
+    assert_eq!(
+        list["outputs"],
+        json!([{ "number": 1, "on": false, "name": "coolant", "uses": "M8 on, M9 off" }])
+    );
+    let told = bad(&user.does(&["io", "wait", "flow=0", "--timeout", "1"]), 1);
+    assert!(told.contains("`flow` is 1 still"), "{told}");
+    let told = bad(&user.does(&["io", "set", "door=1"]), 2);
+    assert!(told.contains("`leadscrew sim input 1 on`"), "{told}");
+    let told = bad(&user.does(&["io", "set", "output:2=1"]), 2);
+    assert!(
+        told.contains("no M code of the board switches output:2 so"),
+        "{told}"
+    );
+    let told = bad(&user.does(&["io", "set", "lamp=1"]), 2);
+    assert!(told.contains("`[io.lamp]`"), "{told}");
+    let told = bad(&user.does(&["io", "set", "coolant"]), 2);
+    assert!(told.contains("NAME=0 or NAME=1"), "{told}");
+    // A pulled file has the words, too, and is the same set.
+    good(&user.does(&["params", "pull", "-o", "pulled.toml"]));
+    let pulled = std::fs::read_to_string(user.0.join("pulled.toml")).unwrap();
+    let line = "\nm.8 = { set = \"output:1\", answer = \"input:2=1\", within = \"2 s\", row = 1 }";
+    assert!(pulled.contains(line), "{pulled}");
+    let same = good(&user.does(&["params", "diff", "pulled.toml"]));
+    assert!(same.contains("no difference"), "{same}");
+}
+
+#[test]
+fn gears_and_the_turret_are_those_of_the_board() {
+    let user = User::new();
+    let file = user.0.join("leadscrew.toml");
+    std::fs::write(
+        &file,
+        "gear_motor_turns_1 = 4\ngear_spindle_turns_1 = 1\ngear_max_rpm_1 = \"600 rpm\"\ntool_changer = 2\nturret_stations = 8\n\
+         turret_index_output = 2\nturret_code_input = 3\nturret_locked_input = 7\nturret_time_ms = \"2000 ms\"\n",
+    )
+    .unwrap();
+    good(&user.does(&["up", "--machine", "leadscrew.toml"]));
+    let told = bad(&user.does(&["mdi", "M3 S300"]), 1);
+    assert!(told.contains("4554"), "{told}");
+    good(&user.does(&["mdi", "M41"]));
+    assert_eq!(user.json(&["status"])["gear"], json!(1));
+    good(&user.does(&["mdi", "M3 S300"]));
+    let told = bad(&user.does(&["mdi", "S700"]), 1);
+    assert!(told.contains("4557"), "{told}");
+    good(&user.does(&["mdi", "M5"]));
+    good(&user.does(&["mdi", "T0300"]));
+    good(&user.does(&["sim", "turret", "stuck"]));
+    let told = bad(&user.does(&["mdi", "T0500"]), 4);
+    assert!(
+        told.contains("4570") && told.contains("its code is 3"),
+        "{told}"
+    );
+    good(&user.does(&["sim", "turret", "well"]));
+    good(&user.does(&["reset"]));
+    let told = bad(&user.does(&["mdi", "G0 W1"]), 4);
+    assert!(told.contains("4575"), "{told}");
+    good(&user.does(&["reset"]));
+    good(&user.does(&["mdi", "T0500"]));
+    good(&user.does(&["mdi", "G0 W1"]));
+    // A new power-up knows no gear.
+    good(&user.does(&["sim", "power", "cycle"]));
+    assert_eq!(user.json(&["status"])["gear"], json!(null));
+}

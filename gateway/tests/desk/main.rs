@@ -7,6 +7,7 @@ mod functions;
 mod life;
 mod mdi;
 mod panel;
+mod tune;
 mod tutorial;
 mod typed;
 mod wheel;

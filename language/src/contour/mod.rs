@@ -17,6 +17,7 @@ mod pattern;
 mod profile;
 mod rough;
 mod tree;
+mod way_back;
 mod words;
 
 #[cfg(test)]
@@ -27,6 +28,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 pub use finish::Finish;
 pub use pattern::{Pattern, Repeats};
 pub use rough::Rough;
+pub use way_back::without_way_back;
 pub use words::{Allowance, Along, Roughing};
 
 use crate::plane::{Element, Point, Shape};

@@ -7,6 +7,7 @@
 //! This module knows words and codes; it must not know positions, calls or the machine.
 
 mod codes;
+pub mod digits;
 mod looks;
 mod name;
 pub mod one_line;
@@ -19,8 +20,14 @@ use leadscrew_core::program::Dialect;
 
 pub use looks::Looks;
 pub use name::{Named, named};
-pub use points::{Written, lengths};
+pub use points::{Written, lengths, written};
 pub use translator::{Setting, Translator};
+
+/// True for the letters of X and Z.
+#[must_use]
+pub const fn is_of_axis(letter: u8) -> bool {
+    matches!(letter, b'X' | b'U' | b'Z' | b'W')
+}
 
 /// A family of controls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

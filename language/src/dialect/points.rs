@@ -31,6 +31,12 @@ pub fn lengths(line: &[u8]) -> impl Iterator<Item = Written> {
         })
 }
 
+/// The words of a text whose numbers are written out, comments aside: letter and number.
+pub fn written(text: &[u8]) -> impl Iterator<Item = (u8, f64)> {
+    let words = Words::of(text).0.into_iter();
+    words.map(|word| (word.letter, word.value))
+}
+
 #[cfg(test)]
 mod tests {
     use super::lengths;

@@ -18,6 +18,12 @@ pub struct Setting {
     pub counts: bool,
     /// A cycle of holes is in force, whose words come without its code.
     pub holes: bool,
+    /// Lengths are inches.
+    pub inch: bool,
+    /// The feed is per turn.
+    pub per_turn: bool,
+    /// A number without a point counts increments.
+    pub counts_increments: bool,
 }
 
 impl Default for Setting {
@@ -27,6 +33,9 @@ impl Default for Setting {
             increment: 3,
             counts: false,
             holes: false,
+            inch: false,
+            per_turn: false,
+            counts_increments: false,
         }
     }
 }
@@ -85,21 +94,21 @@ impl Translator {
         if self.control.limits_every_speed() != self.machine.limits_every_speed() {
             refuse_speed_limit(words)?;
         }
-        let motion = [90, 92, 94, 32, 34, 0, 1, 2, 3];
-        let motion = motion.into_iter().find(|motion| has_code(words, *motion));
-        let motion = motion.unwrap_or_else(|| i64::from(now.motion));
+        let motion = motion_of(words, now);
         let alone = !now.holes && !words.iter().any(is_one_shot);
         if self.control.is_gsk() {
             if alone && matches!(motion, 1..=3) {
                 corners_of_gsk(words);
             }
-            return Ok(());
+            return refuse_angle(words);
         }
         if alone && motion == 32 {
             refuse_run_out(words)?;
         }
         if alone && motion == 1 {
             corners(words);
+        } else {
+            refuse_angle(words)?;
         }
         if increments {
             count_from_here(words);
@@ -153,8 +162,15 @@ pub(super) fn has_code(words: &[Word], code: i64) -> bool {
     words.iter().any(|word| code_of(word) == Some(code))
 }
 
+/// The code of group 01 that is in force in a block.
+pub(super) fn motion_of(words: &[Word], now: Setting) -> i64 {
+    let codes = [90, 92, 94, 32, 34, 0, 1, 2, 3];
+    let written = codes.into_iter().find(|motion| has_code(words, *motion));
+    written.unwrap_or_else(|| i64::from(now.motion))
+}
+
 /// True for a code that gives the axis words of its block another meaning than motion.
-fn is_one_shot(word: &Word) -> bool {
+pub(super) fn is_one_shot(word: &Word) -> bool {
     let call = word.letter == b'M' && matches!(word.value().whole(), Some(97 | 98));
     call || matches!(
         code_of(word),
@@ -174,6 +190,14 @@ fn refuse_decimal_codes(words: &[Word]) -> Result<(), Alarm> {
         }
     }
     Ok(())
+}
+
+/// `,A` in a block that is no line of a FANUC or a Haas.
+fn refuse_angle(words: &[Word]) -> Result<(), Alarm> {
+    match words.iter().find(|word| word.letter == Word::ANGLE) {
+        Some(word) => Err(Alarm::new(Code::WordWithoutUse, word.span).word(b'A')),
+        None => Ok(()),
+    }
 }
 
 /// S of G50 in a file of another control, which limits other speeds than that of the program does [D273].
@@ -309,8 +333,20 @@ fn corners_of_gsk(words: &mut [Word]) {
 }
 
 /// `C`, `I`, `K` and `R` of a straight cut along one axis: a corner at its end, whose sign says where the next motion goes.
+/// Beside the angle of a line the corner is that of `,C` and `,R`.
 fn corners(words: &mut [Word]) {
     let has = |letters: &[u8]| words.iter().any(|word| letters.contains(&word.letter));
+    if has(&[b'A', Word::ANGLE]) {
+        for word in words {
+            word.letter = match word.letter {
+                b'A' => Word::ANGLE,
+                b'C' => Word::CHAMFER,
+                b'R' => Word::ROUND,
+                letter => letter,
+            };
+        }
+        return;
+    }
     let (along_x, along_z) = (has(b"XU"), has(b"ZW"));
     if along_x == along_z {
         return;

@@ -5,7 +5,7 @@ use leadscrew_core::program::MAX_LINE;
 use leadscrew_core::units::Decimal;
 
 use super::{Flow, Machine, Trouble};
-use crate::dialect::one_line;
+use crate::dialect::{digits, one_line};
 use crate::expression::Calculator;
 use crate::lines::{Place, Source};
 use crate::roughing::Cycle;
@@ -46,19 +46,15 @@ impl<S: Source> Flow<S> {
         self.idle = self.idle.saturating_add(1);
         let mut cursor = Cursor::new(here.line, &text[..piece.end], here.column);
         // In front of everything else a `%` means nothing; after that it ends the text, which the core sees.
-        let mut percent = false;
+        let mut behind = None;
         while !self.started && cursor.take(b'%') {
-            percent = true;
+            behind = Some(cursor.at());
         }
         if cursor.peek() == Some(b'%') {
             return self.plain(here, text, piece, machine);
         }
         // The program begins behind it: there a second pass and a search for N go.
-        let here = if percent {
-            here.in_line(cursor.at())
-        } else {
-            here
-        };
+        let here = behind.map_or(here, |column| here.in_line(column));
         let head = head(&mut cursor);
         let from = here.in_line(head.numbered.unwrap_or(here.column));
         let skipped = head.skip && self.rules.skip;
@@ -203,6 +199,13 @@ impl<S: Source> Flow<S> {
         word::read(cursor, &mut scope, of, words)?;
         let now = machine.setting();
         self.translator.translate(words, now)?;
+        digits::count(words, now)?;
+        if !self.translator.control().is_gsk()
+            && let Some(told) = digits::round(words, now)
+            && !std::mem::replace(&mut self.told_digits, true)
+        {
+            machine.note(told);
+        }
         machine.returns_to_r(self.translator.returns_to_r());
         if let Some(blocks) = one_line::blocks(words, self.translator.control(), now)? {
             for block in &blocks {

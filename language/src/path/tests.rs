@@ -133,7 +133,7 @@ fn a_corner_without_two_cutting_motions_is_refused_before_the_first() {
     refused("F100;G0 X20 Z2;G1 Z-20 ,C25;X40", 55, 3, "R20,2");
     refused("F100;G0 X20 Z2;G1 Z-20 ,C0;X40", 55, 3, "R20,2");
     refused("F100;G0 X20 Z2;G1 Z-20 ,C1 ,R1;X40", 4013, 3, "R20,2");
-    refused("F100;G0 X20 Z2;G1 Z-20 ,A1;X40", 4001, 3, "R20,2");
+    refused("F100;G0 X20 Z2;G1 Z-20 ,A1;X40", 4028, 3, "R20,2");
 }
 
 #[test]

@@ -30,7 +30,7 @@ impl Core<'_> {
     }
 
     /// The value of a system variable.
-    fn system(&self, number: u32) -> Option<Value> {
+    pub(super) fn system(&self, number: u32) -> Option<Value> {
         let now = self.interpreter.in_force();
         let at = self.interpreter.position();
         let (x, z, c) = (at.x, at.z, at.c.udeg());

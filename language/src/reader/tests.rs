@@ -414,3 +414,24 @@ fn a_contour_writes_no_offsets() {
         (Code::ContourWord.number(), 5)
     );
 }
+
+#[test]
+fn what_stands_behind_a_percent_or_a_mark_in_a_block_is_read_as_by_the_core() {
+    let options = Options {
+        skip: true,
+        ..Options::default()
+    };
+    let params = Params::sheets();
+    for text in [
+        // A comment behind a block that is passed over.
+        "/G0;%(a\nG0 X1",
+        "/G0;%(a)\nG0 X1)",
+        "/A;;%(a",
+        // A second mark is none.
+        "\u{feff}\u{feff}G0 X1",
+        "\u{feff}G0 X1",
+    ] {
+        let expected = alone(text, &params, options);
+        assert_eq!(read_with(text, &params, options), expected, "{text}");
+    }
+}

@@ -78,7 +78,10 @@ pub fn has_blocks(text: &[u8], depth: u32) -> bool {
 fn is_special(text: &[u8]) -> bool {
     match text {
         [b'#' | b'[' | b'<' | b':' | b'O' | b'o', ..] | [b'/', b'1'..=b'9', ..] => true,
-        [b',', rest @ ..] => matches!(super::trimmed(rest), [b'C' | b'c' | b'R' | b'r', ..]),
+        [b',', rest @ ..] => matches!(
+            super::trimmed(rest),
+            [b'C' | b'c' | b'R' | b'r' | b'A' | b'a', ..]
+        ),
         [b'M' | b'm', b'0' | b'9', ..] => matches!(number(&text[1..]), 97..=99),
         [b'G' | b'g', rest @ ..] => {
             let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();

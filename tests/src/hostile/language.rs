@@ -3,11 +3,12 @@
 use std::io;
 
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Event, Events, Options};
 use leadscrew_language::dialect::Control;
 use leadscrew_language::flow::{Passes, Rules, Trouble};
-use leadscrew_language::lines::Source;
+use leadscrew_language::lines::{Lines, Place, Source};
+use leadscrew_language::outline::behind_leader;
 use leadscrew_language::reader::Reader;
 use leadscrew_language::text::{Glance, glance};
 use leadscrew_language::value::Value;
@@ -29,7 +30,8 @@ impl Source for Slow<'_> {
     }
 }
 
-/// The first byte chooses the dialect, the block skip, the repeat and the pieces of the text. The rest is text.
+/// The first byte chooses the dialect, what numbers without a point are, the block skip, the repeat and the pieces of the
+/// text. The rest is text.
 ///
 /// # Panics
 /// Where the pieces change the result, an alarm stands outside of the text, a variable is no number, a program does not
@@ -38,7 +40,12 @@ pub fn language(data: &[u8]) {
     let Some((choice, text)) = data.split_first() else {
         return;
     };
-    let params = Params::sheets();
+    let mut params = Params::sheets();
+    if choice >> 4 > 10 {
+        // Numbers without a point count increments.
+        let entry = Entry::find_text("3401.0").expect("the parameter exists");
+        params.set(entry, 0).expect("within its range");
+    }
     let control = match choice & 1 {
         0 => Control::Gsk980td,
         _ => Control::ALL[1 + usize::from(choice >> 4) % 5],
@@ -73,7 +80,11 @@ pub fn language(data: &[u8]) {
     if let Some(alarm) = &end {
         lies_within(alarm, text);
     }
-    if control.is_gsk() && is_plain(text) && events.len() < STEPS as usize / 2 {
+    if control.is_gsk()
+        && params.whole_units()
+        && is_plain(text)
+        && events.len() < STEPS as usize / 2
+    {
         let mut alone = Vec::new();
         let mut alarm = None;
         for event in Events::new(text, &params, options) {
@@ -121,14 +132,21 @@ fn read(
     (events, end)
 }
 
-/// True for a text in which no line has anything that the core does not read.
+/// True for a text without a leader in which no line has anything that the core does not read.
 fn is_plain(text: &[u8]) -> bool {
+    let front = behind_leader(&mut Lines::new(text), Place::START);
+    if !matches!(front, Ok(Place::START)) {
+        return false;
+    }
     let mut depth = 0;
     let mut lines = text.split(|byte| *byte == b'\n');
     let short = text
         .split(|byte| *byte == b'\n')
         .all(|line| line.len() < 1000);
-    short && lines.all(|line| glance(line, &mut depth) == Glance::Plain(line.len()))
+    // A return within a line is refused by both, in front of a `%` at another column.
+    let inside = |line: &[u8]| matches!(line, [front @ .., _] if front.contains(&b'\r'));
+    let returns = text.split(|byte| *byte == b'\n').any(inside);
+    short && !returns && lines.all(|line| glance(line, &mut depth) == Glance::Plain(line.len()))
 }
 
 /// An alarm must name an existing line and columns in order.

@@ -9,7 +9,7 @@ use super::cuts::{Bench, Step};
 use super::flash::{in_force, noted, offsets_in_force, power_up, table, with_bit_changed};
 
 /// Changes until every page has been erased.
-const CHANGES: u32 = 24;
+const CHANGES: u32 = 32;
 
 /// Each step is a change of the offsets; now and then one of the parameters comes before it. With the number of the set.
 fn history(tear: usize) -> Vec<(Step, u32)> {

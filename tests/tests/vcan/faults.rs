@@ -19,7 +19,7 @@ const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000
                     G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
 
 /// Ticks after which a machine that does not come to its end is given up.
-const LIMIT: u64 = 60_000;
+const LIMIT: u64 = 150_000;
 
 /// Runs the program with these options and without a gateway, in virtual time: exit code and words.
 fn alone(text: &str, options: &[&str]) -> (Option<i32>, String) {
@@ -148,7 +148,7 @@ fn flash_that_fails_and_flash_that_is_worn_stop_a_tap_before_its_hole() {
     );
     // Short holes, more of them than the pages take that are there.
     let mut holes = String::from("G98 G0 X50 Z1\nM29 S1000\nG84 Z-1 R-1 F2000\n");
-    for n in 0..150 {
+    for n in 0..320 {
         holes.push_str(if n % 2 == 0 { "X51\n" } else { "X50\n" });
     }
     holes.push_str("G80\nM30\n");

@@ -344,8 +344,8 @@ objects! {
         set |values, value, _| values.put_signals(value);
     MACHINE_INPUTS = item(0x5061, 0, "Machine inputs", U32, Read),
         get |values, _| values.snapshot.machine();
-    MACHINE_OUTPUTS = item(0x5062, 0, "Machine outputs", U16, Read),
-        get |values, _| values.snapshot.machine_outputs;
+    MACHINE_OUTPUTS = item(0x5062, 0, "Machine outputs", U32, Read),
+        get |values, _| values.snapshot.machine_out();
 }
 
 const _: () = assert!(PROGRAM_BYTES <= u16::MAX as usize, "the credit has 16 bits");

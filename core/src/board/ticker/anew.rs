@@ -49,6 +49,8 @@ impl Ticker {
             home,
             machine,
             function,
+            gear,
+            station,
             chuck_wait,
             resuming,
             executor,
@@ -76,6 +78,7 @@ impl Ticker {
         machine.begin_anew(given.wiring);
         machine.reset();
         (*function, *resuming) = (None, None);
+        (*gear, *station) = (0, 0);
         *chuck_wait = ChuckWait::default();
         jog.begin_anew();
         *handwheel = Handwheel::OFF;

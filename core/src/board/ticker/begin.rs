@@ -7,6 +7,7 @@ use super::{Detour, Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Code};
 use crate::board::command::Switching;
 use crate::board::machine::interlocked;
+use crate::call::Aux;
 use crate::link::Event;
 use crate::motion::{Action, Motion, Scaling};
 
@@ -75,6 +76,11 @@ impl Ticker {
                 self.raise(&alarm, ends);
                 return None;
             }
+            Admitted::Wrong(alarm) => {
+                ends.segments.take();
+                self.raise(&alarm, ends);
+                return None;
+            }
         }
         let events = &mut ends.events;
         let instant = match segment.action {
@@ -135,6 +141,11 @@ impl Ticker {
                 self.switching = Switching::Function(aux);
                 if let Some(row) = row {
                     self.begin_function(&row, number, segment.span);
+                } else {
+                    match aux {
+                        Aux::M(code) => self.shift(code, true),
+                        Aux::T(tool) => self.begin_tool(tool, number, segment.span, ends),
+                    }
                 }
                 Event::Aux(aux)
             }

@@ -7,16 +7,19 @@ use super::away::LastPass;
 use super::{Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::machine::interlocked;
-use crate::call::Aux;
+use crate::call::{Aux, TapSpindle};
 use crate::link::Event;
 use crate::motion::{Action, Phase, Segment, ThreadRun};
 use crate::operating::Interlock;
+use crate::params::gear_of_code;
 
 /// Whether a segment may begin.
 pub(super) enum Admitted {
     Yes,
     Waits,
     Refused(Interlock),
+    /// By the gear or the tool that is in, or by that none is known.
+    Wrong(Alarm),
 }
 
 impl Ticker {
@@ -108,17 +111,43 @@ impl Ticker {
         let refusal = match &segment.action {
             // The way out behind a stroke is made whatever holds.
             Action::Timed(_) | Action::Planned if segment.stops.hold_not_before => None,
-            Action::Timed(_) | Action::Planned => self.refuses_motion(),
-            Action::Spindle(rpm, _) if rpm.get() != 0 => self.refuses_spindle(),
-            Action::Rigid(_) => self.refuses_spindle(),
-            Action::Aux(Aux::M(code), _)
-                if *code != 0 && *code == self.machine.chuck_open_code() =>
-            {
+            Action::Timed(_) | Action::Planned => {
+                if self.needs_tool() {
+                    return Admitted::Wrong(Alarm::new(Code::TurretBetween, segment.span));
+                }
+                self.refuses_motion()
+            }
+            Action::Aux(Aux::T(tool), _) => {
+                let refused = self.refuses_tool(*tool, segment.span);
+                return refused.map_or(Admitted::Yes, Admitted::Wrong);
+            }
+            Action::Spindle(rpm, law) if rpm.get() != 0 => {
+                let speed = law.map_or(rpm.abs(), |law| law.most);
+                if let Some(alarm) = self.refuses_by_gear(speed, segment.span) {
+                    return Admitted::Wrong(alarm);
+                }
+                self.refuses_spindle()
+            }
+            Action::Rigid(spindle) => {
+                if *spindle == TapSpindle::First
+                    && let Some(alarm) = self.refuses_by_gear(0, segment.span)
+                {
+                    return Admitted::Wrong(alarm);
+                }
+                self.refuses_spindle()
+            }
+            Action::Aux(Aux::M(code), _) if *code != 0 && self.needs_a_stand(*code) => {
                 return self.open_chuck();
             }
             _ => None,
         };
         refusal.map_or(Admitted::Yes, Admitted::Refused)
+    }
+
+    /// An M code that waits until the spindle has stood: it opens the chuck, or selects a gear.
+    fn needs_a_stand(&self, code: u16) -> bool {
+        let gear = gear_of_code(code).and_then(|number| self.given.gears.get(number));
+        code == self.machine.chuck_open_code() || gear.is_some()
     }
 
     /// What keeps an axis from moving for a program.
@@ -153,6 +182,7 @@ impl Ticker {
         self.resuming = None;
         self.operator.hold = false;
         self.course.resume();
+        self.take_tool();
         self.go_back();
     }
 

@@ -3,8 +3,10 @@
 use super::home::Wanted;
 use super::surface;
 use crate::board::drives::Figures;
+use crate::board::gear::Gears;
 use crate::board::kept::Found;
 use crate::board::machine::Wiring;
+use crate::board::turret::Changer;
 use crate::motion::{Arrival, AxisTravel};
 use crate::params::Params;
 use crate::spindle::Observer;
@@ -62,6 +64,8 @@ pub(super) struct Given {
     pub surface_step: u32,
     pub home: Wanted,
     pub wiring: Wiring,
+    pub gears: Gears,
+    pub changer: Changer,
 }
 
 impl Given {
@@ -96,6 +100,8 @@ impl Given {
             surface_step: surface_step(params),
             home: Wanted::of(params),
             wiring: Wiring::of(params),
+            gears: Gears::of(params),
+            changer: Changer::of(params),
         })
     }
 }

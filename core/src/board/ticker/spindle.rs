@@ -78,7 +78,8 @@ impl SpindleMode {
             None => MilliRpm::of(self.speed, u16::from(self.percent)),
             Some(surface) => {
                 let milli = surface.command(self.percent);
-                MilliRpm::new(milli.saturating_mul(self.speed.get().signum()))
+                // Only its sign changes.
+                MilliRpm::new(milli.wrapping_mul(self.speed.get().signum()))
             }
         }
     }

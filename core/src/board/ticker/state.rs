@@ -188,6 +188,12 @@ impl Ticker {
         self.machine.outputs()
     }
 
+    /// The gear of spindle 1 that is in, from 1; 0: nobody knows.
+    #[must_use]
+    pub const fn gear(&self) -> u8 {
+        self.gear
+    }
+
     /// What is open, or has no pressure.
     #[must_use]
     pub const fn interlocks(&self) -> Interlocks {

@@ -55,8 +55,9 @@ impl Surface {
     /// The command with the override; the highest speed holds for it, too.
     pub(super) fn command(&self, percent: u8) -> i32 {
         let factor = u64::from(Rate::percent(percent).raw());
+        // Below 2³²: a speed is below 10⁸, and no override doubles it.
         let milli = u64::from(self.milli_rpm).wrapping_mul(factor) >> 16;
-        milli.min(u64::from(self.most)) as i32
+        (milli as u32).min(self.most) as i32
     }
 
     /// From now on the place `end` counts, or the tool's own.

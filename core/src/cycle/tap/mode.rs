@@ -9,7 +9,7 @@ use super::return_words::is_tap_return;
 use super::words::Kept;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{Selection, SpindleCall, SpindleChoice, TapCall, TapSpindle};
-use crate::params::Params;
+use crate::params::{Params, gear_of_code};
 use crate::text::{
     AXES, Block, Group, Letters, MGroup, Modal, PLANE_AXES, Plan, Word, g_arg, is_machine_code,
 };
@@ -123,13 +123,29 @@ impl Codes {
 }
 
 /// The M codes of a block that have no meaning of their own: each is a row of the table of machine functions.
-fn functions(modal: &Modal<'_>, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
+fn functions(modal: &mut Modal<'_>, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
+    let params = modal.params;
     let row_of = |word: &Word| {
         let code = u16::try_from(word.value.mantissa()).ok()?;
-        modal.params.function(code)
+        params.function(code)
     };
+    let gear_of = |word: &Word| gear_of_code(u16::try_from(word.value.mantissa()).ok()?);
     for (place, word) in block.free_m().enumerate() {
         let code = word.value.mantissa();
+        if let Some(gear) = gear_of(&word)
+            && params.has_gears()
+        {
+            let other = block
+                .free_m()
+                .take(place)
+                .find(|other| gear_of(other).is_some());
+            if other.is_some() {
+                return Err(exclude(other, &word));
+            }
+            shift(modal, &word, gear)?;
+            plan.gear(word.span, code as u16);
+            continue;
+        }
         let Some(row) = row_of(&word) else {
             if modal.options.passes_machine_codes && is_machine_code(code) {
                 plan.warn(word.alarm(Code::MachineCodePassed).with([Arg::Int(code)]));
@@ -149,6 +165,19 @@ fn functions(modal: &Modal<'_>, block: &Block, plan: &mut Plan) -> Result<(), Al
         }
         plan.function(word.span, row.code, row.behind);
     }
+    Ok(())
+}
+
+/// M41 to M44 on a machine with gears: the speeds that follow are those of this gear.
+fn shift(modal: &mut Modal<'_>, word: &Word, gear: u8) -> Result<(), Alarm> {
+    let refused = |code| Err(word.alarm(code).with([Arg::Int(word.value.mantissa())]));
+    if modal.direction != 0 {
+        return refused(Code::GearTurning);
+    }
+    if modal.params.gear(gear).is_none() {
+        return refused(Code::GearMissing);
+    }
+    modal.gear = gear;
     Ok(())
 }
 
@@ -447,12 +476,12 @@ fn both(other: &Word, tap: &Word) -> Alarm {
     later.alarm(Code::AxisWordsTwice).with(args)
 }
 
-/// 5241, and never more than the spindle can (3772).
+/// 5241, and never more than the spindle can in its gear (3772).
 pub(super) fn highest_tap_speed(modal: &Modal<'_>) -> u32 {
     modal
         .params
         .tap_max_rpm()
-        .min(modal.params.spindle_max_rpm())
+        .min(modal.params.spindle_most(modal.gear))
 }
 
 /// S of rigid mode, signed; `span` is to blame where it is missing.
@@ -467,7 +496,10 @@ pub(super) fn tap_speed(modal: &Modal<'_>, word: Option<Word>, span: Span) -> Re
     }
     let speed = word.value.mantissa();
     match i32::try_from(speed) {
-        Ok(rpm) if rpm != 0 && rpm.unsigned_abs() <= limit => Ok(Rpm::new(rpm)),
+        Ok(rpm) if rpm != 0 && rpm.unsigned_abs() <= limit => {
+            modal.refuse_by_gear(word.span, rpm.unsigned_abs())?;
+            Ok(Rpm::new(rpm))
+        }
         _ => Err(word.alarm(Code::TapSpeed).with(args)),
     }
 }

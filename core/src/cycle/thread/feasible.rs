@@ -327,10 +327,14 @@ pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Al
 
 /// The largest speed up to the spindle's at which something `can` run.
 fn largest_speed(params: &Params, mut can: impl FnMut(Rpm) -> bool) -> Rpm {
-    // Invariant: the cycle can run at `low` (or `low` is 0); it cannot run at `high`, or `high` is one above the limit.
+    // Most threads can: one plan instead of a dozen, each of which is dear where its run-out lags.
     let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
+    if can(Rpm::new(most)) {
+        return Rpm::new(most);
+    }
+    // Invariant: the cycle can run at `low` (or `low` is 0), and it cannot run at `high`.
     let mut low = 0_i32;
-    let mut high = most.saturating_add(1);
+    let mut high = most;
     while high.saturating_sub(low) > 1 {
         let middle = low.midpoint(high);
         if can(Rpm::new(middle)) {

@@ -10,6 +10,7 @@ mod calls;
 mod cycles;
 mod data;
 mod forms;
+mod gears;
 mod in_phase;
 mod ordinary_taps;
 mod parameters;
@@ -18,6 +19,7 @@ mod returns;
 mod rigid;
 mod strokes;
 mod taps;
+mod turret;
 
 use super::*;
 use crate::alarm::{Alarm, Span};

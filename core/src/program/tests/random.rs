@@ -82,6 +82,7 @@ fn options(random: &mut Random) -> Options {
         limits_every_speed: random.below(4) == 0,
         position: at(500_000, 100_000),
         offsets: None,
+        gear: random.below(3) as u8,
     }
 }
 

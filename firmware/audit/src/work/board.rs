@@ -8,6 +8,7 @@ use leadscrew_core::motion::Motion;
 use leadscrew_core::params::{Entry, Params, Part};
 use leadscrew_core::program::{Event, Events, Options};
 use leadscrew_core::spindle::EncoderSample;
+use leadscrew_core::units::Axis;
 
 use super::{Work, until};
 
@@ -18,6 +19,8 @@ pub struct Program {
     spindles: i64,
     /// 5200.5: pecks go back to R.
     deep: bool,
+    /// Feed-forward of the drives of X and Z, whose gain is known, in tenths of a per cent (9070, 9071).
+    lag: Option<i64>,
     /// The tick before which the emergency stop is pressed.
     stop: Option<usize>,
     kinds: &'static [&'static str],
@@ -44,6 +47,7 @@ pub const MOVES: Program = Program {
         M30\n",
     spindles: 1,
     deep: false,
+    lag: None,
     stop: None,
     kinds: &["/idle", "/rapid", "/line", "/arc", "/wait", "/thread"],
     kind: |seen| match (seen.motion, seen.line) {
@@ -64,6 +68,21 @@ pub const SEVEN_DRIVES: Program = Program {
     ..MOVES
 };
 
+/// The same program where the board takes off the lag of the drives of X and Z.
+pub const LAGS: Program = Program {
+    lag: Some(0),
+    kinds: &["/lags"],
+    kind: |_| 0,
+    ..MOVES
+};
+
+/// The same with a feed-forward in these drives.
+pub const LAGS_FORWARD: Program = Program {
+    lag: Some(500),
+    kinds: &["/lags-forward"],
+    ..LAGS
+};
+
 /// Constant surface speed, with the feed by the measured spindle: a rapid, a face and an arc.
 pub const SURFACE: Program = Program {
     text: "O0007\n\
@@ -74,6 +93,7 @@ pub const SURFACE: Program = Program {
         M30\n",
     spindles: 1,
     deep: false,
+    lag: None,
     stop: None,
     kinds: &["/to-surface", "/surface-line", "/surface-arc"],
     kind: tap_kind,
@@ -90,6 +110,7 @@ pub const JOINED: Program = Program {
         M30\n",
     spindles: 1,
     deep: false,
+    lag: None,
     stop: None,
     kinds: &["/to-joined", "/joined-line", "/joined-arc"],
     kind: tap_kind,
@@ -104,6 +125,7 @@ pub const ORDINARY_TAP: Program = Program {
         M30\n",
     spindles: 1,
     deep: false,
+    lag: None,
     stop: None,
     kinds: &["/to-ordinary", "/tap-ordinary"],
     kind: |seen| usize::from(seen.line == 3),
@@ -120,6 +142,7 @@ pub const TAPS: Program = Program {
         M30\n",
     spindles: 1,
     deep: false,
+    lag: None,
     stop: None,
     kinds: &["/to-rigid", "/tap", "/tap-peck"],
     kind: tap_kind,
@@ -135,6 +158,7 @@ pub const DEEP_TAP: Program = Program {
         M30\n",
     spindles: 1,
     deep: true,
+    lag: None,
     stop: None,
     kinds: &["/to-rigid-deep", "/tap-deep"],
     kind: tap_kind,
@@ -149,6 +173,7 @@ pub const STOP_IN_THREAD: Program = Program {
         M30\n",
     spindles: 1,
     deep: false,
+    lag: None,
     stop: Some(1500),
     kinds: &["/to-stop", "/stop"],
     kind: |seen| usize::from(seen.alarm),
@@ -163,6 +188,7 @@ pub const STOP_IN_TAP: Program = Program {
         M30\n",
     spindles: 1,
     deep: false,
+    lag: None,
     stop: Some(450),
     kinds: &["/to-stop-tap", "/stop-tap"],
     kind: |seen| usize::from(seen.alarm),
@@ -214,6 +240,14 @@ impl WholeBoard {
             (spindles, program.spindles),
         ] {
             params.set(entry, value).expect("within its range");
+        }
+        if let Some(forward) = program.lag {
+            for (number, value) in [(9070, 300), (9071, forward)] {
+                for axis in [Axis::X, Axis::Z] {
+                    let entry = Entry::find(number, Some(Part::Axis(axis))).expect("in the table");
+                    params.set(entry, value).expect("within its range");
+                }
+            }
         }
         let mut calls = [None; CALLS];
         let events = Events::new(program.text.as_bytes(), &params, Options::default());

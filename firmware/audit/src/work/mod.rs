@@ -84,6 +84,8 @@ pub fn all(counter: &mut impl Counter) {
     for program in [
         board::MOVES,
         board::SEVEN_DRIVES,
+        board::LAGS,
+        board::LAGS_FORWARD,
         board::ORDINARY_TAP,
         board::TAPS,
         board::DEEP_TAP,

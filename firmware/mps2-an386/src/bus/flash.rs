@@ -12,7 +12,7 @@ use leadscrew_store::{BUFFER, Store};
 
 const WORD: usize = 8;
 const PAGE: usize = 4096;
-const SIZE: usize = 4 * PAGE;
+const SIZE: usize = 8 * PAGE;
 
 /// The mark before a flash that was erased once; memory at power-up does not look like it.
 const MARK: u64 = 0x4C53_464C_4153_4831;

@@ -6,7 +6,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use leadscrew_core::bus::{JogRequest, StepRequest};
+use leadscrew_core::bus::{Beat, JogRequest, StepRequest};
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 
 use super::open;
@@ -19,9 +19,9 @@ use crate::output;
 use crate::words::{Both, both};
 
 /// A press is renewed so often: with the beat of up to 10 ms before, well within the dead man's 100 ms.
-pub(super) const RENEWAL: Duration = Duration::from_millis(20);
+pub const RENEWAL: Duration = Duration::from_millis(20);
 /// The board's answer to a press comes with its beat, every 10 ms by default.
-pub(super) const ANSWER: Duration = Duration::from_secs(1);
+pub const ANSWER: Duration = Duration::from_secs(1);
 
 /// Enter has been pressed.
 static ENTER: AtomicBool = AtomicBool::new(false);
@@ -155,6 +155,10 @@ impl Press {
     /// The frame with the newest beat.
     fn send(&self, link: &mut Link, released: bool) -> Outcome {
         let echo = link.beat()?;
+        self.send_with(link, echo, released)
+    }
+
+    fn send_with(&self, link: &mut Link, echo: Beat, released: bool) -> Outcome {
         let frame = match self.wish {
             Wish::Step { on_z, way } => StepRequest {
                 session: self.session,
@@ -214,6 +218,43 @@ impl Press {
 
     fn is_wanted_no_more(&self) -> bool {
         interrupt::requested() || ENTER.load(Ordering::Relaxed)
+    }
+}
+
+/// A press of one axis that another command renews and ends.
+pub struct Held(Press);
+
+impl Held {
+    /// Nothing has been sent yet.
+    pub fn new(link: &Link, way: AxisWay, mm_per_min: u16) -> Self {
+        let towards = |on_z| (way.on_z == on_z).then_some(way.towards);
+        Self(Press::new(
+            link,
+            Wish::Hold {
+                x: towards(false),
+                z: towards(true),
+                rapid: false,
+                mm_per_min,
+            },
+        ))
+    }
+
+    /// Renews it with this beat, or releases it; frames that have arrived are not read.
+    ///
+    /// # Errors
+    /// The bus is closed.
+    pub fn renew(&self, link: &mut Link, echo: Beat, released: bool) -> Outcome {
+        self.0.send_with(link, echo, released)
+    }
+
+    /// What became of it, once the board has it.
+    pub fn state(&self, link: &Link) -> Option<PressState> {
+        self.0.state(link)
+    }
+
+    /// Why the board does not move.
+    pub fn refusal(link: &mut Link) -> Failure {
+        refusal(link)
     }
 }
 

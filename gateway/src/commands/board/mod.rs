@@ -2,6 +2,7 @@
 
 mod by_hand;
 mod home;
+mod io;
 mod machine;
 mod mdi;
 mod monitor;
@@ -19,8 +20,9 @@ use crate::failure::Outcome;
 use crate::link::Link;
 use crate::words::pick;
 
-pub use by_hand::{jog, mode};
+pub use by_hand::{ANSWER, Held, RENEWAL, jog, mode};
 pub use home::{home, names};
+pub use io::io;
 pub use machine::{Base, Greeted, Machine, Table, base};
 pub use mdi::{mdi, modal_words};
 pub use monitor::monitor;

@@ -87,6 +87,10 @@ pub fn status(global: &Global) -> Outcome {
                 None => json.null("inputs"),
             }
             json.text("outputs", &numbers(contacts.outputs));
+            match contacts.gear {
+                0 => json.null("gear"),
+                gear => json.integer("gear", i64::from(gear)),
+            }
             json.text("interlocks", &names_of(contacts.interlocks));
             json.text("parameters", &format!("{:08x}", status.parameters));
             tapping::fields(record.as_ref(), json);
@@ -132,6 +136,10 @@ fn contact_words(contacts: &MachineContacts, lang: Lang) -> String {
             "inputs on: {inputs}; outputs on: {outputs}\n",
             "接通的输入：{inputs}；接通的输出：{outputs}\n"
         );
+        text.push_str(line.get(lang));
+    }
+    if contacts.gear != 0 {
+        let line = both!("gear {gear}\n", "第 {gear} 档\n", gear = contacts.gear);
         text.push_str(line.get(lang));
     }
     for interlock in contacts.interlocks.each() {

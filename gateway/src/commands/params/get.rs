@@ -9,7 +9,7 @@ use super::json_list;
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::params::{Loaded, meaning, name, unknown_key, value_text};
+use crate::params::{Loaded, functions, meaning, name, unknown_key, value_text};
 use crate::setup;
 use crate::words::Both;
 
@@ -54,6 +54,11 @@ fn describe(out: &mut String, entry: &Entry, loaded: &Loaded, lang: Lang) {
     let source = loaded.source(entry);
     // Writing into a string cannot fail.
     let _ = writeln!(out, "{entry}{alias} {} = {value}", name(entry));
+    if let Some(words) =
+        functions::row_of(entry).and_then(|_| functions::words(loaded.params.get(entry)))
+    {
+        let _ = writeln!(out, "    {words}");
+    }
     let _ = writeln!(out, "    {}", meaning(entry, lang));
     let _ = match (lang, source) {
         (Lang::En, None) if loaded.of_a_board => {

@@ -14,6 +14,8 @@ mod restore;
 mod validate;
 mod write;
 
+pub use push::{Wish, transact};
+
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params, Part};
 

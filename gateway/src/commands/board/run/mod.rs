@@ -109,6 +109,9 @@ pub fn perform<'a>(
     setup.passes = passes(args);
     setup.position = Some(status.position);
     setup.turning = status.command != Rpm::STOPPED;
+    if setup.params.has_gears() {
+        setup.gear = link.contacts()?.gear;
+    }
     setup.tap = tap;
     begin(&mut setup, &status)?;
     let origin = Origin {

@@ -522,7 +522,9 @@ impl Runner<'_> {
                 let alarm = placed(alarm, self.ran.line);
                 self.ran.alarms.push(feeder.words(&alarm));
             }
-            Event::Warning(warning) if warning.code == Code::RunsByItself => {
+            Event::Warning(warning)
+                if matches!(warning.code, Code::RunsByItself | Code::ToolByHand) =>
+            {
                 let words = feeder.words(&warning);
                 self.bar
                     .suspend(|| diagnostics::print(&words, self.setup.colour));

@@ -1,0 +1,101 @@
+//! `tune`: moves an axis to and fro by jogging, and finds how far its drive lags behind.
+//!
+//! [`strokes`] moves and hears, `crate::tuning` computes, [`result`] tells. It holds no limit of its own: the board does.
+
+mod result;
+mod strokes;
+
+use leadscrew_core::operating::OperatingMode;
+use leadscrew_core::units::Axis;
+
+use crate::cli::{Global, Tune};
+use crate::commands::board::Greeted;
+use crate::commands::measure::ending;
+use crate::commands::params::{Wish, transact};
+use crate::failure::{Doing, Failure, Outcome};
+use crate::output;
+use crate::tuning::{Known, look};
+use crate::words::{self, both};
+
+/// Moves, finds, tells, and writes where that was asked.
+pub fn run(global: &Global, args: &Tune) -> Outcome {
+    if let Some(path) = &args.output
+        && !matches!(ending(path).as_str(), "svg" | "html" | "json")
+    {
+        return Err(Failure::Usage(both!(
+            "`{output}`: the ending of the file chooses the format: `.svg`, `.html` or `.json`",
+            "`{output}`：文件的扩展名决定格式：`.svg`、`.html` 或 `.json`",
+            output = words::path(path)
+        )));
+    }
+    let axis = if args.way.on_z { Axis::Z } else { Axis::X };
+    let mut machine = Greeted::meet(global)?.read()?;
+    let params = &machine.params;
+    let letter = char::from(axis.letter());
+    let dead_time = args.dead_time.unwrap_or(params.latency_us(axis));
+    if dead_time == 0 {
+        return Err(Failure::Usage(both!(
+            "the bus does not show which part of the lag is dead time, and 9003.{letter} is 0: give the time of buffer and \
+             interpolation with `--dead-time US` (one SYNC period, and one for each target that waits)",
+            "总线上无法看出滞后中哪一部分是死区时间，而 9003.{letter} 为 0：请用 `--dead-time US` 给出缓冲与插补的时间（一个 SYNC 周期，每个等待的目标再加一个周期）"
+        )));
+    }
+    let age = args.age.unwrap_or(params.actual_age_us(axis));
+    let (many, nm) = (params.drive_numerator(axis), params.drive_denominator(axis));
+    let increment = f64::from(nm) / f64::from(many) / 1000.0;
+    let tick = f64::from(params.tick_us()) * 1e-6;
+    let feed_forward = args
+        .feed_forward
+        .map_or(params.drive_feed_forward(axis), |percent| percent * 10);
+    let before = result::Before {
+        letter,
+        taken_off: f64::from(params.latency_us(axis)) * 1e-6
+            + result::behind(params.drive_gain(axis), params.drive_feed_forward(axis)),
+        increment,
+        tick,
+    };
+    machine.link.hear_status()?;
+    machine.link.set_mode(OperatingMode::Manual)?;
+    let heard = strokes::make(&mut machine, args.way, axis, increment, tick)?;
+    drop(machine);
+    let known = Known {
+        tick,
+        increment,
+        quantum: heard.quantum(increment),
+        dead_time: f64::from(dead_time + age) * 1e-6,
+        feed_forward: f64::from(feed_forward) / 1000.0,
+    };
+    let found = look(&heard.runs, &heard.rest, &known).map_err(|why| result::refusal(&why))?;
+    let told = result::Told {
+        before,
+        dead_time,
+        feed_forward,
+        age,
+        found,
+        known,
+    };
+    if let Some(path) = &args.output {
+        let bytes = told.file(&ending(path), global.lang());
+        std::fs::write(path, bytes)
+            .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
+    }
+    // With `--write` and `--json` the one result is that of the transaction.
+    if !(global.json && args.write) {
+        match global.json {
+            true => output::json(|json| told.fields(json))?,
+            false => output::write(told.words().get(global.lang()).as_bytes())?,
+        }
+    }
+    if !args.write {
+        return Ok(());
+    }
+    transact(
+        global,
+        &Wish {
+            files: &[],
+            set: &told.values(),
+            built_in: false,
+            password: None,
+        },
+    )
+}
