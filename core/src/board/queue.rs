@@ -12,13 +12,17 @@ use heapless::spsc::{Consumer, Producer, Queue};
 
 use crate::call::Call;
 use crate::link::Event;
-use crate::motion::{Action, Plan, STRETCHES_OF_A_CUT, Segment, Stretch, Task};
+use crate::motion::{Action, CUTS_AHEAD, Plan, STRETCHES_OF_A_CUT, Segment, Stretch, Task};
 
 /// Calls in the queue of a board. One place of a ring stays empty.
 pub const CALLS: usize = 4;
 /// Segments: those planned ahead, the one under way, and the place that stays empty. Where many short cuts are joined, all
 /// those between the profile's input and the tool are here.
 pub const SEGMENTS: usize = 32;
+const _: () = assert!(
+    (CUTS_AHEAD as usize) < SEGMENTS - 2,
+    "the ramp of joined cuts counts on them"
+);
 /// Stretches of joined cuts. Most cuts have one to three.
 pub const STRETCHES: usize = 64;
 /// Plans: the one under way, the next, and the place that stays empty. A stroke begins only when the segment after it is in

@@ -10,8 +10,8 @@
 //! as the difference of the two directions, and each arc by its angle. A corner with others close to it is passed as slowly
 //! as all of them together need.
 //!
-//! A corner that would have to be passed at less than half the feed is a stop: to slow down so far takes longer than to
-//! stop.
+//! A corner is a stop where that takes less time than to slow down for it: between long cuts below half of the feed,
+//! between short ones much later ([`Side`]).
 //!
 //! # Where a rate has to hold
 //!
@@ -23,13 +23,25 @@
 //!
 //! A cut that has left cannot be slowed down any more, and a corner of any kind may follow at the end of what is known. If
 //! the calls come slowly, the rate is at most the distance to that end, over `zone`: the machine slows down, to a rate at
-//! which it could turn round. If the window is full, the rate is not less than half the feed. A slower corner that follows
-//! too soon after that is a stop.
+//! which it could turn round.
+//!
+//! If the window is full, the way is expected to go on as it was lately: chords of a curve are followed by more of them. Of
+//! the slowest place that was seen, an eighth is left for rounded figures. A corner that is slower than that, and known too
+//! late, is passed more slowly still: at the distance to it, over `zone`. Where a stop takes less time it is a stop.
+//!
+//! # How fast a ramp may be
+//!
+//! The means of a high feed are long, and the input is ahead of the tool by half of them. No more cuts than
+//! [`CUTS_AHEAD`] fit between the two. So for short cuts the ramp is for less than their feed: otherwise the input would
+//! wait for the tool, and a higher feed would be a slower cut.
 //!
 //! This module knows planned cuts and the machine's limits. It knows nothing of calls, queues or overrides.
 
+mod stop;
+
 use heapless::{Deque, Vec};
 
+use self::stop::Side;
 use super::flow::Stretch;
 use super::limits::{Corner, Limits};
 use super::path::{Heading, Path};
@@ -45,6 +57,15 @@ const WINDOW: usize = 24;
 const BOUNDS: usize = 3;
 /// The most stretches of a cut: the slow places before it and after it, and what is between.
 pub const STRETCHES_OF_A_CUT: usize = 2 * BOUNDS + 1;
+
+/// After a full window, so many eighths of the slowest rate that was seen lately are expected. With all of it, the next
+/// corner of a rounded curve is too slow every few cuts.
+const EXPECTED: u64 = 7;
+/// Cuts after which a slow place is mostly forgotten.
+const MEMORY: u64 = 64;
+
+/// Cuts that can be on the way from the profile's input to the tool. The queue of the tick holds some more.
+pub const CUTS_AHEAD: u64 = 28;
 
 /// Rates are in 1/256 nm per tick here, ways in 1/256 nm, turns in 2⁻³⁰.
 const TURN_BITS: u32 = 30;
@@ -62,9 +83,12 @@ struct Piece {
     turn: u64,
     /// The largest rate at its beginning, once that is known.
     passes: Option<u64>,
+    /// That rate has been compared with what was under way when it became known. This is done once: from then on no cut
+    /// leaves that is too fast for it.
+    settled: bool,
     /// It begins after a stop. Once true, this stays true.
     stop: bool,
-    /// Half the feed here: it is not begun slower than this without a stop.
+    /// Where it would have to be begun slower than this, a stop takes less time.
     least: u64,
 }
 
@@ -72,8 +96,18 @@ struct Piece {
 #[derive(Clone, Copy, Debug)]
 struct Chain {
     ramp: Ramp,
-    /// No ramp can be faster.
-    is_fastest: bool,
+    limited: Limited,
+}
+
+/// What limits the ramp of joined cuts, and with it their rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Limited {
+    /// The fastest feed that was known when it was chosen.
+    Feed,
+    /// The machine.
+    Machine,
+    /// The number of cuts that can be on the way from the profile's input to the tool.
+    Cuts,
 }
 
 /// A rate on the next part of the way, as long as `reach`. In a slow place no input is above it; where a cut has left, an
@@ -117,11 +151,13 @@ pub struct Lookahead {
     /// What has left may be faster than a corner allows that is known too late: up to this rate, for corners within this
     /// distance.
     rash: Bound,
+    /// The slowest place that was seen lately.
+    lately: u64,
     /// Where the newest cut goes at its end, and how far an arc turns before.
     heading: Heading,
     turns: u64,
-    /// The newest cut's feed.
-    nominal: u64,
+    /// The newest cut, for the stop that may be between it and the next one.
+    newest: Side,
 }
 
 impl Default for Lookahead {
@@ -141,9 +177,10 @@ impl Lookahead {
             chain: None,
             behind: Vec::new(),
             rash: Bound::NONE,
+            lately: u64::MAX,
             heading: Heading::NONE,
             turns: 0,
-            nominal: 0,
+            newest: Side::NONE,
         }
     }
 
@@ -211,6 +248,7 @@ impl Lookahead {
         } else {
             first.turn_from(&self.heading).saturating_add(self.turns)
         };
+        let newest = Side::of(timed);
         let mut piece = Piece {
             segment: *segment,
             length,
@@ -218,8 +256,9 @@ impl Lookahead {
             top,
             turn: 0,
             passes: None,
+            settled: false,
             stop: false,
-            least: nominal.max(self.nominal) / 2,
+            least: self.newest.least(&newest),
         };
         let turns = own_turn(&piece, corner);
         piece.turn = corner_turn.saturating_add(turns);
@@ -227,7 +266,7 @@ impl Lookahead {
         if self.window.push_back(piece).is_err() {
             return false;
         }
-        (self.heading, self.turns, self.nominal) = (last, turns, nominal);
+        (self.heading, self.turns, self.newest) = (last, turns, newest);
         true
     }
 
@@ -269,6 +308,7 @@ impl Lookahead {
     fn begin_anew(&mut self, corner: &Corner, closed: bool) {
         self.behind.clear();
         self.rash = Bound::NONE;
+        self.lately = u64::MAX;
         if let Some(first) = self.window.front_mut() {
             // No corner is before it.
             first.passes = None;
@@ -335,39 +375,65 @@ impl Lookahead {
         closed: bool,
     ) -> bool {
         let cap = u64::from(chain.ramp.cap().raw());
-        let passes = self.passes(index, corner, cap, closed);
+        let zone = chain.zone(corner);
+        let mut passes = self.passes(index, corner, cap, closed);
         let rash = self.rash;
         let Some(piece) = self.window.iter_mut().nth(index) else {
             return true;
         };
-        let slowest = passes.rate.min(piece.top);
-        let too_late = slowest < rash.top
-            && distance < rash.reach.min(slowest.saturating_mul(chain.zone(corner)));
-        piece.stop |= too_late
-            || (passes.known && passes.rate < piece.least.min(cap))
-            || (piece.nominal > cap && !chain.is_fastest);
+        // The first of the window leaves now, whatever is known.
+        if (passes.known || index == 0) && !piece.settled {
+            piece.settled = true;
+            let slowest = passes.rate.min(piece.top);
+            let recovers = slowest.saturating_sub(self.lately) / MEMORY;
+            self.lately = self.lately.saturating_add(recovers).min(slowest);
+            let too_late =
+                slowest < rash.top && distance < rash.reach.min(slowest.saturating_mul(zone));
+            // At this rate, the way to its beginning takes as long as the rate has to hold.
+            let in_time = per(distance, zone);
+            if too_late && in_time < piece.least.min(cap) {
+                piece.stop = true;
+            } else if too_late {
+                passes.rate = passes.rate.min(in_time);
+                piece.passes = Some(passes.rate);
+                piece.top = piece.top.min(in_time);
+            }
+        }
+        piece.stop |= (passes.known && passes.rate < piece.least.min(cap))
+            || piece.is_worth_a_stop(cap, chain.limited);
         piece.stop
     }
 
-    /// The ramp of cuts that are joined from the first of the window on: for one and a half times their fastest feed.
+    /// The ramp of cuts that are joined from the first of the window on: for one and a half times their fastest feed, or as
+    /// much of it as so short cuts allow.
     fn chain_from_first(&self, corner: &Corner) -> Option<Chain> {
-        let first = self.window.front()?.nominal;
-        let feed = self
-            .window
-            .iter()
-            .skip(1)
-            .take_while(|piece| !piece.stop)
-            .map(|piece| piece.nominal)
-            .fold(first, u64::max);
+        let first = self.window.front()?;
+        let (mut feed, mut way, mut cuts) = (first.nominal, first.length, 1_u64);
+        for piece in self.window.iter().skip(1).take_while(|piece| !piece.stop) {
+            feed = feed.max(piece.nominal);
+            way = way.saturating_add(piece.length);
+            cuts = cuts.saturating_add(1);
+        }
+        let ahead = mul_div(way, CUTS_AHEAD, cuts);
         let fastest = u64::from(corner.along.speed.raw());
         let mut cap = feed.saturating_add(feed / 2).min(fastest).max(2);
-        let mut is_fastest = cap == fastest;
+        let mut limited = if cap == fastest {
+            Limited::Machine
+        } else {
+            Limited::Feed
+        };
         loop {
             if let Some(ramp) = ramp(cap, corner) {
-                return Some(Chain { ramp, is_fastest });
+                // The input is ahead of the tool by half of all means, at the feed: two thirds of the ramp's rate.
+                let delay = u64::from(ramp.ticks() / 2).saturating_add(window(corner));
+                if (cap / 3).saturating_mul(2).saturating_mul(delay) <= ahead {
+                    return Some(Chain { ramp, limited });
+                }
+                limited = Limited::Cuts;
+            } else {
+                limited = Limited::Machine;
             }
             // Slower, the ramp is shorter.
-            is_fastest = true;
             cap = cap.saturating_sub(cap / 8);
             if cap < 16 {
                 return None;
@@ -427,19 +493,22 @@ impl Lookahead {
         let farthest = cap.saturating_mul(zone);
         self.rash.reach = self.rash.reach.saturating_sub(first.length);
         let mut distance = 0_u64;
+        let mut slowest = cap;
         let mut index = 1;
         while let Some(piece) = self.window.iter().nth(index) {
             if distance >= farthest {
                 return;
             }
-            let (top, length) = (piece.top, piece.length);
+            let length = piece.length;
             if self.stops_at(index, distance, corner, chain, horizon.closed) {
                 return;
             }
             let passes = self.passes(index, corner, cap, horizon.closed);
             if !passes.known {
+                slowest = slowest.min(passes.rate);
                 break;
             }
+            let top = self.window.iter().nth(index).map_or(0, |piece| piece.top);
             for slow in [top.min(passes.rate), passes.rate] {
                 let reach = slow.saturating_mul(zone).saturating_sub(distance);
                 hold(ahead, cap, slow, reach);
@@ -451,8 +520,12 @@ impl Lookahead {
             return;
         }
         // At a distance d before the end of what is known, the rate is at most d / zone.
-        let least = if horizon.full { first.nominal / 2 } else { 0 };
-        let floor = least.max(corner.turning / 2);
+        let expected = match self.lately {
+            _ if !horizon.full => 0,
+            slow if slow < cap => mul_div(slow, EXPECTED, 8).min(slowest),
+            _ => slowest,
+        };
+        let floor = expected.max(corner.turning / 2);
         let mut from = distance;
         while from < farthest {
             let to = from.saturating_mul(2).max(zone);
@@ -485,6 +558,22 @@ struct Passes {
     rate: u64,
     /// What comes later makes it neither larger nor smaller.
     known: bool,
+}
+
+impl Piece {
+    /// True where a stop before the cut, after which a ramp for its feed can begin, takes less time than to cut it at the
+    /// rate of the ramp that there is.
+    fn is_worth_a_stop(&self, cap: u64, limited: Limited) -> bool {
+        let Action::Timed(timed) = &self.segment.action else {
+            return false;
+        };
+        match limited {
+            _ if self.nominal <= cap => false,
+            Limited::Feed => true,
+            Limited::Machine => false,
+            Limited::Cuts => Side::of(timed).is_faster_alone(cap),
+        }
+    }
 }
 
 impl Chain {

@@ -42,7 +42,7 @@ pub use jog::{AxisPress, AxisTravel, Jog, JogConditions, Press, Wheel};
 pub(crate) use lead::turns_over;
 pub use limits::{Limits, Pace};
 pub use line::Line;
-pub use lookahead::{Due, Lookahead, STRETCHES_OF_A_CUT};
+pub use lookahead::{CUTS_AHEAD, Due, Lookahead, STRETCHES_OF_A_CUT};
 pub use path::Path;
 pub use plan::{Scaling, Timed};
 pub use profile::{CAPACITY, Profile, Progress, Ramp};

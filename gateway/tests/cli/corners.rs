@@ -74,3 +74,31 @@ fn a_corner_is_rounded_under_g64_and_reached_under_g61() {
     let (reached, end) = nearest("G61");
     assert_eq!((reached, end), (0.0, Some((20.0, -10.0))));
 }
+
+/// A half circle of `radius` in chords of 0.1 mm.
+fn half_circle(radius: f64, feed: u32) -> String {
+    let mut text = String::from("O1\nG64 G97 M3 S500\nG0 X0 Z0\n");
+    let chords = (std::f64::consts::PI * radius / 0.1) as u32;
+    for chord in 1..=chords {
+        let angle = std::f64::consts::PI * f64::from(chord) / f64::from(chords);
+        let (x, z) = (2.0 * radius * (1.0 - angle.cos()), -radius * angle.sin());
+        text += &format!("G1 X{x:.3} Z{z:.3} F{feed}\n");
+    }
+    text + "M30\n"
+}
+
+#[test]
+fn a_feed_that_the_machine_cannot_hold_is_no_slower_cut() {
+    let folder = Folder::new("chords");
+    for radius in [2.0, 10.0] {
+        let ticks = |feed| simulated(&folder, &half_circle(radius, feed)).0;
+        let first = ticks(1_500);
+        for feed in [2_000, 3_000, 5_000, 8_000] {
+            let took = ticks(feed);
+            assert!(
+                20 * took <= 21 * first,
+                "radius {radius}: {took} ticks at F{feed}, {first} at F1500"
+            );
+        }
+    }
+}

@@ -194,45 +194,92 @@ fn what_is_not_known_is_approached_no_faster_than_it_could_turn_round() {
     assert!(last(&third) > last(&second));
 }
 
-#[test]
-fn with_the_window_full_the_rate_is_half_the_feed_at_least_and_a_corner_known_too_late_is_a_stop() {
-    let mut window = Window::new();
-    let mut z = 0;
-    for _ in 0..WINDOW {
-        z -= 80;
-        window.line(0, z, 1_200);
-    }
-    assert!(window.lookahead.is_full());
-    let first = window.leaves(false);
-    // Not below half the feed, though only some tenths of a millimetre are known.
-    assert!(
-        ways(&first).iter().all(|(_, top)| *top >= 600.0),
-        "{:?}",
-        ways(&first)
-    );
-    // A cut of 5 µm can be passed at 5 µm in a tick, 300 mm/min; it follows in time.
-    window.line(0, z - 5, 1_200);
-    let stops = |window: &mut Window| {
-        let mut stops = 0;
-        while !window.lookahead.is_empty() {
-            let due = window.leaves(true);
-            stops += usize::from(due.stretches.first().is_none_or(|stretch| stretch.anew));
-        }
-        stops
-    };
-    assert_eq!(stops(&mut window), 0);
-    // The same again, and all but two of the cuts that are known have left when it comes.
+/// Cuts of `um` micrometres straight on until the window is full; the last place on Z.
+fn full_of(um: i64, feed: i64) -> (Window, i64) {
     let mut window = Window::new();
     for number in 1..=WINDOW as i64 {
-        window.line(0, -6 * number, 300);
+        window.line(0, -um * number, feed);
     }
+    assert!(window.lookahead.is_full());
+    (window, -um * WINDOW as i64)
+}
+
+/// Takes out what waits. Cuts that begin after a stop, or end in one by themselves.
+fn stops(window: &mut Window) -> usize {
+    let mut stops = 0;
+    while !window.lookahead.is_empty() {
+        let due = window.leaves(true);
+        stops += usize::from(due.stretches.first().is_none_or(|stretch| stretch.anew));
+    }
+    stops
+}
+
+#[test]
+fn with_the_window_full_the_way_is_expected_to_go_on_as_it_was() {
+    // Two millimetres are known, a tenth of a second, and the feed and half of it again may be put in.
+    let (mut window, z) = full_of(80, 1_200);
+    let first = window.leaves(false);
+    let fastest = |due: &Due| ways(due).iter().map(|(_, top)| *top).fold(0.0, f64::max);
+    assert!(fastest(&first) > 1_200.0, "{:?}", ways(&first));
+    // A cut of 5 µm can be passed at 5 µm in a tick, 300 mm/min. It is known in time for a rate that takes less time than a
+    // stop.
+    window.line(0, z - 5, 1_200);
+    let mut slowest = f64::MAX;
+    while window.lookahead.window.len() > 1 {
+        let due = window.leaves(true);
+        assert!(!due.stretches.is_empty() && !due.stretches[0].anew);
+        slowest = ways(&due)
+            .iter()
+            .map(|(_, top)| *top)
+            .fold(slowest, f64::min);
+    }
+    assert!(slowest <= 300.0, "{slowest}");
+    assert_eq!(stops(&mut window), 0);
+}
+
+#[test]
+fn a_slow_place_that_is_known_too_late_is_a_stop() {
+    // All but two of the cuts that are known have left when it comes.
+    let (mut window, z) = full_of(6, 300);
     while window.lookahead.window.len() > 2 {
         let due = window.leaves(false);
         assert!(!due.stretches.is_empty());
     }
-    let z = -6 * WINDOW as i64;
     window.line(0, z - 1, 300).line(0, z - 1_000, 300);
     assert_eq!(stops(&mut window), 1);
+}
+
+#[test]
+fn chords_of_a_curve_are_passed_without_a_stop_whatever_the_feed() {
+    // Radius 5 mm, chords of 0.1 mm: each corner is 20 mrad.
+    let rate_at = |feed: i64| {
+        let mut window = Window::new();
+        let mut chords = 0..;
+        let mut chord = |window: &mut Window| {
+            let angle = f64::from(chords.next().unwrap() + 1) * 0.02;
+            let (x, z) = (5e3 * (1.0 - angle.cos()), -5e3 * angle.sin());
+            window.line(x.round() as i64, z.round() as i64, feed);
+        };
+        for _ in 0..WINDOW {
+            chord(&mut window);
+        }
+        let mut slowest = f64::MAX;
+        for number in 0..250 {
+            let due = window.leaves(false);
+            assert!(!due.stretches.is_empty(), "{feed} {number}");
+            assert!(number == 0 || !due.stretches[0].anew, "{feed} {number}");
+            if number >= 50 {
+                slowest = ways(&due)
+                    .iter()
+                    .map(|(_, top)| *top)
+                    .fold(slowest, f64::min);
+            }
+            chord(&mut window);
+        }
+        slowest
+    };
+    let rates = [2_000, 4_000, 7_900].map(rate_at);
+    assert!(rates.iter().all(|rate| *rate > 1_500.0), "{rates:?}");
 }
 
 #[test]
