@@ -7,7 +7,8 @@ use std::path::Path;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_language::whose::{Whose, line_in_file};
-use leadscrew_wording::{figure, fill, fill_with};
+pub use leadscrew_wording::figure;
+use leadscrew_wording::{fill, fill_with};
 
 use crate::json::Json;
 use crate::source::SourceFile;
