@@ -7,7 +7,13 @@ use leadscrew_common::params::{difference, load_text};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Params, Part};
 
+/// A machine is built on the stack before it has its place: more than the 1 MiB that a WebAssembly module has by itself.
+const STACK: usize = 8 << 20;
+
 fn main() {
+    if std::env::var("CARGO_CFG_TARGET_ARCH").as_deref() == Ok("wasm32") {
+        println!("cargo::rustc-link-arg-cdylib=-zstack-size={STACK}");
+    }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
     println!("cargo::rerun-if-changed={}", root.display());
     let mut out = String::from("&[\n");

@@ -19,6 +19,7 @@ mod emulator;
 mod held;
 mod image;
 mod licences;
+mod page;
 mod pages;
 mod pictures;
 mod rules;
@@ -30,6 +31,7 @@ mod stack;
 mod target;
 mod test;
 mod vcan;
+mod wasm;
 
 use std::process::ExitCode;
 
@@ -56,6 +58,7 @@ usage: cargo xtask COMMAND
   image      what is flashed onto a NUCLEO-G474RE, as out/nucleo-g474re.elf, .bin and .hex
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings, with every link alive and every picture current
+  page       the lathe in a browser tab, as static files in out/page (--check: opens it in headless Chromium and runs programs)
   pictures   docs/shop.md and its pictures, from the programs of examples/shop
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
@@ -96,6 +99,8 @@ fn main() -> ExitCode {
         ["sizes"] => target::ensure().and_then(|()| sizes::sizes(false)),
         ["sizes", "--write"] => target::ensure().and_then(|()| sizes::sizes(true)),
         ["docs"] => docs::check(),
+        ["page"] => page::write(),
+        ["page", "--check"] => page::check(),
         ["pictures"] => pictures::write(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),
