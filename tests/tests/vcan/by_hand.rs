@@ -4,7 +4,7 @@
 use std::process::Stdio;
 use std::time::Instant;
 
-use leadscrew_can::{Can as _, Received};
+use leadscrew_can::{Can, Received};
 use leadscrew_core::bus::{
     BoardBeat, BoardState, BoardStatus, CobId, DriveCommand, Frame, JogRequest, NodeId, Service,
 };
@@ -24,6 +24,10 @@ fn z_setpoint(frame: &Frame) -> Option<i32> {
     DriveCommand::decode(frame).map(|(_, command)| command.target.get())
 }
 
+/// Presses that may end by themselves before the kill, for one that is killed: this computer was busy for longer than the
+/// window, and the board did what it has to.
+const LAPSES: u32 = 20;
+
 #[test]
 fn whoever_jogs_is_killed_and_the_axis_rests_in_time_and_stays() {
     let _board = Board::start(&[]);
@@ -33,61 +37,69 @@ fn whoever_jogs_is_killed_and_the_axis_rests_in_time_and_stays() {
     let kills = leadscrew_seed::amount(6, 200);
     let mut can = open();
     for kill in 0..kills {
-        // To and fro, so that the travel lasts.
-        let way = if kill % 2 == 0 { "Z-" } else { "Z+" };
-        let mut jogging = command(&["jog", way, "--hold"])
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let began = Instant::now();
-        let mut heard: Vec<Received> = Vec::new();
-        let (mut echo, mut beat, mut idle) = (None, BoardBeat::default(), false);
-        let (mut renewals, mut killed) = (0, false);
-        let mut stands: Option<(i32, u32)> = None;
-        loop {
-            assert!(began.elapsed() < PATIENCE, "kill {kill}: {beat:?}");
-            heard.clear();
-            can.receive(&mut heard, PATIENCE).unwrap();
-            for frame in heard.iter().filter_map(|heard| heard.packet.frame()) {
-                if let Some((_, press)) = JogRequest::decode(frame) {
-                    echo = Some(press.echo);
-                    renewals += 1;
-                }
-                if let Some((_, status)) = BoardStatus::decode(frame) {
-                    idle = status.state == BoardState::Idle;
-                }
-                if let Some(told) = BoardBeat::decode(frame, NodeId::BOARD) {
-                    let ended =
-                        killed && beat.state == PressState::Runs && told.state == PressState::Ended;
-                    if let (true, Some(echo)) = (ended, echo) {
-                        let late = told.beat.age_of(echo).unwrap();
-                        assert!(
-                            late <= WINDOW_MS + STATUS_MS + 1,
-                            "kill {kill}: {late} ms after the last beat that was echoed"
-                        );
-                    }
-                    beat = told;
-                }
-                let at_rest = killed && beat.state == PressState::Ended && idle;
-                if let (true, Some(z)) = (at_rest, z_setpoint(frame)) {
-                    let (at, times) = stands.unwrap_or((z, 0));
-                    assert_eq!(z, at, "kill {kill}: it moves again");
-                    stands = Some((at, times + 1));
-                }
+        let killed = (0..LAPSES).any(|_| kills_a_jog(&mut can, kill));
+        assert!(killed, "kill {kill}: each press ended before it");
+    }
+}
+
+/// Jogs, kills whoever jogs, and sees the axis rest. False where the press ended before that.
+fn kills_a_jog(can: &mut impl Can, kill: u32) -> bool {
+    // To and fro, so that the travel lasts.
+    let way = if kill.is_multiple_of(2) { "Z-" } else { "Z+" };
+    let mut jogging = command(&["jog", way, "--hold"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let began = Instant::now();
+    let mut heard: Vec<Received> = Vec::new();
+    let (mut echo, mut beat, mut idle) = (None, BoardBeat::default(), false);
+    let (mut renewals, mut killed) = (0, false);
+    let mut stands: Option<(i32, u32)> = None;
+    while stands.is_none_or(|(_, times)| times < 100) {
+        assert!(began.elapsed() < PATIENCE, "kill {kill}: {beat:?}");
+        heard.clear();
+        can.receive(&mut heard, PATIENCE).unwrap();
+        for frame in heard.iter().filter_map(|heard| heard.packet.frame()) {
+            if let Some((_, press)) = JogRequest::decode(frame) {
+                echo = Some(press.echo);
+                renewals += 1;
             }
-            if !killed && renewals > kill % 13 && beat.state == PressState::Runs {
-                jogging.kill().unwrap();
-                jogging.wait().unwrap();
-                killed = true;
+            if let Some((_, status)) = BoardStatus::decode(frame) {
+                idle = status.state == BoardState::Idle;
             }
-            if stands.is_some_and(|(_, times)| times >= 100) {
-                break;
+            if let Some(told) = BoardBeat::decode(frame, NodeId::BOARD) {
+                let ended =
+                    killed && beat.state == PressState::Runs && told.state == PressState::Ended;
+                if let (true, Some(echo)) = (ended, echo) {
+                    let late = told.beat.age_of(echo).unwrap();
+                    assert!(
+                        late <= WINDOW_MS + STATUS_MS + 1,
+                        "kill {kill}: {late} ms after the last beat that was echoed"
+                    );
+                }
+                beat = told;
+            }
+            let at_rest = killed && beat.state == PressState::Ended && idle;
+            if let (true, Some(z)) = (at_rest, z_setpoint(frame)) {
+                let (at, times) = stands.unwrap_or((z, 0));
+                assert_eq!(z, at, "kill {kill}: it moves again");
+                stands = Some((at, times + 1));
             }
         }
-        jogging.wait().unwrap();
+        if killed {
+            continue;
+        }
+        if renewals > kill % 13 && beat.state == PressState::Runs {
+            jogging.kill().unwrap();
+            killed = true;
+        } else if jogging.try_wait().unwrap().is_some() {
+            return false;
+        }
     }
+    jogging.wait().unwrap();
+    true
 }
 
 #[test]
