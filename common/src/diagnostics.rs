@@ -260,9 +260,6 @@ pub fn alarm_words(alarm: &Alarm) -> Both {
 
 #[cfg(test)]
 mod tests {
-    use leadscrew_core::alarm::Span;
-    use leadscrew_core::units::{Diameter, Length, Rpm};
-
     use super::*;
 
     #[test]
