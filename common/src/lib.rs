@@ -12,7 +12,6 @@ pub mod interrupt;
 pub mod json;
 pub mod line_ends;
 pub mod mistyped;
-pub mod number;
 pub mod output;
 pub mod params;
 pub mod place;
@@ -24,3 +23,5 @@ pub mod state;
 pub mod tools;
 pub mod values;
 pub mod words;
+
+pub use leadscrew_wording::number;

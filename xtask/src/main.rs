@@ -19,6 +19,7 @@ mod emulator;
 mod held;
 mod image;
 mod licences;
+mod page;
 mod pages;
 mod pictures;
 mod renew;
@@ -31,6 +32,7 @@ mod stack;
 mod target;
 mod test;
 mod vcan;
+mod wasm;
 
 use std::process::ExitCode;
 
@@ -57,6 +59,7 @@ usage: cargo xtask COMMAND
   image      what is flashed onto a NUCLEO-G474RE, as out/nucleo-g474re.elf, .bin and .hex
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings, with every link alive and every picture current
+  page       the lathe in a browser tab, as static files in out/page (--check: opens it in headless Chromium and runs programs)
   pictures   docs/shop.md and its pictures, from the programs of examples/shop
   renew      every page, picture and golden file that the program writes, anew; read the difference afterwards
   licences   the licence of every dependency
@@ -98,6 +101,8 @@ fn main() -> ExitCode {
         ["sizes"] => target::ensure().and_then(|()| sizes::sizes(false)),
         ["sizes", "--write"] => target::ensure().and_then(|()| sizes::sizes(true)),
         ["docs"] => docs::check(),
+        ["page"] => page::write(),
+        ["page", "--check"] => page::check(),
         ["pictures"] => pictures::write(),
         ["renew"] => renew::all(),
         ["licences"] => licences::check(),

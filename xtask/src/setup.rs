@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
-use crate::{canopen, run, target};
+use crate::{canopen, run, target, wasm};
 
 /// The number of tries for a package lock, and the time between them: five minutes in all, as long as an upgrade may take.
 const TRIES: u32 = 60;
@@ -21,6 +21,11 @@ pub struct Tool {
 pub const EMULATOR: Tool = Tool {
     program: "qemu-system-arm",
     package: "qemu-system-arm",
+};
+/// Opens the page.
+pub const BROWSER: Tool = Tool {
+    program: "chromium",
+    package: "chromium",
 };
 /// Counts instructions on the host.
 pub const VALGRIND: Tool = Tool {
@@ -64,6 +69,8 @@ pub fn for_test(full: bool) -> Result<()> {
     if full {
         tools(&[EMULATOR])?;
         tools(CAN)?;
+        tools(&[BROWSER])?;
+        wasm::ensure()?;
     }
     canopen::python()?;
     target::ensure()

@@ -127,7 +127,8 @@ fn compiles() -> bool {
     run::try_quietly(probe, Duration::from_secs(60))
 }
 
-fn rustlib() -> Result<PathBuf> {
+/// The folder of the compiler's targets.
+pub fn rustlib() -> Result<PathBuf> {
     let sysroot = run::read(run::command(&run::root(), "rustc", &["--print", "sysroot"]))?;
     Ok(Path::new(sysroot.trim()).join("lib").join("rustlib"))
 }

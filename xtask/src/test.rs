@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 
 use crate::{
-    audit, bits, canopen, chip, docs, emulated, emulator, image, licences, renew, rules, run,
+    audit, bits, canopen, chip, docs, emulated, emulator, image, licences, page, renew, rules, run,
     setup, sizes, target, vcan as bus,
 };
 
@@ -24,6 +24,7 @@ not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
   instructions per tick and the same bits on the emulated Cortex-M4F (alone: cargo xtask ticks, cargo xtask bits)
   the board on it, driven by `leadscrew`, its failures too (alone: cargo xtask emulated)
   the flashed image on a model of its chip (alone: cargo xtask chip)
+  the page in headless Chromium (alone: cargo xtask page --check)
   flash, RAM and stack of all images (alone: cargo xtask sizes)
 by no test: cargo xtask soak --hours H, cargo xtask chip --all, cargo xtask bench, the fuzzers (docs/reliability.md)";
 
@@ -69,6 +70,7 @@ pub fn test() -> Result<()> {
         clock.step("the emulated board on a bus", || {
             on_the_board(&mut counts, "")
         })?;
+        clock.step("the page in a browser", page::check)?;
         clock.step("images of the boards", || sizes::sizes(false))?;
         clock.step("the image against a model of its chip", || {
             counts.passed += chip::check("", false)?;
@@ -109,7 +111,7 @@ fn clippy() -> Result<()> {
         let args = [&["clippy", "--quiet"], what, &["--", "-D", "warnings"]].concat();
         run::show(run::cargo(dir, &args))
     };
-    let of_features = "leadscrew-tests/vcan,leadscrew-tests/emulated";
+    let of_features = "leadscrew-tests/vcan,leadscrew-tests/emulated,leadscrew-web/browser";
     check(
         &run::root(),
         &["--workspace", "--all-targets", "--features", of_features],

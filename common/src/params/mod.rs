@@ -25,8 +25,9 @@ use leadscrew_core::params::{Entry, FindError, Params, Part, Writing};
 use leadscrew_core::units::Axis;
 use leadscrew_language::dialect::Control;
 use leadscrew_language::heading::Allowed;
+use leadscrew_wording::figure;
 
-use crate::diagnostics::{self, Diagnostic, Place, figure};
+use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::Outcome;
 use crate::json::Json;
 use crate::output;

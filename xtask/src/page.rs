@@ -1,0 +1,60 @@
+//! The lathe in a browser tab: its static files in `out/page`, and the test that opens them.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+
+use crate::{run, setup, wasm};
+
+const MODULE: &str = "leadscrew.wasm";
+
+/// Writes the page.
+pub fn write() -> Result<()> {
+    wasm::ensure()?;
+    let build = ["build", "--quiet", "--locked", "--profile", "page"];
+    let what = [
+        "--package",
+        "leadscrew-web",
+        "--lib",
+        "--target",
+        wasm::TARGET,
+    ];
+    run::show(run::cargo(&run::root(), &[&build[..], &what].concat()))?;
+    let module = run::root()
+        .join("target")
+        .join(wasm::TARGET)
+        .join("page/leadscrew_web.wasm");
+    let out = out();
+    if out.exists() {
+        fs::remove_dir_all(&out).with_context(|| format!("cannot renew {}", out.display()))?;
+    }
+    fs::create_dir_all(&out)?;
+    fs::copy(module, out.join(MODULE)).context("the module is not where cargo builds it")?;
+    for entry in fs::read_dir(run::root().join("web").join("page"))? {
+        let entry = entry?;
+        fs::copy(entry.path(), out.join(entry.file_name()))?;
+    }
+    println!(
+        "{} is written; a browser opens it from a server of files, such as: python3 -m http.server -d out/page",
+        out.display()
+    );
+    Ok(())
+}
+
+/// Opens the page in headless Chromium.
+pub fn check() -> Result<()> {
+    setup::tools(&[setup::BROWSER])?;
+    write()?;
+    let test = ["test", "--quiet", "--package", "leadscrew-web"];
+    let which = ["--features", "browser", "--test", "browser"];
+    let more = ["--", "--nocapture"];
+    run::show(run::cargo(
+        &run::root(),
+        &[&test[..], &which, &more].concat(),
+    ))
+}
+
+fn out() -> PathBuf {
+    run::root().join("out").join("page")
+}
