@@ -9,6 +9,7 @@ export class Plot {
     this.path = [];
     this.tool = null;
     this.view = new View(canvas, { equal: true, draw: (...all) => this.#draw(...all) });
+    this.show([]);
   }
 
   show(path) {
