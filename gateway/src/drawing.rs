@@ -89,7 +89,7 @@ pub struct Drawn {
     pub left_out: u64,
 }
 
-fn mm(nm: i64) -> f64 {
+pub(crate) fn mm(nm: i64) -> f64 {
     nm as f64 / 1e6
 }
 

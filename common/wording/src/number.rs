@@ -53,6 +53,11 @@ pub fn text<const D: u32>(value: i64) -> String {
     out.into_iter().map(char::from).collect()
 }
 
+/// A measured value to at most four decimals (half away from zero), for people: a length in millimetres to 0.1 µm.
+pub fn measured(value: f64) -> String {
+    text::<4>((value * 1e4).round() as i64)
+}
+
 /// `value` · 10^−`D` as text, rounded to `keep` decimals (half away from zero), for people.
 pub fn rounded<const D: u32>(value: i64, keep: u32) -> String {
     let step = 10i64.pow(D.saturating_sub(keep));

@@ -14,11 +14,12 @@ pub use self::width::Width;
 
 use self::thread::{Lathe, Threads};
 use crate::checking::Report;
-use crate::drawing;
+use crate::drawing::{self, mm};
 use crate::failure::Outcome;
 use crate::inspection::edge::Edge;
-use crate::inspection::plan::{Wish, plan};
+use crate::inspection::plan::{Wish, plan, tool_of};
 use crate::movelist::cycle_name;
+use crate::number::measured;
 use crate::plot::{Column, Contour, Feature, Groove, Piece, Shape, Stock};
 use crate::setup::Setup;
 use crate::source::SourceFile;
@@ -81,7 +82,6 @@ pub fn collect(
     tools: &Tools,
 ) -> Outcome<Features> {
     let mut walk = Walk::open(setup, source)?;
-    let mm = |nm: i64| nm as f64 / 1e6;
     let stock = walk.stock().map(|stock| Stock {
         outside: mm(stock.outside),
         bore: mm(stock.bore),
@@ -129,16 +129,13 @@ impl Finder<'_> {
         self.step += 1;
         let of_work = |position: &Position| {
             let (z, x) = (position.z - call.origin.z, position.x - call.origin.x);
-            (z.nm() as f64 / 1e6, x.nm() as f64 / 1e6)
+            (mm(z.nm()), mm(x.nm()))
         };
         let (from, to) = (of_work(&self.at), of_work(&step.to));
         self.at = step.to;
         let line = step.span.line;
         match step.kind {
-            MoveKind::Aux(Aux::T(code)) => {
-                let code = u32::from(code);
-                self.tool = if code > 99 { code / 100 } else { code };
-            }
+            MoveKind::Aux(Aux::T(code)) => self.tool = tool_of(code.into()),
             MoveKind::Thread(thread) => {
                 let lathe = Lathe { from, to, line };
                 if let Some(number) = self.threads.push(self.step, step, &thread, lathe) {
@@ -156,7 +153,7 @@ impl Finder<'_> {
             MoveKind::Arc {
                 i, k, clockwise, ..
             } => {
-                let centre = (from.0 + k.nm() as f64 / 1e6, from.1 + i.nm() as f64 / 1e6);
+                let centre = (from.0 + mm(k.nm()), from.1 + mm(i.nm()));
                 self.piece(line, None, drawing::arc(from, to, centre, clockwise));
             }
             MoveKind::Rapid
@@ -332,7 +329,7 @@ fn columns(groove: &Groove, tool: u32, lang: Lang) -> Vec<String> {
     let deepest = bottoms.map(|bottom| bottom.1).fold(f64::INFINITY, f64::min);
     let pecks: usize = groove.columns.iter().map(|column| column.pecks.len()).sum();
     let count = groove.columns.len();
-    let bottom = mm(2.0 * deepest);
+    let bottom = measured(2.0 * deepest);
     let mut lines = vec![
         both!(
             "bottom ⌀{bottom} · columns: {count}, feeds: {pecks}",
@@ -341,7 +338,7 @@ fn columns(groove: &Groove, tool: u32, lang: Lang) -> Vec<String> {
         .get(lang)
         .to_owned(),
     ];
-    let told = match groove.width.map(mm) {
+    let told = match groove.width.map(measured) {
         Some(width) => both!(
             "tool {width} mm wide, programmed at its corner toward -Z",
             "刀宽 {width} mm，刀位点为 -Z 侧刀尖"
@@ -353,9 +350,4 @@ fn columns(groove: &Groove, tool: u32, lang: Lang) -> Vec<String> {
     };
     lines.push(told.get(lang).to_owned());
     lines
-}
-
-/// A length for a person.
-fn mm(value: f64) -> String {
-    crate::number::text::<4>((value * 1e4).round() as i64)
 }

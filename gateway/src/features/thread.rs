@@ -5,10 +5,12 @@ use leadscrew_core::call::{Call, CallKind, ChainPart};
 use leadscrew_core::cycle;
 use leadscrew_core::moves::{Move, Stage, ThreadMove};
 use leadscrew_core::params::Params;
-use leadscrew_metrology::{Nose, Tool};
 
-use super::{PIECES, mm};
+use super::PIECES;
+use crate::drawing::mm;
 use crate::inspection::Job;
+use crate::inspection::edge::typed;
+use crate::number::measured;
 use crate::plot::{Pass, Shape, Thread};
 use crate::words::both;
 
@@ -86,7 +88,7 @@ impl Threads {
                 number: u32::try_from(before).unwrap_or(u32::MAX).saturating_add(1),
                 line: at.line,
                 start,
-                depth: depth.map(|nm| nm as f64 / 1e6),
+                depth: depth.map(mm),
                 points: vec![at.from],
                 run_in: 0,
                 run_out: 0,
@@ -124,7 +126,7 @@ impl Threads {
         if let Ok(findings) = cycle::thread_findings(thread, call.span, params)
             && let Some(report) = findings.report
         {
-            let long = report.lead_in.nm() as f64 / 1e6;
+            let long = mm(report.lead_in.nm());
             one.lead_in = Some(one.lead_in.map_or(long, |known| known.max(long)));
         }
     }
@@ -158,7 +160,7 @@ impl One {
             (true, false) => both!("left-hand (M4, toward -Z)", "左旋（M4，向 -Z）"),
             (false, true) => both!("left-hand (M3, toward +Z)", "左旋（M3，向 +Z）"),
         };
-        let lead = mm(self.lead);
+        let lead = measured(self.lead);
         let passes = self.passes.len();
         let starts = self.passes.iter().map(|pass| pass.start).max().unwrap_or(1);
         let told = both!(
@@ -171,18 +173,8 @@ impl One {
     }
 
     fn edge(&self, lang: Lang) -> String {
-        let Tool { nose, minus, plus } = self.job.tool;
-        let flanks = if minus == plus {
-            mm(minus.0 + plus.0)
-        } else {
-            format!("{}/{}", mm(minus.0), mm(plus.0))
-        };
-        let tip = match nose {
-            Nose::Round(radius) => format!("r{}", mm(radius.0)),
-            Nose::Flat(width) => format!("f{}", mm(width.0)),
-        };
-        let shape = format!("V{flanks}:{tip}");
-        let face = mm(self.job.stock.face.0);
+        let shape = typed(&self.job.tool);
+        let face = measured(self.job.stock.face.0);
         let mut told = both!("edge {shape}", "刀刃 {shape}");
         if self.job.assumed.tool {
             let number = match self.job.tool_number {

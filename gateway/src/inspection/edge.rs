@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use leadscrew_metrology::{Degrees, Mm, Nose, Tool};
 
+use crate::number::measured;
 use crate::values::{Mistake, decimal, mistake};
 
 /// The edge of one tool, or of all.
@@ -60,6 +61,21 @@ impl FromStr for Edge {
     }
 }
 
+/// The shape of a tool as it is typed.
+pub fn typed(tool: &Tool) -> String {
+    let Tool { nose, minus, plus } = *tool;
+    let flanks = if minus == plus {
+        measured(minus.0 + plus.0)
+    } else {
+        format!("{}/{}", measured(minus.0), measured(plus.0))
+    };
+    let tip = match nose {
+        Nose::Round(radius) => format!("r{}", measured(radius.0)),
+        Nose::Flat(width) => format!("f{}", measured(width.0)),
+    };
+    format!("V{flanks}:{tip}")
+}
+
 fn read(text: &str) -> Option<Edge> {
     let (tool, shape) = match text.split_once('=') {
         None => (None, text),
@@ -106,6 +122,9 @@ mod tests {
         let edge = read("V60:r0.1").unwrap();
         assert_eq!((edge.tool, edge.shape.minus), (None, Degrees(30.0)));
         assert_eq!(edge.shape.nose, Nose::Round(Mm(0.1)));
+        for shape in ["V60:r0.866", "V30/27:f0.2", "V55.5:f0"] {
+            assert_eq!(typed(&read(shape).unwrap().shape), shape);
+        }
         for wrong in [
             "",
             "V60",

@@ -9,6 +9,7 @@ use super::edge::Edge;
 use super::guess::{Traits, guess};
 use super::{Assumed, Job};
 use crate::failure::{Failure, Outcome};
+use crate::number::measured;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::walk::Walk;
@@ -114,7 +115,7 @@ fn find(setup: &Setup, source: &SourceFile) -> Outcome<(Vec<Found>, usize)> {
 }
 
 /// `T0303` is tool 3, `T3` too.
-const fn tool_of(code: u32) -> u32 {
+pub(crate) const fn tool_of(code: u32) -> u32 {
     if code > 99 { code / 100 } else { code }
 }
 
@@ -234,8 +235,8 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Outcome<Job> {
             "`--thread {text}` 的螺距是 {named} mm，而第 {line} 行车削的螺距是 {cut} mm",
             text = thread.text,
             line = found.line,
-            named = plain(thread.pitch.0),
-            cut = plain(traits.pitch.0)
+            named = measured(thread.pitch.0),
+            cut = measured(traits.pitch.0)
         )));
     }
     let crest = traits.crest.unwrap_or_else(|| {
@@ -267,11 +268,6 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Outcome<Job> {
         assumed,
         thread,
     })
-}
-
-/// A number for a person.
-fn plain(value: f64) -> String {
-    crate::number::text::<4>((value * 1e4).round() as i64)
 }
 
 /// Reads a name. A stroke is on the side that its class says.

@@ -8,7 +8,7 @@ use leadscrew_metrology::{
 };
 
 use super::{Cut, Job};
-use crate::number;
+use crate::number::measured;
 use crate::words::{Both, both};
 
 /// A number with a fixed count of decimals, as columns need it.
@@ -32,11 +32,6 @@ fn um(value: Mm) -> String {
     }
 }
 
-/// A number to at most four decimals.
-fn plain(value: f64) -> String {
-    number::text::<4>((value * 1e4).round() as i64)
-}
-
 /// `30°02′`.
 fn angle(degrees: f64) -> String {
     let minutes = (degrees * 60.0).round() as i64;
@@ -53,9 +48,9 @@ pub fn name(job: &Job) -> Both {
     let thread = &job.thread;
     if thread.text.is_empty() {
         let (d, pitch, at) = (
-            plain(thread.major.0),
-            plain(thread.pitch.0),
-            plain(thread.angle.0),
+            measured(thread.major.0),
+            measured(thread.pitch.0),
+            measured(thread.angle.0),
         );
         return both!(
             "{d} x {pitch}, {at}°, of no norm",
@@ -67,20 +62,20 @@ pub fn name(job: &Job) -> Both {
 
 fn edge(tool: &Tool) -> Both {
     let flanks = if tool.minus == tool.plus {
-        plain(tool.minus.0 * 2.0)
+        measured(tool.minus.0 * 2.0)
     } else {
-        format!("{}/{}", plain(tool.minus.0), plain(tool.plus.0))
+        format!("{}/{}", measured(tool.minus.0), measured(tool.plus.0))
     };
     match tool.nose {
         Nose::Round(Mm(r)) => both!(
             "V {flanks}°, tip radius {r} mm",
             "V 形 {flanks}°，刀尖圆角 {r} mm",
-            r = plain(r)
+            r = measured(r)
         ),
         Nose::Flat(Mm(w)) => both!(
             "V {flanks}°, tip width {w} mm",
             "V 形 {flanks}°，刀尖宽 {w} mm",
-            w = plain(w)
+            w = measured(w)
         ),
     }
 }
@@ -164,7 +159,10 @@ fn made(text: &mut String, job: &Job, lang: Lang) {
         Side::External => both!("bolt", "外螺纹"),
         Side::Internal => both!("nut", "内螺纹"),
     };
-    let (d, z) = (plain(job.stock.radius.0 * 2.0), plain(job.stock.face.0));
+    let (d, z) = (
+        measured(job.stock.radius.0 * 2.0),
+        measured(job.stock.face.0),
+    );
     line(
         text,
         lang,

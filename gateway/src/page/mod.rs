@@ -15,6 +15,7 @@ pub use self::sheet::sheet;
 pub use self::way::Way;
 
 use crate::json::Json;
+use crate::number::measured;
 use crate::output;
 use crate::plot::{Kind, Stroke};
 use crate::words::pick;
@@ -144,15 +145,10 @@ fn stroke_fields(json: &mut Json, stroke: &Stroke) {
     json.integer("l", stroke.line.into());
     json.array_at("p", |json| {
         for (z, x) in &stroke.points {
-            json.item(&micrometres(*z));
-            json.item(&micrometres(*x));
+            json.item(&measured(*z));
+            json.item(&measured(*x));
         }
     });
-}
-
-/// A length of millimetres to 0.1 µm.
-fn micrometres(value: f64) -> String {
-    crate::number::text::<4>((value * 1e4).round() as i64)
 }
 
 fn escaped(text: &str) -> String {

@@ -193,11 +193,6 @@ fn labelled(heights: &[f64], apart: f64) -> Vec<usize> {
     kept
 }
 
-/// A length for a person.
-fn shown(mm: f64) -> String {
-    crate::number::text::<4>((mm * 1e4).round() as i64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,8 +6,9 @@ use leadscrew_metrology::{Mm, Side, Tool};
 use svg::Node as _;
 use svg::node::element::{Group, Path};
 
+use super::labelled;
 use super::pane::{Area, Pane, Range};
-use super::{labelled, shown};
+use crate::number::{self, measured};
 use crate::plot::{frame, polyline, text};
 use crate::words::pick;
 
@@ -94,7 +95,8 @@ impl Thread {
         self.surface.0 + self.surface.1 * (z - self.face)
     }
 
-    /// Where the groove of a pass lies along Z, from that of the last pass, in half a lead to each side.
+    /// Where the groove of a pass lies along Z, from that of the last pass: less than three quarters of a
+    /// lead toward +Z, and the rest toward -Z.
     fn aside(&self, pass: &Pass) -> f64 {
         let last = self.passes.last().map_or(0.0, |last| last.phase);
         let lead = self.lead.max(1e-6);
@@ -235,27 +237,27 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
     upright(
         thread.face,
         "mark",
-        format!("{face} Z{}", shown(thread.face)),
+        format!("{face} Z{}", measured(thread.face)),
         1.0,
     );
     if last.run_in > 0 {
         let within = last.points[last.run_in].0;
         let words = match lang {
-            Lang::En => format!("run-in to Z{}", shown(within)),
-            Lang::Zh => format!("切入段至 Z{}", shown(within)),
+            Lang::En => format!("run-in to Z{}", measured(within)),
+            Lang::Zh => format!("切入段至 Z{}", measured(within)),
         };
         upright(within, "mark", words, 2.0);
     }
     let (out, end) = (last.bottom().0, last.end().0);
     if last.run_out + 1 < last.points.len() {
         let words = match lang {
-            Lang::En => format!("run-out from Z{} to Z{}", shown(out), shown(end)),
-            Lang::Zh => format!("退尾 Z{} 至 Z{}", shown(out), shown(end)),
+            Lang::En => format!("run-out from Z{} to Z{}", measured(out), measured(end)),
+            Lang::Zh => format!("退尾 Z{} 至 Z{}", measured(out), measured(end)),
         };
         upright(out, "mark", words, 1.0);
     } else {
         let words = pick(lang, "no run-out: ends at", "无退尾，终点");
-        upright(end, "mark", format!("{words} Z{}", shown(end)), 1.0);
+        upright(end, "mark", format!("{words} Z{}", measured(end)), 1.0);
     }
     let Some((late, missing)) = thread.lead_in_left() else {
         return;
@@ -305,7 +307,7 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
 
 /// A length of millimetres to the micrometre.
 fn micrometres(mm: f64) -> String {
-    crate::number::rounded::<6>((mm * 1e6).round() as i64, 3)
+    number::rounded::<6>((mm * 1e6).round() as i64, 3)
 }
 
 /// Number, diameter and depth of the passes beside the view.
@@ -326,7 +328,7 @@ fn depths(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
         };
         let deep = pass
             .depth
-            .map_or_else(|| format!("⌀{}", shown(2.0 * pass.bottom().1)), shown);
+            .map_or_else(|| format!("⌀{}", measured(2.0 * pass.bottom().1)), measured);
         let class = if n + 1 == thread.passes.len() {
             "depth-of name"
         } else {
