@@ -2,14 +2,13 @@
 //!
 //! Does what `leadscrew simulate` does, tick by tick. Knows no words of the page.
 
-use leadscrew_board_sim::plant::{Interpolation, PlantOptions, ServoOptions};
+use leadscrew_board_sim::plant::{PlantOptions, ServoOptions};
 use leadscrew_board_sim::{Doing, Row, Sim, SimError};
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::call::{Call, CallKind, Position, TapSpindle};
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::Params;
-use leadscrew_core::units::{Acceleration, Feed, Length};
 use serde::Serialize;
 
 /// Ticks that give one sample of the error: the greatest of them.
@@ -219,22 +218,7 @@ pub struct MachineState {
 #[must_use]
 pub const fn drive(kv: u32) -> ServoOptions {
     ServoOptions {
-        buffer: 0,
-        interpolation: Interpolation::Linear,
         kv_milli: kv.saturating_mul(1000),
-        feed_forward_milli: 0,
-        speed_loop_milli: 400_000,
-        integral_us: 0,
-        current_loop_milli: 0,
-        speed_limit: Feed::from_nm_per_min(120_000_000_000),
-        acceleration_limit: Acceleration::from_nm_per_s2(50_000_000_000),
-        sticking: Acceleration::from_nm_per_s2(0),
-        sliding: Acceleration::from_nm_per_s2(0),
-        viscous_milli: 0,
-        play: Length::ZERO,
-        count: Length::ZERO,
-        following: None,
-        undelayed: false,
-        late: None,
+        ..ServoOptions::LOOPS_ALONE
     }
 }

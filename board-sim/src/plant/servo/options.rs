@@ -79,6 +79,28 @@ impl ServoOptions {
     /// The most targets that wait.
     pub const LONGEST_BUFFER: u8 = 16;
 
+    /// The loops alone, Kv 30 1/s: no feed-forward, no integral, a current without delay, neither friction nor play, and
+    /// limits far away. What the formulas are about, and what shows the lag of a drive.
+    pub const LOOPS_ALONE: Self = Self {
+        buffer: 0,
+        interpolation: Interpolation::Linear,
+        kv_milli: 30_000,
+        feed_forward_milli: 0,
+        speed_loop_milli: 400_000,
+        integral_us: 0,
+        current_loop_milli: 0,
+        speed_limit: Feed::from_nm_per_min(120_000_000_000),
+        acceleration_limit: Acceleration::from_nm_per_s2(50_000_000_000),
+        sticking: Acceleration::from_nm_per_s2(0),
+        sliding: Acceleration::from_nm_per_s2(0),
+        viscous_milli: 0,
+        play: Length::ZERO,
+        count: Length::ZERO,
+        following: None,
+        undelayed: false,
+        late: None,
+    };
+
     /// What the drive supervises as delivered, where so many increments are so many nanometres.
     pub(in crate::plant) fn following(&self, increments: (u32, u32)) -> Option<Following> {
         let Some((window, timeout_ms)) = self.following else {

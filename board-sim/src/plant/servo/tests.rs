@@ -19,22 +19,9 @@ const NO_WINDOW: Following = Following {
 fn plain(kv: u32, ff_percent: u16, buffer: u8) -> ServoOptions {
     ServoOptions {
         buffer,
-        interpolation: Interpolation::Linear,
         kv_milli: kv * 1000,
         feed_forward_milli: ff_percent * 10,
-        speed_loop_milli: 400_000,
-        integral_us: 0,
-        current_loop_milli: 0,
-        speed_limit: Feed::from_nm_per_min(120_000_000_000),
-        acceleration_limit: Acceleration::from_nm_per_s2(50_000_000_000),
-        sticking: Acceleration::from_nm_per_s2(0),
-        sliding: Acceleration::from_nm_per_s2(0),
-        viscous_milli: 0,
-        play: Length::ZERO,
-        count: Length::ZERO,
-        following: None,
-        undelayed: false,
-        late: None,
+        ..ServoOptions::LOOPS_ALONE
     }
 }
 

@@ -18,23 +18,9 @@ const Z: NodeId = NodeId::DRIVE_Z;
 /// Kv 30, nothing else: an increment of the slant bed is 100 nm.
 fn options() -> ServoOptions {
     ServoOptions {
-        buffer: 0,
-        interpolation: Interpolation::Linear,
-        kv_milli: 30_000,
-        feed_forward_milli: 0,
-        speed_loop_milli: 400_000,
-        integral_us: 0,
-        current_loop_milli: 0,
         speed_limit: Feed::from_nm_per_min(30_000_000_000),
         acceleration_limit: Acceleration::from_nm_per_s2(6_000_000_000),
-        sticking: Acceleration::from_nm_per_s2(0),
-        sliding: Acceleration::from_nm_per_s2(0),
-        viscous_milli: 0,
-        play: Length::ZERO,
-        count: Length::ZERO,
-        following: None,
-        undelayed: false,
-        late: None,
+        ..ServoOptions::LOOPS_ALONE
     }
 }
 
