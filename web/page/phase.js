@@ -8,15 +8,14 @@ const LEAST = 200;
 
 export class Phase {
   constructor(canvas) {
-    this.samples = [];
-    this.clear();
     this.view = new View(canvas, { equal: false, draw: (...all) => this.#draw(...all) });
+    this.clear();
   }
 
   clear() {
     this.samples = [];
     this.box = [Infinity, -Infinity, Infinity, -Infinity];
-    this.view?.show([0, 1, -1000, 1000]);
+    this.view.show([0, 1, -1000, 1000]);
   }
 
   add(samples) {

@@ -38,7 +38,6 @@ const WORDS = {
   refused_counts: ["The encoder cannot have these counts", "编码器不能用该脉冲数"],
   refused_ripple: ["The spindle cannot have this ripple", "主轴不能有该波动"],
   lost: ["The machine has failed. Load the page again", "机床程序出错,请重新加载页面"],
-  idle: ["ready", "就绪"],
 };
 
 let language = 0;

@@ -5,11 +5,12 @@
 //! After a trap `leadscrew_panic` says why: a panic ends the module, and its message is all that is left.
 
 use std::cell::RefCell;
+use std::sync::Once;
 
-use crate::messages::{Desk, answer};
+use crate::messages::{Session, answer};
 
 thread_local! {
-    static DESK: RefCell<Desk> = RefCell::default();
+    static SESSION: RefCell<Session> = RefCell::default();
     static MESSAGE: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
     static ANSWER: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
     static PANIC: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
@@ -19,10 +20,13 @@ thread_local! {
 // SAFETY: no other symbol of the module has this name.
 #[unsafe(no_mangle)]
 pub extern "C" fn leadscrew_room(length: usize) -> *mut u8 {
+    static HOOK: Once = Once::new();
     if cfg!(target_arch = "wasm32") {
-        std::panic::set_hook(Box::new(|info| {
-            PANIC.with_borrow_mut(|words| *words = info.to_string().into_bytes());
-        }));
+        HOOK.call_once(|| {
+            std::panic::set_hook(Box::new(|info| {
+                PANIC.with_borrow_mut(|words| *words = info.to_string().into_bytes());
+            }));
+        });
     }
     MESSAGE.with_borrow_mut(|message| {
         message.clear();
@@ -35,7 +39,8 @@ pub extern "C" fn leadscrew_room(length: usize) -> *mut u8 {
 // SAFETY: no other symbol of the module has this name.
 #[unsafe(no_mangle)]
 pub extern "C" fn leadscrew_answer() -> *const u8 {
-    let said = MESSAGE.with_borrow(|message| DESK.with_borrow_mut(|desk| answer(desk, message)));
+    let said =
+        MESSAGE.with_borrow(|message| SESSION.with_borrow_mut(|session| answer(session, message)));
     ANSWER.with_borrow_mut(|answer| {
         *answer = said;
         answer.as_ptr()

@@ -12,4 +12,4 @@ mod messages;
 mod program;
 
 pub use examples::{FOLDERS, Folder};
-pub use messages::{Desk, answer};
+pub use messages::{Session, answer};

@@ -12,9 +12,9 @@ use crate::examples::FOLDERS;
 use crate::machine::{Machine, drive};
 use crate::program::{Found, Program};
 
-/// What is on the desk: at most one machine.
+/// What stays between two messages: at most one machine, and the language.
 #[derive(Default)]
-pub struct Desk {
+pub struct Session {
     machine: Option<Machine>,
     lang: Lang,
 }
@@ -67,16 +67,16 @@ fn refused(refused: &'static str, figure: impl ToString) -> Refused {
 }
 
 /// Answers a message.
-pub fn answer(desk: &mut Desk, message: &[u8]) -> Vec<u8> {
+pub fn answer(session: &mut Session, message: &[u8]) -> Vec<u8> {
     let value = match serde_json::from_slice(message) {
         Err(error) => Err(refused("message", error)),
-        Ok(ask) => desk.answer(ask),
+        Ok(ask) => session.answer(ask),
     };
     let value = value.unwrap_or_else(|refused| json!(refused));
     value.to_string().into_bytes()
 }
 
-impl Desk {
+impl Session {
     fn answer(&mut self, ask: Ask) -> Result<Value, Refused> {
         match ask {
             Ask::Examples => Ok(examples()),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use leadscrew_web::{Desk, answer};
+use leadscrew_web::{Session, answer};
 use serde_json::{Value, json};
 
 mod jobs;
@@ -48,9 +48,17 @@ fn the_page_has_the_setpoints_of_the_emulated_board() {
 /// A message that makes no sense is refused in words, never by a trap.
 #[test]
 fn every_refusal_has_a_key_of_the_words() {
-    let mut desk = Desk::default();
+    const WORDS: &str = include_str!("../page/words.js");
+    let mut session = Session::default();
     let mut ask = |text: &str| -> Value {
-        serde_json::from_slice(&answer(&mut desk, text.as_bytes())).expect("JSON")
+        let said: Value =
+            serde_json::from_slice(&answer(&mut session, text.as_bytes())).expect("JSON");
+        if let Some(key) = said["refused"].as_str() {
+            // A key that is a word of the page already has this before it.
+            let has = |key: &str| WORDS.contains(&format!("\n  {key}: ["));
+            assert!(has(key) || has(&format!("refused_{key}")), "{key}");
+        }
+        said
     };
     assert_eq!(ask("{")["refused"], "message");
     assert_eq!(ask(r#"{"do":"step","ticks":1}"#)["refused"], "nothing");

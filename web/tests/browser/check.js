@@ -49,7 +49,6 @@ async function page() {
   while (of("hash").textContent === "–" || of("hold").disabled === false) await pause(20);
   const hash = of("hash").textContent;
   const result_ms = performance.now() - before;
-  const x = of("x").textContent;
   const alarm = of("alarm").textContent;
   // A wrong word is marked, and told with its remedy.
   of("text").value = "G0 X10\nG1 Q\n";
@@ -58,7 +57,7 @@ async function page() {
   const found = of("found").textContent;
   of("language").click();
   while (of("found").textContent === found) await pause(20);
-  return { hash, ready_ms, result_ms, x, alarm, found, run: of("run").textContent };
+  return { hash, ready_ms, result_ms, alarm, found, run: of("run").textContent };
 }
 
 const report = await jobs()

@@ -1,6 +1,6 @@
 //! Programs for the machine of the page, and what comes of them on this host.
 
-use leadscrew_web::{Desk, answer};
+use leadscrew_web::{Session, answer};
 use serde_json::{Value, json};
 
 /// A message about a program.
@@ -10,9 +10,9 @@ pub fn job(what: &str, folder: &str, text: &str) -> Value {
 
 /// What is found in a program before it moves, then hash, ticks and alarms at its end, on this host.
 pub fn on_host(folder: &str, text: &str) -> Value {
-    let mut desk = Desk::default();
+    let mut session = Session::default();
     let mut ask = |message: &Value| -> Value {
-        serde_json::from_slice(&answer(&mut desk, message.to_string().as_bytes())).expect("JSON")
+        serde_json::from_slice(&answer(&mut session, message.to_string().as_bytes())).expect("JSON")
     };
     let loaded = ask(&job("load", folder, text));
     if loaded["good"] != true {
