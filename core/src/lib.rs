@@ -18,17 +18,22 @@
 //! - [`cycle`] is a room for each family of cycles: how its words are read, what its geometry forbids, what the machine
 //!   cannot do, and its [moves](moves::Move), made lazily and in constant memory.
 //! - `feasible` asks of any moves whether the axes can do them, and how long they take.
+//! - [`offsets`] are work offsets and tools: a table that a board keeps and a gateway resolves programs with.
+//! - [`link`] is what gateway and board say to each other: calls, events, status, parameter sets, as bytes.
+//! - [`board`] ties them together: calls, frames and encoder samples in; frames, events and alarms out.
+//!
+//! The second half of the way, and the words that both halves speak, are the crate `leadscrew-motion`. Its modules are
+//! named from here as if they stood here.
+//!
 //! - [`motion`] plans a move into a [segment](motion::Segment) and executes one segment after another into a
 //!   [setpoint](motion::Setpoint) a tick.
 //! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
+//! - [`tick`] is the side of a board that runs in the tick.
 //! - [`operating`] is how a machine is operated: its modes, and what is asked of an axis by hand.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
-//! - [`offsets`] are work offsets and tools: a table that a board keeps and a gateway resolves programs with.
 //! - [`journal`] is what survives a loss of power: the hole a tap is in.
 //! - [`checksum`] tells whether what is kept or compared is whole.
-//! - [`link`] is what gateway and board say to each other: calls, events, status, parameter sets, as bytes.
-//! - [`board`] ties them together: calls, frames and encoder samples in; frames, events and alarms out.
 //!
 //! # One idea for all motion
 //!
@@ -42,7 +47,7 @@
 //!
 //! The **tick** (an interrupt on a microcontroller) is bounded and does the same work every time: observe, execute one
 //! segment, make the frames. The **background** expands, checks and plans. They share single-producer queues and nothing
-//! else.
+//! else. The tick is `leadscrew-motion`, which cannot name the background; the background is this crate [D373].
 //!
 //! # House rules
 //!
@@ -55,22 +60,16 @@
 //! Sources. Doc comments cite the makers' sheets as `[G76 sheet]` and the decisions where these leave something open as
 //! `[D7]`; both are explained in `docs/decisions.md`.
 
-pub mod alarm;
+#[doc(inline)]
+pub use leadscrew_motion::{
+    alarm, bus, call, checksum, journal, motion, moves, operating, params, signals, spindle, tick,
+    units,
+};
+
 pub mod board;
-pub mod bus;
-pub mod call;
-pub mod checksum;
 pub mod cycle;
 mod feasible;
-pub mod journal;
 pub mod link;
-pub mod motion;
-pub mod moves;
 pub mod offsets;
-pub mod operating;
-pub mod params;
 pub mod program;
-pub mod signals;
-pub mod spindle;
 mod text;
-pub mod units;

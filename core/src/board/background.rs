@@ -23,12 +23,7 @@ use self::orders::Orders;
 use super::device::Device;
 use super::kept::PowerUp;
 use super::planner::{Planner, Settings};
-use super::queue::{Calls, drop_oldest, take};
-use super::queues::BackgroundEnds;
-use super::reference::Measured;
-use super::snapshot::Snapshot;
 use super::store::Region;
-use super::ticker::State;
 use crate::alarm::Alarm;
 use crate::bus::FdFrame;
 use crate::bus::{Controller, Frame, NodeId, Periods};
@@ -37,6 +32,11 @@ use crate::journal::TapRecord;
 use crate::link::Event;
 use crate::motion::Limits;
 use crate::params::Params;
+use crate::tick::BackgroundEnds;
+use crate::tick::Measured;
+use crate::tick::Snapshot;
+use crate::tick::State;
+use crate::tick::queue::{Calls, drop_oldest, take};
 
 /// The state of the background side.
 #[derive(Debug)]
@@ -222,6 +222,7 @@ impl Background {
 
 impl<'a> BackgroundSide<'a> {
     /// The side with this state.
+    #[inline]
     pub const fn new(state: &'a mut Background, ends: BackgroundEnds<'a>) -> Self {
         Self { state, ends }
     }
@@ -341,7 +342,7 @@ impl<'a> BackgroundSide<'a> {
         let takes_calls = state.takes_calls();
         let (orders, calls, epoch) = (&mut state.orders, &mut state.calls, state.planner.epoch());
         let ends = &mut self.ends;
-        let mut offer = |call: &_| takes_calls && ends.offer(orders, calls, epoch, call);
+        let mut offer = |call: &_| takes_calls && orders.offer(ends, calls, epoch, call);
         worked |= state
             .device
             .poll(elapsed, snapshot, &state.params, &mut offer);
@@ -356,8 +357,8 @@ impl<'a> BackgroundSide<'a> {
         let state = &mut *self.state;
         let takes_calls = state.takes_calls() && !state.device.is_changing();
         takes_calls
-            && self.ends.offer(
-                &mut state.orders,
+            && state.orders.offer(
+                &mut self.ends,
                 &mut state.calls,
                 state.planner.epoch(),
                 call,

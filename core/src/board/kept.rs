@@ -14,11 +14,12 @@
 //! Pure: bytes in, a decision out. Knows nothing of flash, of writing, or of the bus.
 
 use super::kept_offsets::KeptOffsets;
-use super::store::{Region, StoreError};
-use crate::alarm::{Alarm, Arg, Code};
+use super::store::Region;
+use crate::alarm::Code;
 use crate::checksum::crc32;
 use crate::link::{ImageReader, ImageWriter, identity};
 use crate::params::{Params, SCHEMA, TABLE_KEY};
+use crate::tick::{Found, StoreError};
 
 /// Layout of these bytes.
 const FORMAT: u16 = 1;
@@ -215,67 +216,6 @@ impl Mark {
 
 /// Content of a region at power-up. `None`: nothing was ever stored in it.
 pub type Held<'a> = Result<Option<&'a [u8]>, StoreError>;
-
-/// The state of a board's stored parameters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Found {
-    /// The newest set, whole.
-    #[default]
-    Newest,
-    /// Nothing was ever stored.
-    Nothing,
-    /// The newest set is damaged. The set before is whole and loaded.
-    Older,
-    /// The stored sets are damaged. The built-in set is loaded.
-    Lost,
-    /// A set of another table. The built-in set is loaded.
-    Foreign {
-        /// Number of its table.
-        schema: u16,
-        /// Key of its table.
-        key: u32,
-    },
-}
-
-impl Found {
-    /// The state as a number: 5011h:04.
-    #[must_use]
-    pub const fn number(self) -> u8 {
-        match self {
-            Self::Newest => 0,
-            Self::Nothing => 1,
-            Self::Older => 2,
-            Self::Lost => 3,
-            Self::Foreign { .. } => 4,
-        }
-    }
-
-    /// The alarm that forbids motion; `None` where motion is allowed.
-    #[must_use]
-    pub fn alarm(self) -> Option<Alarm> {
-        let (code, args) = match self {
-            Self::Newest | Self::Nothing => return None,
-            Self::Older => (Code::ParametersOlder, [Arg::None; 4]),
-            Self::Lost => (Code::ParametersLost, [Arg::None; 4]),
-            Self::Foreign { schema, key } => (
-                Code::ParametersForeign,
-                [
-                    Arg::Int(schema.into()),
-                    Arg::Key(key),
-                    Arg::Int(SCHEMA.into()),
-                    Arg::Key(TABLE_KEY),
-                ],
-            ),
-        };
-        Some(Alarm::of(code, &args))
-    }
-
-    /// A warning that stops nothing.
-    #[must_use]
-    pub fn warning(self) -> Option<Alarm> {
-        (self == Self::Nothing).then(|| Alarm::of(Code::ParametersBuiltIn, &[]))
-    }
-}
 
 /// The known state of the storage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,8 +6,9 @@
 //!
 //! Pure: bytes in, a decision out.
 
-use super::kept::{Found, Held, Shelved, Slot, SlotContent, decide};
+use super::kept::{Held, Shelved, Slot, SlotContent, decide};
 use crate::offsets::image::{self, Image, ImageFault, check, empty};
+use crate::tick::Found;
 
 /// The result of power-up: the table of the board and the state of its storage.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -18,57 +18,32 @@
 //!                    └──── notice ────┘ └── encoder sample, TPDOs
 //! ```
 //!
-//! Terms: a *period* is the time between two SYNCs; a *setpoint* computed in period k takes effect at SYNC(k+1) plus the
-//! drive's latency; the board *pauses* between segments (single block) and *holds* anywhere (feed hold).
+//! The tick's side and the queues are [`tick`](crate::tick), in a crate of its own that cannot name the background [D373].
+//! The rest is here.
 //!
 //! It must not know hardware, sockets, clocks or flash.
 
 mod background;
-mod command;
-mod detour;
 pub mod device;
-mod drives;
-mod gear;
 mod guard;
 mod kept;
 mod kept_offsets;
-mod lag;
-mod machine;
-mod message;
-mod nodes;
-mod operator;
 mod planner;
-mod queue;
-mod queues;
-mod reference;
 mod request;
-mod snapshot;
-mod spindles;
 mod store;
-mod tick_side;
-mod ticker;
-mod trouble;
-mod turret;
 mod whole;
 
-pub use crate::link::Event;
+pub use crate::tick::{
+    BackgroundEnds, BusTrouble, Command, Contacts, DriveNodes, Event, Events, FRAMES, Found,
+    Inputs, Interlocks, Intrusion, Operator, Outcome, Output, Queues, Segments, Setup, Snapshot,
+    State, StoreError, Switching, Tick, TickEnds, TickSide, Ticker, Victim, overridden,
+};
 pub use background::{Background, BackgroundSide};
-pub use command::{Command, Switching};
 pub use device::Device;
-pub use drives::FRAMES;
 pub use guard::Guard;
-pub use kept::{Found, Held, KeptError, KeptSet, Mark, PowerUp, Slot};
+pub use kept::{Held, KeptError, KeptSet, Mark, PowerUp, Slot};
 pub use kept_offsets::KeptOffsets;
-pub use machine::Interlocks;
-pub use nodes::DriveNodes;
-pub use operator::{Operator, overridden};
 pub use planner::Planner;
-pub use queue::{Events, Segments};
-pub use queues::{BackgroundEnds, Queues, TickEnds};
 pub use request::StoreRequest;
-pub use snapshot::{Contacts, Snapshot};
-pub use store::{Region, StoreError};
-pub use tick_side::{Inputs, Tick, TickSide};
-pub use ticker::{Outcome, Output, Setup, State, Ticker};
-pub use trouble::{BusTrouble, Intrusion, Victim};
+pub use store::Region;
 pub use whole::Board;

@@ -20,8 +20,6 @@ use self::joined::Joined;
 use self::open::before;
 use self::route::plan_route;
 use super::guard::Guard;
-use super::queue::{CallOut, DetourIn, SegmentIn, take};
-use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
 use crate::call::{Aux, CallKind, ChainPart, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::cycle::Moves;
@@ -30,6 +28,8 @@ use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, d
 use crate::moves::{Move, MoveKind, Stage};
 use crate::params::{FunctionRow, Params};
 use crate::signals::Signals;
+use crate::tick::Notice;
+use crate::tick::queue::{CallOut, DetourIn, SegmentIn, take};
 use crate::units::CentiRpm;
 
 /// The inputs of planning in addition to the program.

@@ -1,4 +1,4 @@
-//! The regions of the storage that outlives a loss of power, and its errors.
+//! The regions of the storage that outlives a loss of power.
 //!
 //! Knows nothing of the content, nor of flash.
 
@@ -46,17 +46,6 @@ impl Region {
             Self::OffsetsMark => 7,
         }
     }
-}
-
-/// A write or a read that has failed. After a failed write, the region holds its old content.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StoreError {
-    /// The device refuses or does not answer.
-    Device,
-    /// There is no room.
-    Full,
-    /// The content of the device makes no sense any more and could not be repaired.
-    Damaged,
 }
 
 /// Copies as many bytes as there are and have room. Returns their number.

@@ -13,16 +13,10 @@
 use heapless::Deque;
 
 use super::background::{Background, BackgroundSide};
-use super::command::Command;
 use super::device::Device;
 use super::kept::{Held, PowerUp};
-use super::queue::EVENTS;
-use super::queues::Queues;
 use super::request::StoreRequest;
-use super::snapshot::{Contacts, Snapshot};
-use super::store::{Region, StoreError};
-use super::tick_side::{Inputs, Tick, TickSide};
-use super::ticker::{Output, Setup, Ticker};
+use super::store::Region;
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::{Controller, FdFrame, Frame, NodeId};
 use crate::call::{Call, Position};
@@ -32,6 +26,13 @@ use crate::motion::{Helix, Law, Limits, Setpoint, TapLine};
 use crate::params::Params;
 use crate::signals::Signals;
 use crate::spindle::EncoderSample;
+use crate::tick::Command;
+use crate::tick::Queues;
+use crate::tick::StoreError;
+use crate::tick::queue::EVENTS;
+use crate::tick::{Contacts, Snapshot};
+use crate::tick::{Inputs, Tick, TickSide};
+use crate::tick::{Output, Setup, Ticker};
 
 /// A motion board with both contexts.
 #[derive(Debug)]
@@ -75,7 +76,7 @@ impl Board {
             return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
         };
         let tick = Tick::new(&setup, remembered, tap);
-        let snapshot = Snapshot::new(&tick.ticker, &Setpoint::default(), Contacts::default());
+        let snapshot = Snapshot::new(tick.ticker(), &Setpoint::default(), Contacts::default());
         let mut background = Background::new(params, remembered.unwrap_or_default(), tap, snapshot);
         background.power_up(up);
         Ok(Self {
@@ -96,6 +97,7 @@ impl Board {
     }
 
     /// The two sides, for an owner who decides himself which of them runs when.
+    #[inline]
     pub fn split(&mut self) -> (TickSide<'_>, BackgroundSide<'_>) {
         let (tick, background) = self.queues.split();
         (
@@ -199,12 +201,12 @@ impl Board {
 
     /// Sets the number of setpoints that were late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
-        self.tick.late = late;
+        self.tick.set_late(late);
     }
 
     /// Takes an operator's command; it acts in the next tick.
     pub fn command(&mut self, command: Command) {
-        self.tick.ticker.command(command);
+        self.tick.ticker_mut().command(command);
         self.look();
     }
 
@@ -215,21 +217,21 @@ impl Board {
 
     /// Sets the inputs. They act in the next tick, and on the next call that is opened.
     pub fn signals(&mut self, signals: Signals) {
-        self.tick.ticker.signals(signals);
+        self.tick.ticker_mut().signals(signals);
         self.look();
     }
 
     /// Drops the entry of a tap in its hole: the caller says that the tap is out. It acts with the next tick. Returns false
     /// and changes nothing where there is no entry, or while the machine moves.
     pub fn discard_tap(&mut self) -> bool {
-        let discarded = self.tick.ticker.discard_tap();
+        let discarded = self.tick.ticker_mut().discard_tap();
         self.look();
         discarded
     }
 
     /// The background sees at once what was changed between two ticks.
     const fn look(&mut self) {
-        let (ticker, snapshot) = (&self.tick.ticker, &mut self.background.snapshot);
+        let (ticker, snapshot) = (self.tick.ticker(), &mut self.background.snapshot);
         snapshot.operator = *ticker.operator();
         snapshot.tap = ticker.tap_entry();
     }
@@ -237,7 +239,7 @@ impl Board {
     /// True while a call or a request that was handed over has not been carried out.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.background.is_busy() || !self.queues.segments.is_empty()
+        self.background.is_busy() || !self.queues.segments().is_empty()
     }
 
     /// True where the next call of a running program has not come and would have room. In lock-step, time waits.
@@ -255,7 +257,7 @@ impl Board {
     /// The tick side, to read from.
     #[must_use]
     pub const fn ticker(&self) -> &Ticker {
-        &self.tick.ticker
+        self.tick.ticker()
     }
 
     /// The board as a CANopen device.
@@ -304,6 +306,6 @@ impl Board {
     }
 
     fn law(&self) -> Option<Law> {
-        self.tick.ticker.law(self.queues.segments.peek())
+        self.tick.ticker().law(self.queues.segments().peek())
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::writer::{Put, Writer};
 use super::{LinkError, VERSION, Version};
 use crate::call::{Position, TapSpindle};
+use crate::tick::ThreadKind;
 use crate::units::{Length, Turns};
 
 /// CRC-64/XZ by half bytes, with a table of 128 bytes. A table for whole bytes takes 2 KiB of a board's flash; a step
@@ -104,18 +105,6 @@ impl Certificate {
             .map(Ok)
             .map_err(|_| LinkError::Malformed)
     }
-}
-
-/// The kind of synchronism between an axis and the spindle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
-#[repr(u8)]
-pub enum ThreadKind {
-    /// Along the helix of a thread: a threading cycle.
-    Thread,
-    /// Along the line of a hole, with the spindle in position mode.
-    RigidTap,
-    /// Along the line of a hole, following the measured spindle.
-    FloatingTap,
 }
 
 /// The state of a thread.

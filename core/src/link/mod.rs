@@ -26,15 +26,16 @@ mod told;
 mod version;
 mod writer;
 
+pub use crate::tick::{Event, ThreadKind};
 pub use batch::{
     BATCH_BYTES, Batch, BatchError, BatchWriter, CALL_BYTES, CallBytes, decode_call, encode_call,
 };
 pub use certificate::{
-    Certificate, SetpointHash, Tally, ThreadCertificate, ThreadKind, ThreadReader, ThreadRecord,
-    ThreadState, encode_certificates,
+    Certificate, SetpointHash, Tally, ThreadCertificate, ThreadReader, ThreadRecord, ThreadState,
+    encode_certificates,
 };
 pub use change::{decode_changes, encode_changes};
-pub use event::{Event, EventReader, Logged, decode_alarm, encode_alarm, encode_event};
+pub use event::{EventReader, Logged, decode_alarm, encode_alarm, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;
 pub use version::{VERSION, Version};

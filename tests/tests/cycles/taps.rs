@@ -4,6 +4,7 @@ use std::num::NonZeroU8;
 
 use leadscrew_core::call::*;
 use leadscrew_core::cycle::*;
+use leadscrew_core::motion::Course;
 use leadscrew_core::moves::*;
 use leadscrew_core::params::{Entry, Params, Writing};
 use leadscrew_core::program::*;
@@ -192,6 +193,47 @@ fn the_sheets_pecks() {
             (Stage::Reenter, 7_000)
         ]
     );
+}
+
+/// What the tick goes through in an ordinary tap is what the cycle says, leg for leg.
+#[test]
+fn the_legs_of_an_ordinary_tap_are_the_moves_of_the_cycle() {
+    let nm = Length::from_nm;
+    for (q, d) in [
+        (4_000_000, 1_000_000),
+        (4_000_000, 0),
+        (4_000_000, 4_000_000),
+        (15_000_000, 1),
+        (7_500_000, 7_499_999),
+        (99_000_000, 3),
+    ] {
+        let peck = TapPeck {
+            infeed: at(nm(q)),
+            back: at(nm(d)),
+        };
+        for form in [
+            TapForm::Standard,
+            TapForm::HighSpeed(peck),
+            TapForm::Deep(peck),
+        ] {
+            for dwell in [0, 250] {
+                let call = TapCall {
+                    mode: TapMode::Floating,
+                    bottom: at(nm(-15_000_000)),
+                    form,
+                    dwell: Millis::new(dwell),
+                    ..hole()
+                };
+                let inside: Vec<Length> = moves(&call)
+                    .iter()
+                    .filter(|m| matches!(m.kind, MoveKind::Tap(_) | MoveKind::Dwell(_)))
+                    .map(|m| call.level.value - m.to.z)
+                    .collect();
+                let course = Course::new(nm(15_000_000), &form, dwell);
+                assert_eq!(course.depths().collect::<Vec<_>>(), inside, "{form:?}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -1,24 +1,26 @@
 //! The device's requests, as orders to the tick.
 
 use super::BackgroundSide;
+use super::orders::has_room;
 use super::press::plan_press;
-use crate::board::command::Command;
-use crate::board::message::Order;
-use crate::board::queue::{put, room};
-use crate::board::ticker::Setup;
 use crate::motion::Limits;
+use crate::tick::Command;
+use crate::tick::Order;
+use crate::tick::Setup;
+use crate::tick::queue::{put, room};
 
 impl BackgroundSide<'_> {
     /// Carries out the device's requests. Where there is no room for an order, they wait in the device.
     #[inline(never)]
     pub(super) fn carry_out(&mut self) {
-        while self.ends.has_room()
+        while has_room(&self.ends)
             && let Some(command) = self.state.device.command()
         {
-            self.ends
-                .order(&mut self.state.orders, Order::Command(command));
+            self.state
+                .orders
+                .give(&mut self.ends, Order::Command(command));
         }
-        if self.ends.has_room()
+        if has_room(&self.ends)
             && room(&self.ends.presses) > 0
             && let Some(asked) = self.state.device.asked()
         {
@@ -31,23 +33,24 @@ impl BackgroundSide<'_> {
             );
             // There is room.
             let _ = put(&mut self.ends.presses, press);
-            self.ends.order(&mut self.state.orders, Order::Press);
+            self.state.orders.give(&mut self.ends, Order::Press);
         }
-        if self.ends.has_room()
+        if has_room(&self.ends)
             && let Some(way) = self.state.device.turned()
         {
             let turned = Order::Command(Command::Turned(way));
-            self.ends.order(&mut self.state.orders, turned);
+            self.state.orders.give(&mut self.ends, turned);
         }
-        if self.ends.has_room()
+        if has_room(&self.ends)
             && let Some(signals) = self.state.device.signals()
         {
-            self.ends
-                .order(&mut self.state.orders, Order::Signals(signals));
+            self.state
+                .orders
+                .give(&mut self.ends, Order::Signals(signals));
         }
-        if self.ends.has_room() && self.state.device.drops_tap() {
+        if has_room(&self.ends) && self.state.device.drops_tap() {
             // Where this is not possible, the device has refused it already.
-            self.ends.order(&mut self.state.orders, Order::DiscardTap);
+            self.state.orders.give(&mut self.ends, Order::DiscardTap);
         }
         if let Some(params) = self.state.device.take_params() {
             self.state.params.clone_from(params);
@@ -56,7 +59,7 @@ impl BackgroundSide<'_> {
         }
         // What was let in before the set, and has begun to move since, comes to its end first.
         let stands = self.state.snapshot.is_at_rest();
-        let has_room = self.ends.has_room() && !self.state.orders.begin_anew();
+        let has_room = has_room(&self.ends) && !self.state.orders.begin_anew();
         if self.state.setup_waits && stands && has_room {
             self.state.setup_waits = false;
             self.begin_anew();
@@ -73,7 +76,7 @@ impl BackgroundSide<'_> {
         if let Some(setup) = Setup::of(&state.params, state.device.found())
             && put(&mut self.ends.setups, setup).is_ok()
         {
-            self.ends.order(&mut state.orders, Order::BeginAnew);
+            state.orders.give(&mut self.ends, Order::BeginAnew);
         }
     }
 }

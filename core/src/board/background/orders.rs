@@ -1,10 +1,10 @@
 //! The background's orders to the tick, from their queue to the report that they are carried out.
 
-use crate::board::message::Order;
-use crate::board::queue::{Calls, put, room};
-use crate::board::queues::BackgroundEnds;
 use crate::call::Call;
 use crate::motion::Epoch;
+use crate::tick::BackgroundEnds;
+use crate::tick::Order;
+use crate::tick::queue::{Calls, put, room};
 
 /// The most orders that one piece of work asks for.
 const SPARE: usize = 3;
@@ -51,23 +51,16 @@ impl Orders {
     pub(super) const fn begin_program(&self) -> bool {
         self.program.is_some()
     }
-}
 
-impl BackgroundEnds<'_> {
-    /// True where there is room for the orders of one piece of work.
-    pub(super) fn has_room(&self) -> bool {
-        room(&self.orders) >= SPARE
-    }
-
-    /// Orders. The caller has seen that there is room.
-    pub(super) fn order(&mut self, orders: &mut Orders, order: Order) {
-        if put(&mut self.orders, order).is_err() {
+    /// Gives an order. The caller has seen that there is [room](has_room).
+    pub(super) fn give(&mut self, ends: &mut BackgroundEnds<'_>, order: Order) {
+        if put(&mut ends.orders, order).is_err() {
             return;
         }
-        orders.asked = orders.asked.wrapping_add(1);
+        self.asked = self.asked.wrapping_add(1);
         match order {
-            Order::BeginAnew => orders.anew = Some(orders.asked),
-            Order::ProgramBegins(_) => orders.program = Some(orders.asked),
+            Order::BeginAnew => self.anew = Some(self.asked),
+            Order::ProgramBegins(_) => self.program = Some(self.asked),
             _ => {}
         }
     }
@@ -75,15 +68,20 @@ impl BackgroundEnds<'_> {
     /// Hands a call over to the planner. Returns false and changes nothing where there is no room.
     pub(super) fn offer(
         &mut self,
-        orders: &mut Orders,
+        ends: &mut BackgroundEnds<'_>,
         calls: &mut Calls,
         epoch: Epoch,
         call: &Call,
     ) -> bool {
-        let taken = self.has_room() && calls.enqueue(*call).is_ok();
+        let taken = has_room(ends) && calls.enqueue(*call).is_ok();
         if taken {
-            self.order(orders, Order::ProgramBegins(epoch));
+            self.give(ends, Order::ProgramBegins(epoch));
         }
         taken
     }
+}
+
+/// True where there is room for the orders of one piece of work.
+pub(super) fn has_room(ends: &BackgroundEnds<'_>) -> bool {
+    room(&ends.orders) >= SPARE
 }

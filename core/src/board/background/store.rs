@@ -1,10 +1,12 @@
 //! What the board stores: the tap journal's entries, parameter sets and tables of offsets. The owner has the storage.
 
+use super::orders::has_room;
 use super::{Background, BackgroundSide};
 use crate::board::kept::Held;
-use crate::board::message::Order;
 use crate::board::request::{Content, StoreRequest};
-use crate::board::store::{Region, StoreError};
+use crate::board::store::Region;
+use crate::tick::Order;
+use crate::tick::StoreError;
 
 impl Background {
     /// The next write for the storage; the owner answers it with [`stored`](BackgroundSide::stored). `None` where nothing
@@ -47,7 +49,7 @@ impl BackgroundSide<'_> {
     /// True where there is room for the consequences of [`stored`](Self::stored).
     #[must_use]
     pub fn takes_stored(&self) -> bool {
-        self.ends.has_room()
+        has_room(&self.ends)
     }
 
     /// The last write of [`store`](Background::store) has been done, or has failed. A parameter set may come into force
@@ -58,7 +60,7 @@ impl BackgroundSide<'_> {
             Region::TapJournal => {
                 if let Some(sequence) = self.state.journal.under_way.take() {
                     let orders = &mut self.state.orders;
-                    self.ends.order(orders, Order::Stored(sequence, result));
+                    orders.give(&mut self.ends, Order::Stored(sequence, result));
                 }
             }
             _ => self.state.device.has_stored(region, result),

@@ -7,7 +7,6 @@ use super::dictionary::{self, ObjectSource};
 use super::objects;
 use super::table::DROP;
 use super::values::{ObjectValues, Told};
-use crate::board::command::Command;
 use crate::board::store::copy;
 use crate::bus::{
     Abort, Beat, BoardBeat, BoardPlace, BoardSpindle, BoardStatus, HeartbeatProducer,
@@ -16,6 +15,7 @@ use crate::bus::{
 use crate::link::{encode_alarm, encode_changes};
 use crate::params::Params;
 use crate::signals::Signals;
+use crate::tick::Command;
 
 /// A percentage that means no change.
 const AS_IT_IS: u8 = 255;

@@ -9,13 +9,14 @@ use super::table::{LOAD, SAVE};
 use super::values::ObjectValues;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::board::kept::KeptSet;
-use crate::board::nodes::DriveNodes;
 use crate::board::request::{Content, StoreRequest};
-use crate::board::store::{Region, StoreError};
+use crate::board::store::Region;
 use crate::bus::Abort;
 use crate::link::Event;
 use crate::link::{ImageError, ImageWriter, identity};
 use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
+use crate::tick::DriveNodes;
+use crate::tick::StoreError;
 
 impl ObjectValues {
     /// True while a change of the set is under way. No call goes to the planner in this time.

@@ -2,13 +2,13 @@
 //! [`BusTrouble`] for the tick.
 
 use super::Device;
-use crate::board::command::Command;
-use crate::board::nodes::DriveNodes;
-use crate::board::ticker::State;
-use crate::board::trouble::{BusTrouble, Intrusion};
 use crate::bus::CobId;
 use crate::bus::{Controller, Periods};
 use crate::params::Params;
+use crate::tick::Command;
+use crate::tick::DriveNodes;
+use crate::tick::State;
+use crate::tick::{BusTrouble, Intrusion};
 
 /// Late setpoints within this time count against their limit.
 const LATE_MS: u32 = 1000;

@@ -50,19 +50,15 @@ pub use program_buffer::PROGRAM_BYTES;
 pub use shelf::CommitState;
 pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 
+use crate::tick::Found;
 use heapless::Deque;
 
 pub use self::operating::Asked;
 use self::served::Served;
 use self::values::{ObjectValues, Told};
-use super::command::Command;
-use super::kept::{Found, PowerUp};
-use super::nodes::DriveNodes;
-use super::reference::Measured;
+use super::kept::PowerUp;
 use super::request::StoreRequest;
-use super::snapshot::Snapshot;
-use super::store::{Region, StoreError};
-use super::trouble::Intrusion;
+use super::store::Region;
 use crate::alarm::{Alarm, Code};
 use crate::bus::FdFrame;
 use crate::bus::{
@@ -76,6 +72,12 @@ use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
+use crate::tick::Command;
+use crate::tick::DriveNodes;
+use crate::tick::Intrusion;
+use crate::tick::Measured;
+use crate::tick::Snapshot;
+use crate::tick::StoreError;
 use crate::units::{Axis, Length};
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.

@@ -3,9 +3,9 @@
 //! Must not know how a request comes, or how it is carried out. `docs/operating.md` has the table for people.
 
 use crate::alarm::{Alarm, Arg, Code};
-use crate::board::snapshot::Snapshot;
-use crate::board::ticker::{Outcome, State};
 use crate::operating::OperatingMode;
+use crate::tick::Snapshot;
+use crate::tick::{Outcome, State};
 
 /// What somebody asks of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,13 +6,13 @@ use super::Device;
 use super::served::Served;
 use super::tell::HEARTBEAT_ERROR;
 use crate::alarm::Code;
-use crate::board::command::Command;
-use crate::board::ticker::State;
 use crate::bus::{
     BoardCommand, Emcy, Frame, JogRequest, NmtEvent, NmtState, PdoCommunication, Service,
     StepRequest, WheelRequest,
 };
 use crate::params::Params;
+use crate::tick::Command;
+use crate::tick::State;
 
 /// The reaction of a running program to the loss of the gateway.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,13 +9,15 @@ use super::operating::not_referenced;
 use super::shelf::{Progress, Shelf, Write};
 use super::values::ObjectValues;
 use crate::alarm::{Alarm, Arg, Code};
-use crate::board::kept::{Found, Kept};
+use crate::board::kept::Kept;
 use crate::board::kept_offsets::KeptOffsets;
 use crate::board::request::{Content, StoreRequest};
-use crate::board::store::{Region, StoreError, copy};
+use crate::board::store::{Region, copy};
 use crate::bus::Abort;
 use crate::offsets::Revision;
 use crate::offsets::image::{self, BYTES, Image, ImageFault, check};
+use crate::tick::Found;
+use crate::tick::StoreError;
 use crate::units::{Axes, Axis};
 
 /// A position that nobody has marked.

@@ -15,15 +15,15 @@ use super::steps::Steps;
 use super::values::ObjectValues;
 use super::wheel::WheelWay;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::board::command::Command;
 use crate::board::guard::Guard;
-use crate::board::machine::interlocked;
-use crate::board::ticker::State;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest, WheelRequest};
 use crate::call::Position;
 use crate::link::Event;
 use crate::operating::{Interlock, Led, OperatingMode, PressState, Towards};
 use crate::params::Params;
+use crate::tick::Command;
+use crate::tick::State;
+use crate::tick::interlocked;
 use crate::units::{Axes, Length};
 
 /// A step of this length or less is made whole, though nobody renews it.

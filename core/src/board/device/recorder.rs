@@ -1,11 +1,11 @@
 //! The record of a run: every setpoint, and the errors of the synchronised ones.
 
 use super::threads::Threads;
-use crate::board::reference::Measured;
-use crate::board::snapshot::Snapshot;
 use crate::bus::{BoardState, Periods};
 use crate::link::Event;
 use crate::link::{Certificate, LinkError, SetpointHash, Tally, VERSION};
+use crate::tick::Measured;
+use crate::tick::Snapshot;
 
 /// The record since the program was started, and of its threads.
 #[derive(Debug)]

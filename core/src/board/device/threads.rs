@@ -9,8 +9,6 @@
 
 use heapless::Vec;
 
-use crate::board::reference::Measured;
-use crate::board::snapshot::Snapshot;
 use crate::bus::Abort;
 use crate::link::Event;
 use crate::link::{
@@ -18,6 +16,8 @@ use crate::link::{
     ThreadState, encode_certificates,
 };
 use crate::motion::Cut;
+use crate::tick::Measured;
+use crate::tick::Snapshot;
 
 /// Certificates kept. The newest may be under way.
 const KEPT: usize = 8;

@@ -14,10 +14,7 @@ use super::recorder::RunRecorder;
 use super::shelf::Shelf;
 use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
-use crate::board::command::Command;
 use crate::board::kept::Kept;
-use crate::board::reference::Measured;
-use crate::board::snapshot::Snapshot;
 use crate::bus::{
     Beat, BoardBeat, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame,
     HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Order,
@@ -27,6 +24,9 @@ use crate::link::Event;
 use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
 use crate::params::Params;
 use crate::signals::Signals;
+use crate::tick::Command;
+use crate::tick::Measured;
+use crate::tick::Snapshot;
 use crate::units::{Axes, Length, TurnRate};
 
 /// Commands on their way to the tick.

@@ -4,10 +4,10 @@
 
 use super::{Planner, Settings};
 use crate::alarm::Alarm;
-use crate::board::operator::overridden;
 use crate::call::{ChainPart, Position};
 use crate::motion::{Chain, WaysOut};
 use crate::moves::{Move, MoveKind};
+use crate::tick::overridden;
 use crate::units::{Length, Rpm, TurnRate};
 
 /// The strokes of a chain, and how far they are.

@@ -4,9 +4,9 @@
 //! something follows that begins with a stop, or until the tick would have nothing to do otherwise.
 
 use super::Settings;
-use crate::board::queue::SegmentIn;
 use crate::call::{Call, CallKind};
 use crate::motion::{Due, Lookahead, Segment, Timed};
+use crate::tick::queue::SegmentIn;
 
 /// With fewer segments than these, the tick soon has nothing to do.
 const FEW: usize = 2;

@@ -2,7 +2,6 @@
 
 use super::{Planner, Settings};
 use crate::alarm::{Alarm, Code, Span};
-use crate::board::operator::overridden;
 use crate::call::{
     Call, CallKind, ChainPart, Hand, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode,
     TapCall, TapMode, ThreadCall,
@@ -12,6 +11,7 @@ use crate::motion::{Action, FloatPlan, Plan, Stops};
 use crate::moves::{Move, MoveKind};
 use crate::params::Params;
 use crate::signals::Signals;
+use crate::tick::overridden;
 
 impl Planner {
     /// Checks a call and makes it the call under expansion. `warning` receives its warning.

@@ -2,11 +2,11 @@
 
 use super::{Planner, Settings};
 use crate::alarm::Alarm;
-use crate::board::operator::overridden;
 use crate::call::Position;
 use crate::cycle::Moves;
 use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
 use crate::moves::{Move, MoveKind};
+use crate::tick::overridden;
 use crate::units::{Length, Rpm, TurnRate};
 
 impl Planner {

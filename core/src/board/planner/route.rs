@@ -1,10 +1,10 @@
 //! Plans the ways that the tick asks for, into a queue of their own.
 
 use crate::alarm::Span;
-use crate::board::detour::Route;
-use crate::board::queue::{DetourIn, put};
 use crate::motion::{Action, Cut, Limits, Segment, Stops, plan};
 use crate::moves::{Move, MoveKind};
+use crate::tick::Route;
+use crate::tick::queue::{DetourIn, put};
 
 /// Plans a detour into its own queue, with a mark after the last leg. A leg that cannot be planned ends the detour before
 /// it: the tool stands there.

@@ -1,0 +1,156 @@
+//! The references of the axes at their drives: homing, and what a drive's count means.
+//!
+//! An axis stands at what its drive counts, less an offset. For an axis whose drive homes, zero of that count is the mark,
+//! so the offset is known beforehand: `machine = position of the mark + 6064h` [D296].
+
+use super::Drives;
+use crate::bus::{DriveMaster, HomeEnd, HomeLimits, Increments, Periods, Scale};
+use crate::call::Position;
+use crate::params::Params;
+use crate::units::{Axes, Axis};
+
+/// Time for which the result of an earlier homing may stand in a drive's statusword, in milliseconds.
+const STALE_MS: u32 = 100;
+
+/// The value of 9050 for a drive that homes by itself.
+pub(super) const BY_DRIVE: u8 = 1;
+
+/// What a homing of an axis has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::tick) enum Homing {
+    /// Not under way.
+    None,
+    /// Under way, or on the way back; the result, as soon as it is known.
+    UnderWay(Option<HomeEnd>),
+    /// Found, and the drive is back in position mode.
+    Found,
+    /// Ended otherwise, and the drive is back in position mode, or has failed.
+    Failed(HomeEnd),
+}
+
+/// What the drive of an axis is allowed in homing; `None` where it does not home by itself, or for a tick of zero.
+pub(super) fn limits(params: &Params, axis: Axis, scale: &Scale) -> Option<HomeLimits> {
+    if params.home_method(axis) != BY_DRIVE {
+        return None;
+    }
+    let tick_us = params.tick_us();
+    Some(HomeLimits {
+        time: Periods::from_ms(params.home_time_ms(axis), tick_us)?,
+        travel: scale.limit(params.home_travel(axis)),
+        stale: Periods::from_ms(STALE_MS, tick_us)?,
+    })
+}
+
+/// The increments that the drive of an axis counts in addition to its position after homing. A position of the mark that
+/// the drive cannot count is refused by the checks of a parameter set.
+pub(super) fn offset(params: &Params, axis: Axis, scale: &Scale) -> i32 {
+    if params.home_method(axis) != BY_DRIVE {
+        return 0;
+    }
+    let mark = scale.increments(params.home_position(axis));
+    mark.map_or(0, |mark| mark.get().wrapping_neg())
+}
+
+impl Drives {
+    const fn axis(&self, axis: Axis) -> &DriveMaster {
+        of(&self.axes, axis)
+    }
+
+    const fn axis_mut(&mut self, axis: Axis) -> &mut DriveMaster {
+        of_mut(&mut self.axes, axis)
+    }
+
+    /// Begins to home an axis that stands. False where its drive cannot.
+    pub(in crate::tick) const fn begin_homing(&mut self, axis: Axis) -> bool {
+        self.axis_mut(axis).begin_homing()
+    }
+
+    /// Ends homing as soon as the drive stands.
+    pub(in crate::tick) fn abandon_homing(&mut self, axis: Axis) {
+        self.axis_mut(axis).abandon_homing();
+    }
+
+    /// Feed hold in homing, or its end.
+    pub(in crate::tick) fn halt_homing(&mut self, axis: Axis, halted: bool) {
+        self.axis_mut(axis).halt_homing(halted);
+    }
+
+    /// What the homing of an axis has come to.
+    pub(in crate::tick) const fn homing(&self, axis: Axis) -> Homing {
+        let drive = self.axis(axis);
+        match (drive.is_homing(), drive.home_end()) {
+            (true, end) => Homing::UnderWay(end),
+            (false, None) => Homing::None,
+            (false, Some(HomeEnd::Found)) if drive.is_enabled() => Homing::Found,
+            (false, Some(end)) => Homing::Failed(end),
+        }
+    }
+
+    /// The count of an axis' drive says from now on where the axis is. Gives the machine's position with that.
+    pub(in crate::tick) fn refer(&mut self, axis: Axis, at: Position) -> Position {
+        *of_mut(&mut self.offsets, axis) = *of(&self.homed, axis);
+        self.read(axis, at)
+    }
+
+    /// The machine's position where the drive of this axis says where the axis is.
+    pub(in crate::tick) fn read(&self, axis: Axis, at: Position) -> Position {
+        let drive = self.axis(axis);
+        let offset = *of(&self.offsets, axis);
+        let own = drive.target().get().wrapping_sub(offset);
+        super::with(
+            axis,
+            at,
+            drive.config().scale.position(Increments::new(own)),
+        )
+    }
+
+    /// The axes whose drives have lost their count since the last call: they have been switched on, or their encoder has
+    /// failed.
+    #[cold]
+    #[inline(never)]
+    pub(in crate::tick) fn take_lost(&mut self) -> Axes {
+        let mut lost = Axes::NONE;
+        for (axis, drive) in Axis::ALL.into_iter().zip(&mut self.axes) {
+            if drive.takes_lost() {
+                lost = lost.with(axis);
+            }
+        }
+        lost
+    }
+}
+
+/// What belongs to an axis, of X, Z and C.
+const fn of<T>([x, z, c]: &[T; 3], axis: Axis) -> &T {
+    match axis {
+        Axis::X => x,
+        Axis::Z => z,
+        Axis::C => c,
+    }
+}
+
+/// As [`of`].
+const fn of_mut<T>([x, z, c]: &mut [T; 3], axis: Axis) -> &mut T {
+    match axis {
+        Axis::X => x,
+        Axis::Z => z,
+        Axis::C => c,
+    }
+}
+
+/// The axes whose drives count in other units with the second set of figures than with the first.
+pub(super) fn changed(before: &Drives, after: &super::Figures) -> Axes {
+    let mut changed = Axes::NONE;
+    let drives = before.axes.iter().zip(&after.axes);
+    let marks = before.homed.iter().zip(&after.homed);
+    for (axis, ((drive, config), (old, new))) in Axis::ALL.into_iter().zip(drives.zip(marks)) {
+        let own = drive.config();
+        let same = own.scale == config.scale
+            && own.node == config.node
+            && own.homes.is_some() == config.homes.is_some()
+            && old == new;
+        if !same {
+            changed = changed.with(axis);
+        }
+    }
+    changed
+}

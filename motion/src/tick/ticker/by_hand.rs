@@ -1,0 +1,72 @@
+//! Axes that are moved by hand.
+//!
+//! Says when a press may move the machine, and ends it where something else does. Must not know who presses.
+
+use super::{Ends, State, Ticker, emit};
+use crate::alarm::{Alarm, Code};
+use crate::motion::{AxisTravel, JogConditions, Press};
+use crate::tick::Event;
+use crate::units::Axis;
+
+impl Ticker {
+    /// Takes a press, if the machine may be moved by hand now. The background has asked the same of an older state.
+    pub(in crate::tick) fn press(&mut self, press: &Press) {
+        let stands = match self.state {
+            State::Idle => !self.course.in_program() && self.executor.is_free(),
+            State::ByHand => !self.is_coming_back(),
+            State::Held => self.has_left(),
+            _ => false,
+        };
+        if press.returns {
+            return self.go_back_to_left(press);
+        }
+        // The door may have been opened since the press was planned.
+        let interlocks = self.machine.interlocks();
+        let fast = interlocks.has_door() && !press.slow || interlocks.against_hand().is_some();
+        if !stands || fast || self.operator.hold || self.journal.has_hole() {
+            return self.jog.refuse(press.number);
+        }
+        self.note_way_out(press);
+        let (x, z) = self.travel();
+        self.jog.press(press, &x, &z);
+        if self.jog.is_busy() {
+            self.transition_to_by_hand();
+        }
+    }
+
+    /// How far X and Z may go. Where an axis without a reference is, nobody knows: it has no limits.
+    const fn travel(&self) -> (AxisTravel, AxisTravel) {
+        let referenced = self.referenced();
+        let x = match referenced.contains(Axis::X) {
+            true => self.given.travel_x,
+            false => AxisTravel::UNLIMITED,
+        };
+        let z = match referenced.contains(Axis::Z) {
+            true => self.given.travel_z,
+            false => AxisTravel::UNLIMITED,
+        };
+        (x, z)
+    }
+
+    /// One tick of the axes that are moved by hand.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn move_by_hand(&mut self, ends: &mut Ends<'_>) {
+        if self.operator.hold {
+            self.jog.release();
+            self.stay_away();
+        }
+        let conditions = JogConditions {
+            now: self.now,
+            feed: self.operator.feed(),
+            rapid: self.operator.rapid(),
+        };
+        let mut position = self.executor.position();
+        let (x, z) = self.travel();
+        if self.jog.tick(&conditions, &x, &z, &mut position) {
+            let warning = Alarm::of(Code::WheelTooFast, &[]);
+            emit(&mut ends.events, Event::Warning(warning));
+        }
+        self.executor.set_position(position);
+    }
+}
