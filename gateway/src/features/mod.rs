@@ -4,7 +4,7 @@
 mod thread;
 mod width;
 
-use leadscrew_core::alarm::{Code, Lang};
+use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Aux, Call, Position};
 use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage};
 use leadscrew_language::whose::Whose;
@@ -47,8 +47,6 @@ pub struct Features {
     pub list: Vec<Feature>,
     /// What there is before the first cut, where the program declares it.
     pub stock: Option<Stock>,
-    /// Lines with a rapid through it.
-    pub through: Vec<u32>,
     /// The number of those, and of pieces of them, that did not fit.
     pub left_out: u64,
 }
@@ -108,9 +106,6 @@ pub fn collect(
     }
     let mut features = finder.finish(report, setup.lang);
     features.stock = stock;
-    let warnings = report.warnings.iter();
-    let through = warnings.filter(|warning| warning.number == Code::RapidInStock.number());
-    features.through = through.map(|warning| warning.counted).collect();
     Ok(features)
 }
 
@@ -294,7 +289,6 @@ impl Finder<'_> {
         Features {
             list: features.collect(),
             stock: None,
-            through: Vec::new(),
             left_out,
         }
     }
