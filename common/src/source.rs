@@ -330,9 +330,9 @@ mod tests {
                 assert_eq!(line, expected, "{number}");
             }
             assert_eq!(source.line(0), None);
-            let expected = |most| (1..=most).map(|n| format!("N{n} G1 X{n}").into_bytes());
-            assert_eq!(source.lines(2), expected(2).collect::<Vec<_>>());
-            assert_eq!(source.lines(501), expected(500).collect::<Vec<_>>());
+            let each: Vec<_> = (1..=500).filter_map(|n| source.line(n)).collect();
+            assert_eq!(source.lines(2), each[..2]);
+            assert_eq!(source.lines(501), each);
         }
         let long = format!("{}\nM30", "X".repeat(5_000));
         let lines = SourceFile::text("long", long).lines(9);

@@ -7,7 +7,6 @@ mod width;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Aux, Call, Position};
 use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage};
-use leadscrew_language::whose::Whose;
 use leadscrew_metrology::Mm;
 
 pub use self::width::Width;
@@ -189,13 +188,7 @@ impl Finder<'_> {
     }
 
     fn piece(&mut self, line: u32, cycle: Option<Cycle>, points: Vec<(f64, f64)>) {
-        let piece = Piece {
-            line: match Whose::line(line) {
-                Whose::Program => line,
-                Whose::Subprogram(_) => 0,
-            },
-            points,
-        };
+        let piece = Piece { line, points };
         let mut is_full = false;
         if let Some(Found {
             shape: Kind::Contour(contour),
@@ -227,6 +220,7 @@ impl Finder<'_> {
         let width = width.map(|width| width.mm);
         let column = Column {
             number,
+            line,
             from,
             pecks: vec![to],
         };

@@ -98,6 +98,30 @@ fn the_depths_at_the_passes_are_those_of_the_moves() {
 }
 
 #[test]
+fn a_page_has_the_pass_and_the_line_of_each_line_of_the_close_views() {
+    let folder = Folder::new("plot-told");
+    let page = folder.file("shaft.html");
+    let output = leadscrew(&["plot", "examples/shaft.nc", "-o", &page]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = std::fs::read_to_string(&page).unwrap();
+    let has = |told: &str, count: usize| {
+        assert_eq!(page.matches(told).count(), count, "{told}");
+    };
+    // Its groove, its pass, and its run-out.
+    for (pass, depth) in depths("examples/shaft.nc") {
+        let depth = format!("{depth:.4}");
+        let depth = depth.trim_end_matches('0').trim_end_matches('.');
+        let told = format!("data-line=\"44\" data-told=\"pass {pass}, ");
+        has(&format!("{told}depth {depth}, line 44\""), 2);
+        has(&format!("{told}depth {depth}, run-out, line 44\""), 1);
+    }
+    has("data-line=\"35\" data-told=\"column 2, line 35\"", 1);
+    has("data-told=\"column 3, feed 2 to X43, line 37\"", 1);
+    has("data-line=\"23\" data-told=\"line 23\"", 1);
+    has("data-pane=\"", 5);
+}
+
+#[test]
 fn a_thread_tells_its_hand_its_run_out_and_its_lead_in() {
     let folder = Folder::new("plot-thread");
     let program = "examples/o0013-g76-m68x6.nc";
