@@ -91,7 +91,7 @@ pub struct Plot {
     pub program: PathBuf,
     /// Where the picture goes; the ending chooses the format
     ///
-    /// `.png` is twice the size of `.svg` and has the fonts of this machine.
+    /// `.png` is twice the size of `.svg`.
     /// `.html` is one file that a browser opens without a network: it zooms, tells the line under the pointer, and plays.
     #[arg(short, long, value_name = "FILE.{svg,png,html}")]
     pub output: PathBuf,

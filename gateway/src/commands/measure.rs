@@ -53,7 +53,7 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
                 picture::write(path, bytes)?;
             }
             Format::Svg => picture::write(path, svg())?,
-            Format::Png(fonts) => picture::write_png(setup.global, path, &svg(), fonts)?,
+            Format::Png => picture::write_png(setup.global, path, &svg())?,
             Format::Html => {
                 let text = sheet::text(&cuts, setup.lang);
                 picture::write(path, page::sheet(&title, &svg(), &text, setup.lang))?;

@@ -6,16 +6,15 @@ use std::path::Path;
 use crate::cli::Global;
 use crate::diagnostics;
 use crate::failure::{Doing, Failure, Outcome};
-use crate::pixels::{self, Fonts};
+use crate::pixels;
 use crate::words::{self, both};
 
 /// A format.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Format {
     Svg,
     Html,
-    /// With the fonts of its texts.
-    Png(Fonts),
+    Png,
     /// Figures, of `measure` alone.
     Json,
 }
@@ -50,7 +49,7 @@ impl Format {
         Ok(match ending.as_str() {
             "svg" => Some(Self::Svg),
             "html" => Some(Self::Html),
-            "png" => Some(Self::Png(Fonts::of_system()?)),
+            "png" => Some(Self::Png),
             "json" => Some(Self::Json),
             _ => None,
         })
@@ -64,8 +63,8 @@ pub(super) fn write(output: &Path, content: impl AsRef<[u8]>) -> Outcome {
 }
 
 /// Writes an SVG as pixels.
-pub(super) fn write_png(global: &Global, output: &Path, svg: &str, fonts: &Fonts) -> Outcome {
-    let image = pixels::png(svg, fonts)?;
+pub(super) fn write_png(global: &Global, output: &Path, svg: &str) -> Outcome {
+    let image = pixels::png(svg)?;
     write(output, &image.png)?;
     if !global.json {
         let (file, size) = (words::path(output), image.size());

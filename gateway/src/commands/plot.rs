@@ -128,9 +128,7 @@ fn write(
     way: Option<Way>,
 ) -> Outcome {
     match format {
-        Format::Png(fonts) => {
-            picture::write_png(setup.global, &args.output, &picture.svg(), fonts)?
-        }
+        Format::Png => picture::write_png(setup.global, &args.output, &picture.svg())?,
         Format::Html => {
             let page = Page {
                 title: &picture.title,

@@ -173,12 +173,7 @@ pub(super) fn draw(document: &mut Group, top: f64, picture: &Picture) -> f64 {
     }
 
     warnings(document, top, picture, place);
-    document.append(text(
-        LEFT - 8.0,
-        top - 8.0,
-        "left name",
-        pick(lang, "X ⌀ mm", "X 直径 mm"),
-    ));
+    document.append(text(LEFT - 8.0, top - 8.0, "left name", "X ⌀ mm"));
     document.append(text(RIGHT + 8.0, bottom + 18.0, "right name", "Z mm"));
     let marks = marks(strokes, |point| {
         let (x, y) = place(point);

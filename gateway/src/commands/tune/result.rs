@@ -180,7 +180,7 @@ impl Told {
                 picture::write(path, page)
             }
             Format::Svg => picture::write(path, self.picture(lang)),
-            Format::Png(fonts) => picture::write_png(global, path, &self.picture(lang), fonts),
+            Format::Png => picture::write_png(global, path, &self.picture(lang)),
         }
     }
 

@@ -1,11 +1,12 @@
-//! A picture of ours as pixels: SVG in, PNG out, with the fonts of the system. A picture is whole or refused: text that
-//! no font can draw is never left out. Must not know what a picture shows.
+//! A picture of ours as pixels: SVG in, PNG out, with fonts of its own, so it is the same on every machine, also where
+//! there is no font. Those of the system come in only for a character that these have not. A picture is whole or refused:
+//! text that no font can draw is never left out. Must not know what a picture shows.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use resvg::tiny_skia::{Color, Pixmap, Transform};
-use resvg::usvg::fontdb::{Database, Family, Query};
+use resvg::usvg::fontdb::{Database, Source};
 use resvg::usvg::{Group, Node, Options, Tree};
 
 use crate::failure::{Failure, Outcome};
@@ -17,19 +18,12 @@ pub const SCALE: u16 = 2;
 const MOST: u32 = 32_767;
 /// The most missing characters that are told.
 const TOLD: usize = 12;
-/// What stands for `sans-serif` where the system's choice is not there.
-const FAMILIES: [&str; 6] = [
-    "Noto Sans",
-    "DejaVu Sans",
-    "Liberation Sans",
-    "Arial",
-    "Helvetica",
-    "FreeSans",
+/// Fonts of our own: what they are, and their licences, stands beside them.
+const OWN: [&[u8]; 3] = [
+    include_bytes!("fonts/DejaVuSans.ttf"),
+    include_bytes!("fonts/DejaVuSans-Bold.ttf"),
+    include_bytes!("fonts/NotoSansSC.ttf"),
 ];
-
-/// The fonts that texts are drawn with.
-#[derive(Clone, Debug)]
-pub struct Fonts(Arc<Database>);
 
 /// A PNG with its size in pixels.
 #[derive(Clone, Debug)]
@@ -49,75 +43,70 @@ impl Image {
     }
 }
 
-impl Fonts {
-    /// Those of the system.
-    ///
-    /// # Errors
-    /// There are none.
-    pub fn of_system() -> Outcome<Self> {
-        let mut fonts = Database::new();
-        fonts.load_system_fonts();
-        Self::of(fonts)
+/// The fonts of our own.
+fn own() -> Database {
+    let mut fonts = Database::new();
+    for font in OWN {
+        fonts.load_font_source(Source::Binary(Arc::new(font)));
     }
-
-    fn of(mut fonts: Database) -> Outcome<Self> {
-        // Glyphs of these are pictures, which a line drawing has no use for.
-        let coloured = fonts.faces().filter(|face| {
-            let mut names = face.families.iter();
-            names.any(|(name, _)| name.contains("Emoji"))
-        });
-        let coloured: Vec<_> = coloured.map(|face| face.id).collect();
-        for face in coloured {
-            fonts.remove_face(face);
-        }
-        let Some(first) = fonts.faces().next() else {
-            return Err(Failure::Usage(both!(
-                "this machine has no font to draw text with: install one (Debian: `fonts-dejavu-core`, for Chinese \
-                 `fonts-noto-cjk`), or write `.svg`",
-                "本机没有可用字体：请安装字体（Debian：`fonts-dejavu-core`，中文用 `fonts-noto-cjk`），或输出 `.svg`"
-            )));
-        };
-        let is_there = |family: Family| {
-            let families = &[family];
-            fonts
-                .query(&Query {
-                    families,
-                    ..Query::default()
-                })
-                .is_some()
-        };
-        if !is_there(Family::SansSerif) {
-            let mut known = FAMILIES.into_iter();
-            let known = known.find(|name| is_there(Family::Name(name)));
-            let any = || first.families.first().map_or("", |family| &family.0);
-            let name = known.unwrap_or_else(any).to_owned();
-            fonts.set_sans_serif_family(name);
-        }
-        Ok(Self(Arc::new(fonts)))
-    }
+    chosen(&mut fonts);
+    fonts
 }
 
-/// Draws an SVG.
-///
-/// # Errors
-/// A character is in no font, or the picture is too large.
-pub fn png(svg: &str, fonts: &Fonts) -> Outcome<Image> {
+/// What stands for a family that is not there. Without one the text would be left out as if it were none.
+fn chosen(fonts: &mut Database) {
+    fonts.set_sans_serif_family("DejaVu Sans");
+    fonts.set_serif_family("DejaVu Sans");
+}
+
+/// Those, and the fonts of the system.
+fn with_system() -> Database {
+    let mut fonts = own();
+    fonts.load_system_fonts();
+    // The system's choice may be a family that it has not.
+    chosen(&mut fonts);
+    // Glyphs of these are pictures, which a line drawing has no use for.
+    let coloured = fonts.faces().filter(|face| {
+        let mut names = face.families.iter();
+        names.any(|(name, _)| name.contains("Emoji"))
+    });
+    let coloured: Vec<_> = coloured.map(|face| face.id).collect();
+    for face in coloured {
+        fonts.remove_face(face);
+    }
+    fonts
+}
+
+/// Reads an SVG with fonts; gives the characters too that none of them has.
+fn read(svg: &str, fonts: Database) -> Outcome<(Tree, BTreeSet<char>)> {
     let options = Options {
-        fontdb: Arc::clone(&fonts.0),
+        fontdb: Arc::new(fonts),
         font_family: "sans-serif".to_owned(),
         ..Options::default()
     };
     let tree = Tree::from_str(svg, &options).map_err(|error| failed(&error.to_string()))?;
     let mut missing = BTreeSet::new();
     undrawn(tree.root(), &mut missing);
+    Ok((tree, missing))
+}
+
+/// Draws an SVG.
+///
+/// # Errors
+/// A character is in no font, or the picture is too large.
+pub fn png(svg: &str) -> Outcome<Image> {
+    let (mut tree, mut missing) = read(svg, own())?;
+    if !missing.is_empty() {
+        (tree, missing) = read(svg, with_system())?;
+    }
     if !missing.is_empty() {
         let more = if missing.len() > TOLD { "…" } else { "" };
         let missing: String = missing.into_iter().take(TOLD).collect();
         return Err(Failure::Usage(both!(
-            "no font of this machine has `{missing}{more}`: install one that has (Debian: `fonts-dejavu-core`, for Chinese \
-             `fonts-noto-cjk`), or write `.svg`",
-            "本机字体缺少 `{missing}{more}`：请安装含有这些字符的字体（Debian：`fonts-dejavu-core`，中文用 `fonts-noto-cjk`），\
-             或输出 `.svg`"
+            "no font has `{missing}{more}`, neither this program's nor one of this machine: install one that has (Debian: \
+             `fonts-noto-cjk` or `fonts-noto-core`), or write `.svg`",
+            "程序自带字体和本机字体都没有 `{missing}{more}`：请安装含有这些字符的字体（Debian：`fonts-noto-cjk` 或 \
+             `fonts-noto-core`），或输出 `.svg`"
         )));
     }
     let scale = f32::from(SCALE);
@@ -174,7 +163,7 @@ mod tests {
 
     /// The pixels of a picture.
     fn pixels(svg: &str) -> Pixmap {
-        let image = png(svg, &Fonts::of_system().unwrap()).unwrap();
+        let image = png(svg).unwrap();
         let pixels = Pixmap::decode_png(&image.png).unwrap();
         assert_eq!(
             (pixels.width(), pixels.height()),
@@ -187,7 +176,7 @@ mod tests {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"120\" height=\"40.4\"><style>{}</style>\
              <rect class=\"paper\" width=\"120\" height=\"40.4\"/><text x=\"60\" y=\"30\" class=\"below\">{words}</text></svg>",
-            include_str!("plot/style.css")
+            include_str!("../plot/style.css")
         )
     }
 
@@ -213,24 +202,65 @@ mod tests {
         assert!(columns(&without).is_empty());
     }
 
+    /// The texts of the program, of which any may stand in a picture.
+    fn texts(folder: &std::path::Path, all: &mut BTreeSet<char>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let ending = path.extension().and_then(|ending| ending.to_str());
+            if path.is_dir() {
+                texts(&path, all);
+            } else if matches!(ending, Some("rs" | "toml")) {
+                all.extend(std::fs::read_to_string(&path).unwrap().chars());
+            }
+        }
+    }
+
     #[test]
-    fn without_a_font_or_with_a_character_of_none_there_is_no_picture() {
-        let Failure::Usage(why) = Fonts::of(Database::new()).unwrap_err() else {
-            panic!("another failure");
-        };
-        assert!(why.en.contains("no font") && why.en.contains("`fonts-dejavu-core`"));
+    fn the_fonts_of_our_own_have_every_character_of_our_texts() {
+        let mut all = BTreeSet::new();
+        for folder in ["src", "../common/src", "../core/src", "../params"] {
+            texts(
+                &std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder),
+                &mut all,
+            );
+        }
+        let is_special = |c: &char| c.is_control() || "<>&\u{feff}".contains(*c);
+        let words: String = all.into_iter().filter(|c| !is_special(c)).collect();
+        assert!(words.contains('螺') && words.contains('⌀') && words.contains('⚠'));
+        for class in ["below", "name"] {
+            let svg = drawn(&words).replace("below", class);
+            let (_, missing) = read(&svg, own()).unwrap();
+            assert!(
+                missing.is_empty(),
+                "{missing:?}: see gateway/src/pixels/fonts"
+            );
+        }
+    }
+
+    #[test]
+    fn a_text_of_a_family_that_is_not_there_is_drawn() {
+        let svg = drawn("1.75").replace("sans-serif", "Nowhere Grotesk");
+        for fonts in [own(), with_system()] {
+            let (tree, missing) = read(&svg, fonts).unwrap();
+            assert!(missing.is_empty(), "{missing:?}");
+            // Paper and text.
+            assert!(tree.root().children().len() == 2);
+        }
+    }
+
+    #[test]
+    fn with_a_character_of_no_font_there_is_no_picture() {
         // A character that is none, and will never be.
-        let image = png(&drawn("1\u{fdd0}"), &Fonts::of_system().unwrap());
-        let Failure::Usage(why) = image.unwrap_err() else {
+        let Failure::Usage(why) = png(&drawn("1\u{fdd0}")).unwrap_err() else {
             panic!("another failure");
         };
-        assert!(why.en.contains("has `\u{fdd0}`"), "{}", why.en);
+        assert!(why.en.contains("has `\u{fdd0}`,"), "{}", why.en);
     }
 
     #[test]
     fn a_picture_that_is_not_opened_everywhere_is_refused() {
         let tall = drawn("1").replace("40.4", "20000");
-        let image = png(&tall, &Fonts::of_system().unwrap());
+        let image = png(&tall);
         assert!(matches!(image, Err(Failure::Usage(why)) if why.en.contains("32767 pixels")));
     }
 }
