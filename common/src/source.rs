@@ -267,22 +267,42 @@ impl SourceFile {
                 skipped => begins += skipped as u64,
             }
         }
-        let mut line = Vec::new();
-        let read = reader.by_ref().take(SHOWN).read_until(b'\n', &mut line);
-        let read = read.ok()?;
+        let line = shown(&mut reader).ok()?;
         self.shown
             .set((number.max(1), begins, reader.get_ref().ends));
-        if number == 0 || read == 0 {
-            return None;
-        }
-        while line
-            .last()
-            .is_some_and(|byte| matches!(byte, b'\n' | b'\r'))
-        {
-            line.pop();
-        }
-        Some(line)
+        (number > 0).then_some(line?.0)
     }
+
+    /// The first lines, at most this many, each as [`Self::line`] has it.
+    pub fn lines(&self, most: usize) -> Vec<Vec<u8>> {
+        let mut lines = Vec::new();
+        let Ok(text) = self.open() else {
+            return lines;
+        };
+        let mut reader = BufReader::with_capacity(1 << 16, text);
+        while lines.len() < most
+            && let Ok(Some((line, is_whole))) = shown(&mut reader)
+        {
+            lines.push(line);
+            if !is_whole && reader.skip_until(b'\n').is_err() {
+                break;
+            }
+        }
+        lines
+    }
+}
+
+/// The next line without its end, up to the longest shown line, and whether it is whole; `None` at the end of the text.
+fn shown(reader: &mut impl BufRead) -> io::Result<Option<(Vec<u8>, bool)>> {
+    let mut line = Vec::new();
+    if reader.take(SHOWN).read_until(b'\n', &mut line)? == 0 {
+        return Ok(None);
+    }
+    let is_whole = line.ends_with(b"\n");
+    while line.ends_with(b"\n") || line.ends_with(b"\r") {
+        line.pop();
+    }
+    Ok(Some((line, is_whole)))
 }
 
 #[cfg(test)]
@@ -310,7 +330,13 @@ mod tests {
                 assert_eq!(line, expected, "{number}");
             }
             assert_eq!(source.line(0), None);
+            let each: Vec<_> = (1..=500).filter_map(|n| source.line(n)).collect();
+            assert_eq!(source.lines(2), each[..2]);
+            assert_eq!(source.lines(501), each);
         }
+        let long = format!("{}\nM30", "X".repeat(5_000));
+        let lines = SourceFile::text("long", long).lines(9);
+        assert_eq!(lines, [vec![b'X'; 4_096], b"M30".to_vec()]);
         for source in files {
             std::fs::remove_file(&source.path).unwrap();
         }

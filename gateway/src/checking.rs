@@ -53,6 +53,23 @@ pub struct Report {
     pub tappers: [bool; 3],
     /// A lead-in is longer than the way before the material.
     pub lead_in_too_short: bool,
+    /// Where warnings of moves are, up to [`MARKS`] of them.
+    pub marks: Vec<Mark>,
+}
+
+/// The place of a warning: machine coordinates, Z and radius in millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Number of the warning.
+    pub number: u16,
+    /// The line of the program as the machine counts it.
+    pub line: u32,
+    /// Where its move begins.
+    pub from: (f64, f64),
+    /// Where its move ends.
+    pub to: (f64, f64),
+    /// Where the warning is.
+    pub at: (f64, f64),
 }
 
 /// Bytes of a program that are looked at for its control.
@@ -66,6 +83,9 @@ pub const LISTED: usize = 10;
 
 /// The most cycles in the list. A program of one part has fewer by far.
 pub const CYCLES: usize = 10_000;
+
+/// The most places of warnings. A picture with more cannot be read.
+pub const MARKS: usize = 200;
 
 /// A kind with more lines than the list has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -384,6 +404,28 @@ impl Checker<'_> {
         }
     }
 
+    /// Keeps where a warning is, also where its line is known already.
+    fn mark(
+        &mut self,
+        alarm: &Alarm,
+        (z, x): (f64, f64),
+        (call, at, step): (&Call, Position, &Move),
+    ) {
+        if self.report.marks.len() == MARKS || self.program.allows(alarm) {
+            return;
+        }
+        let place =
+            |position: Position| (position.z.nm() as f64 / 1e6, position.x.nm() as f64 / 1e6);
+        let zero = place(call.origin);
+        self.report.marks.push(Mark {
+            number: alarm.number(),
+            line: alarm.span.line,
+            from: place(at),
+            to: place(step.to),
+            at: (zero.0 + z, zero.1 + x),
+        });
+    }
+
     fn check_call(&mut self, call: &Call, inch: bool) {
         let moves = match cycle::expand(call, &self.setup.context(self.at, &self.hole)) {
             Ok(moves) => moves,
@@ -446,7 +488,11 @@ impl Checker<'_> {
         }
         let mut plausible = std::mem::take(&mut self.plausible);
         for step in moves {
-            plausible.step(call, self.at, &step, &mut |alarm| self.doubt(&alarm, inch));
+            let at = self.at;
+            plausible.step(call, at, &step, &mut |alarm, place| {
+                self.mark(&alarm, place, (call, at, &step));
+                self.doubt(&alarm, inch);
+            });
             self.report.moves += 1;
             if let Some(used) = tapper(&step).and_then(|n| self.report.tappers.get_mut(n)) {
                 *used = true;

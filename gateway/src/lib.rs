@@ -27,6 +27,7 @@ pub mod machine;
 pub mod movelist;
 pub mod origin;
 pub mod page;
+pub mod pixels;
 pub mod plausible;
 pub mod plot;
 pub mod recording;

@@ -75,8 +75,15 @@ impl Plausible {
         }
     }
 
-    /// Looks at the next move of a call, for a tool at `at`.
-    pub fn step(&mut self, call: &Call, at: Position, step: &Move, tell: &mut dyn FnMut(Alarm)) {
+    /// Looks at the next move of a call, for a tool at `at`. What is told comes with its place in the work: Z, radius in
+    /// millimetres.
+    pub fn step(
+        &mut self,
+        call: &Call,
+        at: Position,
+        step: &Move,
+        tell: &mut dyn FnMut(Alarm, (f64, f64)),
+    ) {
         let turns = self.rpm != 0;
         let Some(remains) = &mut self.remains else {
             return;
@@ -95,13 +102,19 @@ impl Plausible {
                     Arg::Diameter(Diameter::of_radius(length_of(x))),
                     Arg::Length(length_of(z)),
                 ];
-                tell(Alarm::new(Code::RapidInStock, step.span).with(figures));
+                tell(
+                    Alarm::new(Code::RapidInStock, step.span).with(figures),
+                    (z, x),
+                );
             }
             MoveKind::Feed(_) => {
                 let depth = remains.depth(from, to);
                 if turns && depth > EDGE + 1e-6 {
                     let figures = [depth, EDGE].map(|mm| Arg::Length(length_of(mm)));
-                    tell(Alarm::new(Code::CutBeyondInsert, step.span).with(figures));
+                    tell(
+                        Alarm::new(Code::CutBeyondInsert, step.span).with(figures),
+                        to,
+                    );
                 }
                 remains.cut(from, to);
             }

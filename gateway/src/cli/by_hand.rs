@@ -297,7 +297,7 @@ pub struct Tune {
     /// Write 9003, 9070, 9071 and 9072 of the axis, as one transaction
     #[arg(long)]
     pub write: bool,
-    /// Write the result: `.svg`, `.html` or `.json`
+    /// Write the result: `.svg`, `.png`, `.html` or `.json`
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<std::path::PathBuf>,
 }

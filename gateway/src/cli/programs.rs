@@ -89,10 +89,11 @@ pub struct Plot {
     /// Program
     #[arg(value_name = "PROG")]
     pub program: PathBuf,
-    /// Where the picture goes; the ending chooses the format (`png` is not available yet)
+    /// Where the picture goes; the ending chooses the format
     ///
+    /// `.png` is twice the size of `.svg`.
     /// `.html` is one file that a browser opens without a network: it zooms, tells the line under the pointer, and plays.
-    #[arg(short, long, value_name = "FILE.{svg,html}")]
+    #[arg(short, long, value_name = "FILE.{svg,png,html}")]
     pub output: PathBuf,
     /// The tool path alone, near the part: nothing is run, so there is nothing over time
     #[arg(long, conflicts_with_all = ["spindle_ripple", "tick_us", "tool", "tool_width"])]
@@ -133,8 +134,9 @@ pub struct Measure {
     /// Z of the face in work coordinates [default: 0, or where the strokes begin]
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub face: Option<Millimetres>,
-    /// Where the result goes; the ending chooses the format: `json` all figures, `svg` a picture, `html` picture and sheet
-    #[arg(short, long, value_name = "FILE.{svg,html,json}")]
+    /// Where the result goes; the ending chooses the format: `json` all figures, `svg` and `png` a picture, `html`
+    /// picture and sheet
+    #[arg(short, long, value_name = "FILE.{svg,png,html,json}")]
     pub output: Option<PathBuf>,
     /// The plant.
     #[command(flatten)]

@@ -1,14 +1,13 @@
 //! `measure`: what a program cuts, measured as an inspector does.
 
-use std::path::Path;
-
+use super::picture::{self, Format};
 use crate::cli::Measure;
 use crate::diagnostics;
 use crate::execution::Execution;
-use crate::failure::{Doing, Failure, Outcome};
+use crate::failure::{Failure, Outcome};
 use crate::inspection::plan::{Wish, plan};
 use crate::inspection::samples::Cutting;
-use crate::inspection::{Cut, picture, result, sheet};
+use crate::inspection::{Cut, picture as sheets, result, sheet};
 use crate::json::Json;
 use crate::output;
 use crate::page;
@@ -17,10 +16,10 @@ use crate::profiles::Chosen;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::Summary;
-use crate::words::{self, both};
+use crate::words::both;
 
 /// Cuts and measures the threads of a program.
-pub fn run(setup: &Setup, args: &Measure) -> Outcome {
+pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Outcome {
     let source = SourceFile::new(&args.program);
     if let Some(path) = &args.output {
         source.protect(path)?;
@@ -42,28 +41,24 @@ pub fn run(setup: &Setup, args: &Measure) -> Outcome {
     }
     let cuts = cutting.finish();
     let good = cuts.iter().all(|cut| cut.verdict() != Some(false));
-    if let Some(path) = &args.output {
-        let written = match ending(path).as_str() {
-            "json" => {
+    if let Some((path, format)) = args.output.as_ref().zip(format) {
+        let title = super::plot::title(&args.program);
+        let svg = || plot::svg(&title, &sheets::sheets(&cuts, setup.lang), setup.lang);
+        match format {
+            Format::Json => {
                 let mut json = Json::new();
                 json.object(|json| told(json, &execution, &cuts, along_x, good));
                 let mut bytes = json.into_bytes();
                 bytes.push(b'\n');
-                bytes
+                picture::write(path, bytes)?;
             }
-            ending => {
-                let title = super::plot::title(&args.program);
-                let drawn = plot::svg(&title, &picture::sheets(&cuts, setup.lang), setup.lang);
-                let all = if ending == "html" {
-                    page::sheet(&title, &drawn, &sheet::text(&cuts, setup.lang), setup.lang)
-                } else {
-                    drawn
-                };
-                all.into_bytes()
+            Format::Svg => picture::write(path, svg())?,
+            Format::Png => picture::write_png(setup.global, path, &svg())?,
+            Format::Html => {
+                let text = sheet::text(&cuts, setup.lang);
+                picture::write(path, page::sheet(&title, &svg(), &text, setup.lang))?;
             }
-        };
-        std::fs::write(path, written)
-            .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
+        }
     }
     if setup.global.json {
         output::json(|json| told(json, &execution, &cuts, along_x, good))?;
@@ -97,30 +92,4 @@ fn tell(setup: &Setup, cuts: &[Cut], along_x: usize) {
         let told = both!("machine {file}\n", "机床 {file}\n");
         diagnostics::say(told.get(setup.lang));
     }
-}
-
-/// Refuses formats by name, before anything is computed.
-pub fn format(args: &Measure) -> Outcome {
-    let Some(output) = &args.output else {
-        return Ok(());
-    };
-    match ending(output).as_str() {
-        "json" | "svg" | "html" => Ok(()),
-        "png" => Err(Failure::Usage(both!(
-            "pictures as `png` are not available yet; write `-o {svg}`",
-            "尚不能输出 `png` 图片；请写 `-o {svg}`",
-            svg = words::path(&output.with_extension("svg"))
-        ))),
-        _ => Err(Failure::Usage(both!(
-            "`{output}`: the ending of the file chooses the format: `.svg`, `.html` or `.json`",
-            "`{output}`：文件的扩展名决定格式：`.svg`、`.html` 或 `.json`",
-            output = words::path(output)
-        ))),
-    }
-}
-
-/// The ending of a file's name, in small letters.
-pub(super) fn ending(output: &Path) -> String {
-    let ending = output.extension().and_then(|e| e.to_str());
-    ending.unwrap_or_default().to_ascii_lowercase()
 }

@@ -10,6 +10,7 @@ mod expand;
 mod explain;
 mod measure;
 mod params;
+mod picture;
 mod plot;
 mod record;
 mod retract;
@@ -58,19 +59,22 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             )
         }
         Command::Plot(args) => {
-            plot::format(&args.output)?;
+            let format = picture::Format::of_picture(&args.output)?;
             let program = SourceFile::new(&args.program);
             plot::run(
                 &Setup::with_drive(&cli.global, &args.drive, &program)?,
                 args,
+                &format,
             )
         }
         Command::Measure(args) => {
-            measure::format(args)?;
+            let output = args.output.as_deref();
+            let format = output.map(picture::Format::of_result).transpose()?;
             let program = SourceFile::new(&args.program);
             measure::run(
                 &Setup::with_drive(&cli.global, &args.drive, &program)?,
                 args,
+                format.as_ref(),
             )
         }
         Command::Run(args) => run::run(&cli.global, args),

@@ -2,18 +2,22 @@
 
 use std::path::Path;
 
-use crate::checking;
+use leadscrew_core::alarm::Code;
+
+use super::picture::{self, Format};
+use crate::checking::{self, Report};
 use crate::cli::Plot;
 use crate::diagnostics;
 use crate::drawing::{Drawing, Drawn};
 use crate::execution::{self, Execution};
-use crate::failure::{Doing, Failure, Outcome};
+use crate::failure::{Failure, Outcome};
 use crate::features::{self, Tools};
 use crate::machine::Observer;
 use crate::number;
 use crate::output;
 use crate::page::{Page, Way};
-use crate::plot::{Envelope, Feature, Picture, Sample, Shape, View};
+use crate::place::SourceLine;
+use crate::plot::{Envelope, Feature, Mark, Picture, Sample, Shape, View};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
@@ -21,11 +25,11 @@ use crate::walk::Walk;
 use crate::words::{self, both};
 
 /// Draws a program.
-pub fn run(setup: &Setup, args: &Plot) -> Outcome {
+pub(super) fn run(setup: &Setup, args: &Plot, format: &Format) -> Outcome {
     let source = SourceFile::new(&args.program);
     source.protect(&args.output)?;
     if args.path {
-        return without_time(setup, &source, args);
+        return without_time(setup, &source, args, format);
     }
     let mut execution = Execution::prepare(setup, &source)?;
     let drawn = drawn(setup, &source)?;
@@ -68,17 +72,17 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
             ideal: args.drive.spindle_ripple.is_none(),
             features: features.list,
             stock: features.stock,
-            through: features.through,
+            marks: marks(&execution.report, drawn.origin),
             series: Some(series),
         };
         let way = way.at(drawn.origin);
-        write(setup, &source, args, &picture, Some(way))?;
+        write(setup, &source, args, format, &picture, Some(way))?;
     }
     execution.conclude(&summary, None)
 }
 
 /// Draws a program that has been checked and is not run.
-fn without_time(setup: &Setup, source: &SourceFile, args: &Plot) -> Outcome {
+fn without_time(setup: &Setup, source: &SourceFile, args: &Plot, format: &Format) -> Outcome {
     let report = execution::tell_report(setup, source)?;
     let ok = report.alarms.is_empty();
     if ok {
@@ -98,10 +102,10 @@ fn without_time(setup: &Setup, source: &SourceFile, args: &Plot) -> Outcome {
             features: Vec::new(),
             ideal: true,
             stock: None,
-            through: Vec::new(),
+            marks: Vec::new(),
             series: None,
         };
-        write(setup, source, args, &picture, None)?;
+        write(setup, source, args, format, &picture, None)?;
     }
     if setup.global.json {
         output::json(|json| {
@@ -119,25 +123,27 @@ fn write(
     setup: &Setup,
     source: &SourceFile,
     args: &Plot,
+    format: &Format,
     picture: &Picture,
     way: Option<Way>,
 ) -> Outcome {
-    let document = match format(&args.output)? {
-        Format::Svg => picture.svg(),
-        Format::Html => Page {
-            title: &picture.title,
-            subtitle: &picture.subtitle,
-            lang: picture.lang,
-            path: &picture.path,
-            program: listing(source),
-            way,
-            cuts: picture.cuts(),
-            over_time: picture.over_time(),
+    match format {
+        Format::Png => picture::write_png(setup.global, &args.output, &picture.svg())?,
+        Format::Html => {
+            let page = Page {
+                title: &picture.title,
+                subtitle: &picture.subtitle,
+                lang: picture.lang,
+                path: &picture.path,
+                program: listing(source),
+                way,
+                cuts: picture.cuts(),
+                over_time: picture.over_time(),
+            };
+            picture::write(&args.output, page.html())?;
         }
-        .html(),
-    };
-    std::fs::write(&args.output, document)
-        .map_err(|error| Failure::file(Doing::Write, args.output.display(), &error))?;
+        Format::Svg | Format::Json => picture::write(&args.output, picture.svg())?,
+    }
     if !setup.global.json {
         let (output, line) = (words::path(&args.output), &picture.subtitle);
         let told = both!("{output}: {line}\n", "{output}：{line}\n");
@@ -146,42 +152,24 @@ fn write(
     Ok(())
 }
 
-/// What a picture is written as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    Svg,
-    Html,
-}
-
-/// The format that the ending of the file chooses. One that there is none of is refused by name, before anything is
-/// computed.
-pub fn format(output: &Path) -> Outcome<Format> {
-    let ending = output
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or_default();
-    match ending.to_ascii_lowercase().as_str() {
-        "svg" => Ok(Format::Svg),
-        "html" => Ok(Format::Html),
-        "png" => Err(Failure::Usage(both!(
-            "pictures as `png` are not available yet; write `-o {svg}`",
-            "尚不能输出 `png` 图片；请写 `-o {svg}`",
-            svg = words::path(&output.with_extension("svg"))
-        ))),
-        _ => Err(Failure::Usage(both!(
-            "`{output}`: the ending of the file chooses the format, `.svg` or `.html`",
-            "`{output}`：文件的扩展名决定格式：`.svg` 或 `.html`",
-            output = words::path(output)
-        ))),
-    }
-}
-
 /// The lines of the program beside its path, as many as a page can carry.
 fn listing(source: &SourceFile) -> Vec<String> {
-    const MOST: u32 = 5_000;
-    let lines = (1..=MOST).map_while(|number| source.line(number));
+    const MOST: usize = 5_000;
     let text = |line: Vec<u8>| String::from_utf8_lossy(&line).trim_end().to_owned();
-    lines.map(text).collect()
+    source.lines(MOST).into_iter().map(text).collect()
+}
+
+/// Where warnings of moves are, from the picture's zero.
+fn marks(report: &Report, zero: (f64, f64)) -> Vec<Mark> {
+    let of_work = |(z, x): (f64, f64)| (z - zero.0, x - zero.1);
+    let mark = |mark: &checking::Mark| Mark {
+        number: mark.number,
+        line: SourceLine(mark.line).to_string(),
+        is_rapid: mark.number == Code::RapidInStock.number(),
+        way: [mark.from, mark.to].map(of_work),
+        at: of_work(mark.at),
+    };
+    report.marks.iter().map(mark).collect()
 }
 
 pub(super) fn title(program: &Path) -> String {

@@ -4,10 +4,9 @@
 mod thread;
 mod width;
 
-use leadscrew_core::alarm::{Code, Lang};
+use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Aux, Call, Position};
 use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage};
-use leadscrew_language::whose::Whose;
 use leadscrew_metrology::Mm;
 
 pub use self::width::Width;
@@ -47,8 +46,6 @@ pub struct Features {
     pub list: Vec<Feature>,
     /// What there is before the first cut, where the program declares it.
     pub stock: Option<Stock>,
-    /// Lines with a rapid through it.
-    pub through: Vec<u32>,
     /// The number of those, and of pieces of them, that did not fit.
     pub left_out: u64,
 }
@@ -108,9 +105,6 @@ pub fn collect(
     }
     let mut features = finder.finish(report, setup.lang);
     features.stock = stock;
-    let warnings = report.warnings.iter();
-    let through = warnings.filter(|warning| warning.number == Code::RapidInStock.number());
-    features.through = through.map(|warning| warning.counted).collect();
     Ok(features)
 }
 
@@ -194,13 +188,7 @@ impl Finder<'_> {
     }
 
     fn piece(&mut self, line: u32, cycle: Option<Cycle>, points: Vec<(f64, f64)>) {
-        let piece = Piece {
-            line: match Whose::line(line) {
-                Whose::Program => line,
-                Whose::Subprogram(_) => 0,
-            },
-            points,
-        };
+        let piece = Piece { line, points };
         let mut is_full = false;
         if let Some(Found {
             shape: Kind::Contour(contour),
@@ -232,6 +220,7 @@ impl Finder<'_> {
         let width = width.map(|width| width.mm);
         let column = Column {
             number,
+            line,
             from,
             pecks: vec![to],
         };
@@ -294,7 +283,6 @@ impl Finder<'_> {
         Features {
             list: features.collect(),
             stock: None,
-            through: Vec::new(),
             left_out,
         }
     }

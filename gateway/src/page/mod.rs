@@ -1,5 +1,6 @@
-//! The picture of a program as a page: one file that a browser opens without a network. The path can be zoomed and moved,
-//! says the line under the pointer, and is played; below it stands what the machine did over time.
+//! The picture of a program as a page: one file that a browser opens without a network. The path and the views of the cut
+//! can be zoomed and moved and say the line under the pointer; the path is played; below stands what the machine did over
+//! time.
 //!
 //! Turns strokes and samples into text; knows nothing of programs or machines. What the page does with them is
 //! `page.js`.
@@ -56,7 +57,19 @@ impl Page<'_> {
             include_str!("page.css")
         );
         page.push_str(&self.view());
-        for svg in self.cuts.iter().chain(&self.over_time) {
+        if let Some(svg) = &self.cuts {
+            let hint = pick(
+                lang,
+                "a click on a view brings it near; then the wheel zooms, a drag moves, a double click shows all",
+                "单击视图可放大；放大后滚轮缩放、拖动平移，双击恢复全部",
+            );
+            let _ = writeln!(
+                page,
+                "<figure class=\"cuts\"><output>{hint}</output>{}</figure>",
+                svg.trim_end()
+            );
+        }
+        if let Some(svg) = &self.over_time {
             let _ = writeln!(page, "<figure>{}</figure>", svg.trim_end());
         }
         // No text of the program can end the element.

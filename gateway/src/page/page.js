@@ -144,6 +144,16 @@ function choose(line) {
   draw();
 }
 
+// The square of the distance of a point from the way between two others.
+function apart(ax, ay, bx, by, px, py) {
+  const [dx, dy] = [bx - ax, by - ay];
+  const along = dx || dy ? Math.min(1, Math.max(0, ((px - ax) * dx + (py - ay) * dy) / (dx * dx + dy * dy))) : 0;
+  return (ax + along * dx - px) ** 2 + (ay + along * dy - py) ** 2;
+}
+
+// The text of a block, where it is one of the program's own file.
+const block = (line) => (data.program[line - 1] ?? "").trim();
+
 // The stroke next to a pixel, within ten of them.
 function nearest(px, py) {
   let [least, found] = [100, null];
@@ -152,9 +162,7 @@ function nearest(px, py) {
     for (let n = 0; n + 3 < p.length; n += 2) {
       const [ax, ay] = toPixel(p[n], p[n + 1]);
       const [bx, by] = toPixel(p[n + 2], p[n + 3]);
-      const [dx, dy] = [bx - ax, by - ay];
-      const along = dx || dy ? Math.min(1, Math.max(0, ((px - ax) * dx + (py - ay) * dy) / (dx * dx + dy * dy))) : 0;
-      const far = (ax + along * dx - px) ** 2 + (ay + along * dy - py) ** 2;
+      const far = apart(ax, ay, bx, by, px, py);
       // Cuts before rapids where both are there.
       if (far < least - (stroke.k === "rapid" ? 4 : 0)) [least, found] = [far, stroke];
     }
@@ -181,7 +189,9 @@ canvas.addEventListener("pointermove", (event) => {
   }
   const [z, x] = toPlace(px, py);
   const stroke = nearest(px, py);
-  const of = stroke ? `${data.words[stroke.k]}${stroke.l ? `, ${data.words.line} ${stroke.l}` : ""} · ` : "";
+  const of = stroke
+    ? `${data.words[stroke.k]}${stroke.l ? `, ${data.words.line} ${stroke.l}: ${block(stroke.l)}` : ""} · `
+    : "";
   told.textContent = `${of}X ${(2 * x).toFixed(3)} · Z ${z.toFixed(3)}`;
   choose(stroke ? stroke.l : 0);
 });
@@ -241,6 +251,101 @@ if (run) {
 } else {
   for (const part of document.querySelectorAll(".run")) part.hidden = true;
 }
+
+// The views of the cut, one picture: a click brings one of them near. What is next to the pointer is told and chosen.
+function views(svg) {
+  const output = svg.parentElement.querySelector("output");
+  const hint = output.textContent;
+  const whole = svg.getAttribute("viewBox").split(/[\s,]+/).map(Number);
+  const panes = [...svg.querySelectorAll("[data-pane]")].map((group) => {
+    const [left, top, right, bottom, ...values] = group.dataset.pane.split(" ").map(Number);
+    const lines = [...group.querySelectorAll("[data-told]")].map((path) => ({
+      path,
+      p: (path.getAttribute("d").match(/-?[\d.]+/g) ?? []).map(Number),
+    }));
+    return { left, top, right, bottom, values, lines };
+  });
+  let [box, drag, marked] = [whole, null, null];
+  const show = (next) => {
+    box = next;
+    svg.setAttribute("viewBox", box.join(" "));
+    svg.classList.toggle("near", box !== whole);
+    // The picture keeps its place on the page.
+    svg.style.height = box === whole ? "" : `${svg.clientHeight}px`;
+  };
+  const place = (event) => {
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    return [at.x, at.y];
+  };
+  const paneAt = (x, y) => panes.find((one) => x >= one.left && x <= one.right && y >= one.top && y <= one.bottom);
+  const mark = (path) => {
+    if (path === marked) return;
+    marked?.classList.remove("chosen");
+    marked = path;
+    marked?.classList.add("chosen");
+    choose(marked ? Number(marked.dataset.line) : 0);
+  };
+  const tell = ([x, y]) => {
+    const pane = paneAt(x, y);
+    if (!pane) {
+      mark(null);
+      output.textContent = hint;
+      return;
+    }
+    let [least, found] = [(10 / svg.getScreenCTM().a) ** 2, null];
+    for (const { path, p } of pane.lines) {
+      for (let n = 0; n + 3 < p.length; n += 2) {
+        const far = apart(p[n], p[n + 1], p[n + 2], p[n + 3], x, y);
+        if (far < least) [least, found] = [far, path];
+      }
+    }
+    mark(found);
+    const [z0, z1, x0, x1] = pane.values;
+    const z = z0 + ((x - pane.left) / (pane.right - pane.left)) * (z1 - z0);
+    const wide = x0 + ((pane.bottom - y) / (pane.bottom - pane.top)) * (x1 - x0);
+    const text = found ? block(Number(found.dataset.line)) : "";
+    const of = found ? `${found.dataset.told}${text && `: ${text}`} · ` : "";
+    output.textContent = `${of}X ${wide.toFixed(4)} · Z ${z.toFixed(4)}`;
+  };
+  svg.addEventListener("click", (event) => {
+    const pane = paneAt(...place(event));
+    if (box !== whole || !pane) return;
+    // With its labels.
+    const [wide, high] = [pane.right - pane.left + 180, pane.bottom - pane.top + 70];
+    show([pane.left - 70, pane.top - 30, wide, high]);
+  });
+  svg.addEventListener("dblclick", () => show(whole));
+  svg.addEventListener("pointerdown", (event) => {
+    if (box === whole) return;
+    drag = place(event);
+    svg.setPointerCapture(event.pointerId);
+  });
+  svg.addEventListener("pointerup", () => {
+    drag = null;
+  });
+  svg.addEventListener("pointermove", (event) => {
+    const [x, y] = place(event);
+    if (drag) show([box[0] - (x - drag[0]), box[1] - (y - drag[1]), box[2], box[3]]);
+    else tell([x, y]);
+  });
+  svg.addEventListener("pointerleave", () => {
+    mark(null);
+    output.textContent = hint;
+  });
+  svg.addEventListener(
+    "wheel",
+    (event) => {
+      // The page is scrolled over pictures that are not near.
+      if (box === whole && !event.ctrlKey) return;
+      event.preventDefault();
+      const [x, y] = place(event);
+      const by = Math.max(Math.exp(event.deltaY / 400), 0.01 / box[2]);
+      show([x - (x - box[0]) * by, y - (y - box[1]) * by, box[2] * by, box[3] * by]);
+    },
+    { passive: false },
+  );
+}
+for (const svg of document.querySelectorAll(".cuts svg")) views(svg);
 
 for (const line of data.program) {
   const item = document.createElement("li");

@@ -82,7 +82,7 @@ pub(super) fn key(document: &mut Group, x: f64, y: f64, class: &str, name: &str)
 /// About how wide a text is; there is no font to ask.
 pub(super) fn width(text: &str) -> f64 {
     text.chars()
-        .map(|c| if c.is_ascii() { 6.9 } else { 12.0 })
+        .map(|c| if c.is_ascii() { 6.9 } else { 13.0 })
         .sum()
 }
 

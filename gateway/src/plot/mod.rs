@@ -10,7 +10,7 @@ mod thread;
 mod time;
 
 pub use cut::{Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
-pub use path::{Kind, Stock, Stroke, View};
+pub use path::{Kind, Mark, Stock, Stroke, View};
 pub use series::{Envelope, Sample};
 pub use thread::{Chip, Curve, Line, Sheet, svg};
 
@@ -40,8 +40,8 @@ pub struct Picture {
     pub view: View,
     /// What there is before the first cut, where it is known.
     pub stock: Option<Stock>,
-    /// Lines with a rapid through it.
-    pub through: Vec<u32>,
+    /// Where warnings of moves are.
+    pub marks: Vec<Mark>,
     /// The spindle has no ripple.
     pub ideal: bool,
     /// What is cut, near by.
@@ -208,7 +208,7 @@ mod tests {
                 features: Vec::new(),
                 ideal: true,
                 stock: None,
-                through: Vec::new(),
+                marks: Vec::new(),
                 series: None,
             }
             .svg()
@@ -233,7 +233,7 @@ mod tests {
             features: Vec::new(),
             ideal: true,
             stock: None,
-            through: Vec::new(),
+            marks: Vec::new(),
             series: Some(Envelope::new(0.001)),
         };
         let svg = picture.svg();

@@ -48,6 +48,21 @@ pub struct Stroke {
     pub points: Vec<(f64, f64)>,
 }
 
+/// A warning of a move. Places are Z and radius in millimetres of the work.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Its number.
+    pub number: u16,
+    /// The line of the program, with the name of the file where that is another.
+    pub line: String,
+    /// The move goes through the material and does not cut.
+    pub is_rapid: bool,
+    /// From where to where the move goes.
+    pub way: [(f64, f64); 2],
+    /// Where the warning is.
+    pub at: (f64, f64),
+}
+
 /// A bar or a tube before the first cut, in millimetres of the work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stock {
@@ -157,13 +172,8 @@ pub(super) fn draw(document: &mut Group, top: f64, picture: &Picture) -> f64 {
         strokes_in_layers(document, strokes, place);
     }
 
-    through(document, top, picture, place);
-    document.append(text(
-        LEFT - 8.0,
-        top - 8.0,
-        "left name",
-        pick(lang, "X ⌀ mm", "X 直径 mm"),
-    ));
+    warnings(document, top, picture, place);
+    document.append(text(LEFT - 8.0, top - 8.0, "left name", "X ⌀ mm"));
     document.append(text(RIGHT + 8.0, bottom + 18.0, "right name", "Z mm"));
     let marks = marks(strokes, |point| {
         let (x, y) = place(point);
@@ -176,20 +186,29 @@ pub(super) fn draw(document: &mut Group, top: f64, picture: &Picture) -> f64 {
     bottom + 18.0
 }
 
-/// Rapids through the material.
-fn through(
+/// Rapids through the material, and the places of all warnings.
+fn warnings(
     document: &mut Group,
     top: f64,
     picture: &Picture,
     place: impl Fn((f64, f64)) -> (f64, f64),
 ) {
-    let hits =
-        |stroke: &&Stroke| stroke.kind == Kind::Rapid && picture.through.contains(&stroke.line);
-    for stroke in picture.path.iter().filter(hits) {
-        let pixels = stroke.points.iter().map(|point| place(*point));
-        frame::line(document, "missing", pixels);
+    let mut told: Vec<&Mark> = Vec::new();
+    for mark in &picture.marks {
+        if mark.is_rapid {
+            frame::line(document, "missing", mark.way.map(&place));
+        }
+        let (x, y) = place(mark.at);
+        document.append(spot((x, y)));
+        let is_same = |known: &&Mark| (known.number, &known.line) == (mark.number, &mark.line);
+        if !told.iter().any(is_same) {
+            told.push(mark);
+            document.append(text(x + 7.0, y - 5.0, "warn", &mark.line));
+        }
     }
-    for (n, line) in picture.through.iter().enumerate() {
+    let rapids = told.iter().filter(|mark| mark.is_rapid);
+    for (n, mark) in rapids.enumerate() {
+        let line = &mark.line;
         let words = match picture.lang {
             Lang::En => format!("⚠ line {line}: rapid through the material"),
             Lang::Zh => format!("⚠ 第 {line} 行：快速移动穿过毛坯"),
@@ -197,6 +216,15 @@ fn through(
         let y = top + 18.0 * (n as f64 + 1.0);
         document.append(text(LEFT + 10.0, y, "warn", &words));
     }
+}
+
+/// The place of a warning.
+fn spot((x, y): (f64, f64)) -> Circle {
+    Circle::new()
+        .set("class", "spot")
+        .set("cx", px(x))
+        .set("cy", px(y))
+        .set("r", 5)
 }
 
 /// Rapids below, cuts above; neighbours of one kind share a path, and what has been drawn is not drawn again.
@@ -244,10 +272,10 @@ fn strokes_in_layers(
     }
 }
 
-/// A mark's class, and where it is.
-type Mark = (&'static str, (f64, f64));
+/// The class of a dot, and where it is.
+type Dot = (&'static str, (f64, f64));
 
-fn legend(document: &mut Group, y: f64, strokes: &[Stroke], marks: &[Mark], lang: Lang) {
+fn legend(document: &mut Group, y: f64, strokes: &[Stroke], marks: &[Dot], lang: Lang) {
     let entries = [
         (Kind::Rapid, pick(lang, "rapid", "快速移动")),
         (Kind::Feed, pick(lang, "feed", "切削进给")),
@@ -291,7 +319,7 @@ fn legend(document: &mut Group, y: f64, strokes: &[Stroke], marks: &[Mark], lang
 }
 
 /// Start and end, where `place` shows them.
-fn marks(strokes: &[Stroke], place: impl Fn((f64, f64)) -> Option<(f64, f64)>) -> Vec<Mark> {
+fn marks(strokes: &[Stroke], place: impl Fn((f64, f64)) -> Option<(f64, f64)>) -> Vec<Dot> {
     let first = strokes.first().and_then(|stroke| stroke.points.first());
     let last = strokes.last().and_then(|stroke| stroke.points.last());
     [("start", first), ("end", last)]

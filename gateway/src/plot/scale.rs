@@ -30,6 +30,11 @@ impl Scale {
         self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
+    /// The value at a pixel.
+    pub(super) fn value(&self, px: f64) -> f64 {
+        self.low + (px - self.from) / (self.to - self.from) * (self.high - self.low)
+    }
+
     /// Round values at most `most` steps apart, and their number of decimals.
     pub(super) fn ticks(&self, most: f64) -> (Vec<f64>, usize) {
         let (step, decimals) = round_step((self.high - self.low) / most);
@@ -74,5 +79,6 @@ mod tests {
     fn a_point_gets_room() {
         let scale = Scale::new(3.0, 3.0, 0.0, 10.0);
         assert!((scale.px(3.0) - 5.0).abs() < 1e-9);
+        assert!((scale.value(5.0) - 3.0).abs() < 1e-9);
     }
 }

@@ -24,7 +24,11 @@ fn a_command_that_cannot_begin_says_why_in_its_result() {
         (&["expand", &none], 2, "no such file"),
         (&["simulate", &none], 2, "no such file"),
         (&["run", &none], 2, "no such file"),
-        (&["plot", shaft, "-o", "x.png"], 2, "not available yet"),
+        (
+            &["plot", shaft, "-o", "x.pdf"],
+            2,
+            "`.svg`, `.png` or `.html`",
+        ),
         (&["hold"], 2, "lives inside one command"),
         (&["run", shaft, "--bus", "no-such-can"], 3, "no interface"),
         (

@@ -275,11 +275,10 @@ fn pictures_pages_and_results_as_files() {
     let written: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(&result).unwrap()).unwrap();
     assert_eq!(written["threads"][0], measured(&[&program])["threads"][0]);
-    let png = leadscrew(&["measure", &program, "-o", "part.png"]);
-    assert_eq!(code(&png), 2);
-    assert!(
-        stderr(&png).contains("not available yet"),
-        "{}",
-        stderr(&png)
-    );
+    let [picture, drawn] = ["p.png", "p.svg"].map(|name| folder.file(name));
+    let output = leadscrew(&["measure", &program, "-o", &picture]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert_eq!(code(&leadscrew(&["measure", &program, "-o", &drawn])), 0);
+    let size = crate::plot::twice_the_size(&picture, &drawn);
+    assert!(stderr(&output).contains(&format!("p.png: {size}\n")));
 }

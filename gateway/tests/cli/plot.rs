@@ -22,6 +22,37 @@ fn texts(folder: &Folder, program: &str, more: &[&str]) -> Vec<String> {
     texts.map(content).collect()
 }
 
+/// The size of a PNG in words: twice that of the same picture as SVG.
+pub(crate) fn twice_the_size(png: &str, svg: &str) -> String {
+    let (png, svg) = (
+        std::fs::read(png).unwrap(),
+        std::fs::read_to_string(svg).unwrap(),
+    );
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"));
+    let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+    let size = [number(16), number(20)];
+    let (head, _) = svg.split_once('>').unwrap();
+    let twice = |name: &str| {
+        let (_, rest) = head.split_once(&format!(" {name}=\"")).unwrap();
+        let pixels: f64 = rest.split_once('"').unwrap().0.parse().unwrap();
+        (pixels * 2.0).ceil() as u32
+    };
+    assert_eq!(size, ["width", "height"].map(twice));
+    format!("{} × {} px", size[0], size[1])
+}
+
+#[test]
+fn a_picture_as_pixels_is_that_of_the_svg() {
+    let folder = Folder::new("plot-png");
+    let [png, svg] = ["p.PNG", "p.svg"].map(|name| folder.file(name));
+    let output = leadscrew(&["plot", "examples/shaft.nc", "-o", &png, "--path"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let args = ["plot", "examples/shaft.nc", "-o", &svg, "--path"];
+    assert_eq!(code(&leadscrew(&args)), 0);
+    let size = twice_the_size(&png, &svg);
+    assert!(stderr(&output).contains(&format!("p.PNG: {size}\n")));
+}
+
 /// The depth of each pass of a program's thread with one start, as `expand` has it.
 fn depths(program: &str) -> BTreeMap<u32, f64> {
     let output = leadscrew(&["expand", program, "--format", "jsonl"]);
@@ -64,6 +95,30 @@ fn the_depths_at_the_passes_are_those_of_the_moves() {
         }
     }
     assert!(depths(&sixty).len() > 60);
+}
+
+#[test]
+fn a_page_has_the_pass_and_the_line_of_each_line_of_the_close_views() {
+    let folder = Folder::new("plot-told");
+    let page = folder.file("shaft.html");
+    let output = leadscrew(&["plot", "examples/shaft.nc", "-o", &page]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = std::fs::read_to_string(&page).unwrap();
+    let has = |told: &str, count: usize| {
+        assert_eq!(page.matches(told).count(), count, "{told}");
+    };
+    // Its groove, its pass, and its run-out.
+    for (pass, depth) in depths("examples/shaft.nc") {
+        let depth = format!("{depth:.4}");
+        let depth = depth.trim_end_matches('0').trim_end_matches('.');
+        let told = format!("data-line=\"44\" data-told=\"pass {pass}, ");
+        has(&format!("{told}depth {depth}, line 44\""), 2);
+        has(&format!("{told}depth {depth}, run-out, line 44\""), 1);
+    }
+    has("data-line=\"35\" data-told=\"column 2, line 35\"", 1);
+    has("data-told=\"column 3, feed 2 to X43, line 37\"", 1);
+    has("data-line=\"23\" data-told=\"line 23\"", 1);
+    has("data-pane=\"", 5);
 }
 
 #[test]
@@ -144,6 +199,21 @@ fn grooves_have_the_width_of_their_tool_and_warnings_their_place() {
     assert!(
         told.contains("⚠ line 5: rapid through the material"),
         "{told}"
+    );
+    // Of the moves of a line that alone is marked which is in the material, where it gets in, once for each.
+    let twice = "(STOCK X60 L100)\nT0101\nM3 S600\nG0 X70 Z10\nZ-20\nG90 X64 Z-50 F100\nX59\nG0 X70 Z10\nX30\nG0 Z-10\nG0 Z10\n\
+                 G0 X80\nM30\n";
+    let twice = write(&folder, "twice.nc", twice);
+    let picture = folder.file("twice.svg");
+    let output = leadscrew(&["plot", &twice, "-o", &picture]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let svg = std::fs::read_to_string(&picture).unwrap();
+    let of_class = |class: &str| svg.matches(&format!("class=\"{class}\"")).count();
+    assert_eq!(
+        (of_class("missing"), of_class("spot")),
+        (3, 3),
+        "{}",
+        stderr(&output)
     );
 }
 

@@ -129,15 +129,21 @@ fn a_command_line_that_cannot_be_read_is_answered_in_the_language_asked_for() {
 }
 
 #[test]
-fn what_is_not_available_is_a_usage_error_that_says_so() {
-    let output = leadscrew(&["plot", "examples/shaft.nc", "-o", "shaft.png"]);
-    assert_eq!(code(&output), 2);
-    assert!(
-        stderr(&output).contains("not available yet"),
-        "{}",
-        stderr(&output)
-    );
-    assert!(output.stdout.is_empty());
+fn a_format_that_there_is_none_of_is_refused_before_anything_is_computed() {
+    for (command, name, formats) in [
+        ("plot", "shaft.pdf", "`.svg`, `.png` or `.html`"),
+        ("plot", "shaft.json", "`.svg`, `.png` or `.html`"),
+        ("plot", "png", "`.svg`, `.png` or `.html`"),
+        ("measure", "shaft.jpg", "`.svg`, `.png`, `.html` or `.json`"),
+    ] {
+        let output = leadscrew(&[command, "examples/none.nc", "-o", name]);
+        assert_eq!(code(&output), 2);
+        assert_eq!(
+            stderr(&output),
+            format!("error: `{name}`: the ending of the file chooses the format: {formats}\n")
+        );
+        assert!(output.stdout.is_empty());
+    }
 }
 
 #[test]

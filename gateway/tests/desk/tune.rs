@@ -58,8 +58,11 @@ fn without_a_dead_time_nothing_moves() {
     assert!(told.contains("--dead-time US"), "{told}");
     assert_eq!(user.json(&["status"])["mz"], 0);
     let told = bad(
-        &user.does(&["tune", "Z-", "--dead-time", "1000", "-o", "z.png"]),
+        &user.does(&["tune", "Z-", "--dead-time", "1000", "-o", "z.gif"]),
         2,
     );
-    assert!(told.contains("`.svg`, `.html` or `.json`"), "{told}");
+    assert!(
+        told.contains("`.svg`, `.png`, `.html` or `.json`"),
+        "{told}"
+    );
 }

@@ -10,24 +10,17 @@ use leadscrew_core::units::Axis;
 
 use crate::cli::{Global, Tune};
 use crate::commands::board::Greeted;
-use crate::commands::measure::ending;
 use crate::commands::params::{Wish, transact};
-use crate::failure::{Doing, Failure, Outcome};
+use crate::commands::picture::Format;
+use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::tuning::{Known, look};
-use crate::words::{self, both};
+use crate::words::both;
 
 /// Moves, finds, tells, and writes where that was asked.
 pub fn run(global: &Global, args: &Tune) -> Outcome {
-    if let Some(path) = &args.output
-        && !matches!(ending(path).as_str(), "svg" | "html" | "json")
-    {
-        return Err(Failure::Usage(both!(
-            "`{output}`: the ending of the file chooses the format: `.svg`, `.html` or `.json`",
-            "`{output}`：文件的扩展名决定格式：`.svg`、`.html` 或 `.json`",
-            output = words::path(path)
-        )));
-    }
+    let output = args.output.as_deref();
+    let format = output.map(Format::of_result).transpose()?;
     let axis = if args.way.on_z { Axis::Z } else { Axis::X };
     let mut machine = Greeted::meet(global)?.read()?;
     let params = &machine.params;
@@ -74,10 +67,8 @@ pub fn run(global: &Global, args: &Tune) -> Outcome {
         found,
         known,
     };
-    if let Some(path) = &args.output {
-        let bytes = told.file(&ending(path), global.lang());
-        std::fs::write(path, bytes)
-            .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
+    if let Some((path, format)) = output.zip(format) {
+        told.write(path, &format, global)?;
     }
     // With `--write` and `--json` the one result is that of the transaction.
     if !(global.json && args.write) {

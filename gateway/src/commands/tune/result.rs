@@ -1,10 +1,14 @@
 //! What `tune` has found, for people, as JSON and as a picture.
 
+use std::path::Path;
+
 use leadscrew_core::alarm::Lang;
 use svg::Document;
 use svg::node::element::{Line, Text};
 
-use crate::failure::Failure;
+use crate::cli::Global;
+use crate::commands::picture::{self, Format};
+use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::page;
 use crate::tuning::{Found, Known, Refusal};
@@ -160,20 +164,23 @@ impl Told {
         json.number("left_after_us", format!("{:.3}", after * 1e6));
     }
 
-    /// The file by its ending.
-    pub fn file(&self, ending: &str, lang: Lang) -> Vec<u8> {
-        match ending {
-            "json" => {
+    /// Writes it into a file.
+    pub(super) fn write(&self, path: &Path, format: &Format, global: &Global) -> Outcome {
+        let lang = global.lang();
+        match format {
+            Format::Json => {
                 let mut json = Json::new();
                 json.object(|json| self.fields(json));
-                json.into_bytes()
+                picture::write(path, json.into_bytes())
             }
-            "html" => {
+            Format::Html => {
                 let title = format!("tune {}", self.before.letter);
                 let words = self.words();
-                page::sheet(&title, &self.picture(lang), words.get(lang), lang).into_bytes()
+                let page = page::sheet(&title, &self.picture(lang), words.get(lang), lang);
+                picture::write(path, page)
             }
-            _ => self.picture(lang).into_bytes(),
+            Format::Svg => picture::write(path, self.picture(lang)),
+            Format::Png => picture::write_png(global, path, &self.picture(lang)),
         }
     }
 

@@ -5,13 +5,15 @@ use svg::Node as _;
 use svg::node::element::Group;
 
 use super::pane::{Area, Pane, Range};
-use crate::plot::{frame, text};
+use super::told;
+use crate::place::SourceLine;
+use crate::plot::text;
 use crate::words::pick;
 
 /// A cut of one block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
-    /// The line of the program; 0 for a line of another file.
+    /// The line of the program as the machine counts it.
     pub line: u32,
     /// Its way: Z, radius.
     pub points: Vec<(f64, f64)>,
@@ -39,11 +41,12 @@ pub(super) fn draw(document: &mut Group, area: Area, contour: &Contour, n: usize
     let mut inside = pane.frame(document);
     for piece in &contour.pieces {
         let pixels = piece.points.iter().map(|point| pane.place(*point));
-        frame::line(&mut inside, "line feed", pixels);
+        inside.append(told("line feed", pixels, "", piece.line, lang));
     }
     document.append(inside);
     let mut taken: Vec<(f64, f64)> = Vec::new();
-    for piece in contour.pieces.iter().rev().filter(|piece| piece.line > 0) {
+    let is_own = |piece: &&Piece| SourceLine(piece.line).file().is_none();
+    for piece in contour.pieces.iter().rev().filter(is_own) {
         // In the middle of the cut, above it.
         let half = (piece.points.len() - 1) / 2;
         let pair = (piece.points.get(half), piece.points.get(half + 1));

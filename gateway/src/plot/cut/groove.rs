@@ -5,7 +5,9 @@ use svg::Node as _;
 use svg::node::element::{Group, Rectangle};
 
 use super::pane::{Area, Pane, Range};
-use crate::plot::{frame, px, text};
+use super::told;
+use crate::number::measured;
+use crate::plot::{px, text};
 use crate::words::pick;
 
 /// A column: the feeds at one place.
@@ -13,6 +15,8 @@ use crate::words::pick;
 pub struct Column {
     /// Its number from 1.
     pub number: u32,
+    /// The line of the program as the machine counts it.
+    pub line: u32,
     /// Where the first feed begins: Z, radius.
     pub from: (f64, f64),
     /// The ends of its feeds: Z, radius.
@@ -63,8 +67,12 @@ pub(super) fn draw(document: &mut Group, area: Area, groove: &Groove, n: usize, 
             );
         }
         let way = [column.from, column.bottom()].map(|point| pane.place(point));
-        frame::line(&mut inside, "line feed", way);
-        for peck in &column.pecks {
+        let number = match lang {
+            Lang::En => format!("column {}, ", column.number),
+            Lang::Zh => format!("第 {} 列，", column.number),
+        };
+        inside.append(told("line feed", way, &number, column.line, lang));
+        for (n, peck) in column.pecks.iter().enumerate() {
             let (at, y) = pane.place(*peck);
             let half = ((right - left) / 2.0).clamp(0.0, 4.0);
             let end = if wide > 0.0 {
@@ -72,7 +80,16 @@ pub(super) fn draw(document: &mut Group, area: Area, groove: &Groove, n: usize, 
             } else {
                 at + 4.0
             };
-            frame::line(&mut inside, "line peck", [(at, y), (end, y)]);
+            let words = match lang {
+                Lang::En => format!("{number}feed {} to X{}, ", n + 1, measured(2.0 * peck.1)),
+                Lang::Zh => format!(
+                    "{number}第 {} 次进给至 X{}，",
+                    n + 1,
+                    measured(2.0 * peck.1)
+                ),
+            };
+            let end = [(at, y), (end, y)];
+            inside.append(told("line peck", end, &words, column.line, lang));
         }
     }
     document.append(inside);

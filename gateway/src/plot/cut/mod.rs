@@ -14,11 +14,12 @@ pub use thread::{Pass, Thread};
 
 use leadscrew_core::alarm::Lang;
 use svg::Node as _;
-use svg::node::element::Group;
+use svg::node::element::{Group, Path};
 
 use self::pane::Area;
 use super::frame::{LEFT, RIGHT, width};
-use super::text;
+use super::{polyline, text};
+use crate::place::SourceLine;
 
 /// What is cut at a place.
 #[derive(Clone, Debug)]
@@ -172,6 +173,28 @@ fn wrapped(content: &str, most: f64) -> Vec<String> {
         }
     }
     lines
+}
+
+/// A line that a page tells under the pointer: these words, and the line of the program.
+fn told(
+    class: &str,
+    points: impl IntoIterator<Item = (f64, f64)>,
+    words: &str,
+    line: u32,
+    lang: Lang,
+) -> Path {
+    let place = SourceLine(line);
+    // A row of the program beside the path, where it is one.
+    let row = if place.file().is_none() { line } else { 0 };
+    let words = match lang {
+        Lang::En => format!("{words}line {place}"),
+        Lang::Zh => format!("{words}第 {place} 行"),
+    };
+    Path::new()
+        .set("class", class)
+        .set("d", polyline(points))
+        .set("data-line", row)
+        .set("data-told", words)
 }
 
 /// Which of some heights get a label where labels need `apart` pixels: the last, the first, and what has room between.

@@ -92,6 +92,11 @@ impl Pane {
         (self.z.px(z), self.x.px(2.0 * radius))
     }
 
+    /// Z and diameter at a pixel.
+    fn value(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.z.value(x), self.x.value(y))
+    }
+
     /// How much more X is drawn than Z.
     pub(super) fn stretch(&self) -> f64 {
         let ((z0, r0), (z1, r1)) = (self.place((0.0, 0.0)), self.place((1.0, 1.0)));
@@ -122,7 +127,12 @@ impl Pane {
         document.append(text(left - 8.0, top - 8.0, "left name", "⌀"));
         document.append(text(right + 8.0, bottom + 18.0, "right name", "Z"));
         document.append(ClipPath::new().set("id", self.id.as_str()).add(self.edge()));
-        Group::new().set("clip-path", format!("url(#{})", self.id))
+        let corners = [left, top, right, bottom].map(px).join(" ");
+        let (low, high) = (self.value((left, bottom)), self.value((right, top)));
+        let values = [low.0, high.0, low.1, high.1].map(|mm| format!("{mm:.6}"));
+        Group::new()
+            .set("clip-path", format!("url(#{})", self.id))
+            .set("data-pane", format!("{corners} {}", values.join(" ")))
     }
 
     fn edge(&self) -> Rectangle {

@@ -135,7 +135,7 @@ pub(super) fn draw(
         document.append(Path::new().set("class", class).set("d", data));
     }
     document.append(text(left - 8.0, top - 8.0, "left name", "µm"));
-    document.append(text(right + 8.0, bottom + 18.0, "right name", "°"));
+    document.append(text(right + 14.0, bottom + 18.0, "right name", "°"));
     let words = match lang {
         Lang::En => format!(
             "Z modulo lead minus the helix, over the spindle angle: from lowest to highest; filled: all {} passes",

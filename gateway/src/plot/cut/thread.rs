@@ -6,10 +6,10 @@ use leadscrew_metrology::{Mm, Side, Tool};
 use svg::Node as _;
 use svg::node::element::{Group, Path};
 
-use super::labelled;
 use super::pane::{Area, Pane, Range};
+use super::{labelled, told};
 use crate::number::{self, measured};
-use crate::plot::{frame, polyline, text};
+use crate::plot::{frame, text};
 use crate::words::pick;
 
 /// A pass: one way of the tool along the thread.
@@ -95,6 +95,39 @@ impl Thread {
         self.surface.0 + self.surface.1 * (z - self.face)
     }
 
+    /// The number of a pass, with its start where there are several.
+    fn number(&self, pass: &Pass) -> String {
+        if self.passes.iter().any(|pass| pass.start > 1) {
+            format!("{}/{}", pass.number, pass.start)
+        } else {
+            pass.number.to_string()
+        }
+    }
+
+    /// A line of a pass that a page tells under the pointer.
+    fn told(
+        &self,
+        class: &str,
+        points: impl IntoIterator<Item = (f64, f64)>,
+        pass: &Pass,
+        part: &str,
+        lang: Lang,
+    ) -> Path {
+        let number = self.number(pass);
+        let deep = pass.depth.map(measured);
+        let words = match lang {
+            Lang::En => {
+                let deep = deep.map_or_else(String::new, |deep| format!("depth {deep}, "));
+                format!("pass {number}, {deep}{part}")
+            }
+            Lang::Zh => {
+                let deep = deep.map_or_else(String::new, |deep| format!("深度 {deep}，"));
+                format!("第 {number} 刀，{deep}{part}")
+            }
+        };
+        told(class, points, &words, pass.line, lang)
+    }
+
     /// Where the groove of a pass lies along Z, from that of the last pass: less than three quarters of a
     /// lead toward +Z, and the rest toward -Z.
     fn aside(&self, pass: &Pass) -> f64 {
@@ -160,12 +193,12 @@ fn draw_form(document: &mut Group, area: Area, thread: &Thread, n: usize, lang: 
     );
     for (number, groove) in grooves.iter().enumerate().rev() {
         let pixels = groove.iter().map(|point| pane.place(*point));
-        if number + 1 == grooves.len() {
-            let data = polyline(pixels);
-            inside.append(Path::new().set("class", "tip line").set("d", data));
+        let class = if number + 1 == grooves.len() {
+            "tip line"
         } else {
-            frame::line(&mut inside, "line pass", pixels);
-        }
+            "line pass"
+        };
+        inside.append(thread.told(class, pixels, &thread.passes[number], "", lang));
     }
     document.append(inside);
     let words = pick(
@@ -196,12 +229,23 @@ fn draw_length(document: &mut Group, area: Area, thread: &Thread, n: usize, lang
     for pass in &thread.passes {
         let pixels: Vec<(f64, f64)> = pass.points.iter().map(|point| pane.place(*point)).collect();
         let parts = [
-            ("line run-out", 0, pass.run_in),
-            ("line thread", pass.run_in, pass.run_out),
-            ("line run-out", pass.run_out, pixels.len() - 1),
+            (
+                "line run-out",
+                0,
+                pass.run_in,
+                pick(lang, "run-in, ", "切入段，"),
+            ),
+            ("line thread", pass.run_in, pass.run_out, ""),
+            (
+                "line run-out",
+                pass.run_out,
+                pixels.len() - 1,
+                pick(lang, "run-out, ", "退尾段，"),
+            ),
         ];
-        for (class, from, to) in parts.into_iter().filter(|(_, from, to)| to > from) {
-            frame::line(&mut inside, class, pixels[from..=to].iter().copied());
+        for (class, from, to, part) in parts.into_iter().filter(|(_, from, to, _)| to > from) {
+            let points = pixels[from..=to].iter().copied();
+            inside.append(thread.told(class, points, pass, part, lang));
         }
     }
     document.append(inside);
@@ -318,14 +362,9 @@ fn depths(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
         .iter()
         .map(|pass| pane.place(pass.bottom()).1)
         .collect();
-    let several = thread.passes.iter().any(|pass| pass.start > 1);
     for n in labelled(&heights, 14.0) {
         let (pass, y) = (&thread.passes[n], heights[n]);
-        let number = if several {
-            format!("{}/{}", pass.number, pass.start)
-        } else {
-            pass.number.to_string()
-        };
+        let number = thread.number(pass);
         let deep = pass
             .depth
             .map_or_else(|| format!("⌀{}", measured(2.0 * pass.bottom().1)), measured);
