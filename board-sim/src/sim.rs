@@ -18,6 +18,7 @@ use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::call::Call;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Motion;
+use leadscrew_core::offsets::image::Image;
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -102,6 +103,21 @@ impl Sim {
     /// A plant or a board is impossible; a drive does not start.
     pub fn new(params: &Params, options: &PlantOptions) -> Result<Self, SimError> {
         let up = PowerUp::given(params);
+        let (sim, _) = Self::start_with(&up, options, Flash::erased(), None)?;
+        Ok(sim)
+    }
+
+    /// The same with a table of offsets on the board.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_offsets(
+        params: &Params,
+        options: &PlantOptions,
+        offsets: Image,
+    ) -> Result<Self, SimError> {
+        let mut up = PowerUp::given(params);
+        up.offsets.table = offsets;
         let (sim, _) = Self::start_with(&up, options, Flash::erased(), None)?;
         Ok(sim)
     }

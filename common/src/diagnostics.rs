@@ -7,7 +7,7 @@ use std::path::Path;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_language::whose::{Whose, line_in_file};
-pub use leadscrew_wording::figure;
+pub use leadscrew_wording::{figure, zone_words};
 use leadscrew_wording::{fill, fill_with};
 
 use crate::json::Json;

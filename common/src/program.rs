@@ -8,7 +8,7 @@ use std::io;
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::call::Position;
-use leadscrew_core::offsets::Offsets;
+use leadscrew_core::offsets::{self, Offsets};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Carried, Event, Options};
 use leadscrew_language::dialect::Control;
@@ -232,6 +232,11 @@ impl<'p> Program<'p> {
     #[must_use]
     pub fn carried(&self) -> Carried {
         self.reader.interpreter().carried()
+    }
+
+    /// Where offsets come from, with what the program has written of them.
+    pub const fn offsets(&self) -> offsets::Source<'_> {
+        self.reader.interpreter().offsets()
     }
 
     /// Machine coordinates of the work zero in force.

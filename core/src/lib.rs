@@ -32,6 +32,7 @@
 //! - [`tick`] is the side of a board that runs in the tick.
 //! - [`operating`] is how a machine is operated: its modes, and what is asked of an axis by hand.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
+//! - [`zones`] are chuck, jaws and tailstock, which the tip of a tool may not enter.
 //! - [`journal`] is what survives a loss of power: the hole a tap is in.
 //! - [`checksum`] tells whether what is kept or compared is whole.
 //!
@@ -63,7 +64,7 @@
 #[doc(inline)]
 pub use leadscrew_motion::{
     alarm, bus, call, checksum, journal, motion, moves, operating, params, signals, spindle, tick,
-    units,
+    units, zones,
 };
 
 pub mod board;

@@ -10,8 +10,9 @@ use leadscrew_core::call::{
     Aux, Call, CallKind, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
     TapCycle, TapRepeat, ThreadCall,
 };
-use leadscrew_core::cycle::{self, GrooveMoves, Moves};
+use leadscrew_core::cycle::{self, Forbidden, GrooveMoves, Moves};
 use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_core::offsets::InPlace;
 use leadscrew_core::program::Event;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_language::dialect::{Control, Looks, Written, lengths};
@@ -169,6 +170,7 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         at: options.position,
         hole: Hole::new(setup.tap),
         spindle: Spindle::at_start(setup),
+        tool: setup.tool,
         beyond: Vec::new(),
         plausible: Plausible::new(&setup.params, setup.offsets.as_ref(), program.stock()),
         chain: Vec::new(),
@@ -208,6 +210,7 @@ struct Checker<'a> {
     at: Position,
     hole: Hole,
     spindle: Spindle,
+    tool: InPlace,
     /// Alarms of travel on lines in millimetres.
     beyond: Vec<Alarm>,
     plausible: Plausible,
@@ -449,6 +452,10 @@ impl Checker<'_> {
         self.mind_spindle(call, inch);
         let params = &self.setup.params;
         let within = cycle::within_limits(&moves, self.at, params);
+        let clear = cycle::clear_of_zones(&moves, self.at, &self.forbidden());
+        if let CallKind::Aux(Aux::T(code)) = call.kind {
+            self.tool = self.tool.after(code);
+        }
         let time = cycle::time(&moves, self.at, params);
         // The move that went beyond the limit has been reported already.
         if let Err(alarm) = within
@@ -457,6 +464,9 @@ impl Checker<'_> {
             if !inch && self.beyond.len() < LISTED {
                 self.beyond.push(alarm);
             }
+            self.tell(&alarm, inch);
+        }
+        if let Err(alarm) = clear {
             self.tell(&alarm, inch);
         }
         let time_us = match time {
@@ -502,6 +512,13 @@ impl Checker<'_> {
             self.at = step.to;
         }
         self.plausible = plausible;
+    }
+
+    /// What the tip of the tool in place has to keep out of.
+    fn forbidden(&self) -> Forbidden {
+        let number = self.tool.number();
+        let tip = self.program.offsets().tip(number);
+        Forbidden::of(&self.setup.params, number, tip)
     }
 
     /// A feed per minute goes on even if the spindle stands; a feed per turn and a thread would not [D199]. The first of

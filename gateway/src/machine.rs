@@ -6,6 +6,7 @@ use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::call::Call;
+use leadscrew_core::offsets::Offsets;
 use leadscrew_core::units::{Length, Turns};
 use leadscrew_language::variables::Kept;
 
@@ -78,13 +79,25 @@ fn power_up(setup: &Setup, drive: &Drive, servos: [Option<ServoOptions>; 2]) -> 
     let sim = match &setup.kept {
         Some((_, flash)) => Sim::with_flash(&setup.params, &options, flash.clone()),
         // A machine without a state file has the parameters of the options.
-        None => Sim::new(&setup.params, &options),
+        None => match setup.offsets.map(|offsets| written(offsets).encode()) {
+            Some(Ok(table)) => Sim::with_offsets(&setup.params, &options, table),
+            // A table that was read has nothing out of its range.
+            _ => Sim::new(&setup.params, &options),
+        },
     };
     let mut sim = sim
         .map(Box::new)
         .map_err(|error| no_machine(setup, error))?;
     sim.signals(setup.signals);
     Ok(sim)
+}
+
+/// The table as one that a board keeps: without a revision its parameters would count.
+const fn written(table: Offsets) -> Offsets {
+    Offsets {
+        revision: table.revision.next(),
+        ..table
+    }
 }
 
 /// Words for an impossible machine.

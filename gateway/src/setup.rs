@@ -9,7 +9,7 @@ use leadscrew_core::call::Position;
 use leadscrew_core::cycle::Context;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::identity;
-use leadscrew_core::offsets::{Offsets, Revision};
+use leadscrew_core::offsets::{InPlace, Offsets, Revision};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Carried, Options};
 use leadscrew_core::signals::Signals;
@@ -58,6 +58,8 @@ pub struct Setup<'a> {
     pub turning: bool,
     /// The gear that is in at the start, as a board has reported; 0: nobody knows, as after power-up.
     pub gear: u8,
+    /// The tool in place at the start, as a board has reported.
+    pub tool: InPlace,
     /// The newest entry of the tap journal, if a machine is known.
     pub tap: Option<TapRecord>,
     /// The flash of the simulated board, if it is kept.
@@ -189,6 +191,7 @@ impl<'a> Setup<'a> {
             position: None,
             turning: false,
             gear: 0,
+            tool: InPlace::default(),
             tap,
             kept,
             control,

@@ -14,6 +14,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Lang, Span};
 use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position};
 use leadscrew_core::params::{Params, gear_of_code};
 use leadscrew_core::units::{Axis, Feed, Length, Rpm};
+use leadscrew_core::zones::Zones;
 
 use crate::commands::board::modal_words;
 use crate::diagnostics::{self, Diagnostic, alarm_words};
@@ -255,11 +256,15 @@ pub fn lead(start: &Start, setup: &Setup) -> VecDeque<VecDeque<Call>> {
         .collect()
 }
 
+/// Where zones are set, the board has to know whose tip comes: the tool is in place, and its T word says so.
 fn spindle_and_coolant(start: &Start, setup: &Setup) -> Vec<CallKind> {
     let gear = gear(start, setup).map(|code| CallKind::Aux(Aux::M(code)));
+    let tool = start.tool.filter(|_| !Zones::of(&setup.params).are_off());
+    let tool = tool.map(|code| CallKind::Aux(Aux::T(code)));
     let spindle = start.spindle.map(CallKind::Spindle);
     let coolant = start.coolant.then_some(CallKind::Aux(Aux::M(8)));
-    gear.into_iter().chain(spindle).chain(coolant).collect()
+    let beside = gear.into_iter().chain(tool).chain(spindle);
+    beside.chain(coolant).collect()
 }
 
 /// The M code of the gear that the lines before have selected, where that is not in.

@@ -19,6 +19,7 @@
 //!   [setpoint](motion::Setpoint) a tick.
 //! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
+//! - [`zones`] are chuck, jaws and tailstock, which the tip of a tool may not enter.
 //! - [`tick`] is the side of a board that runs in the interrupt.
 //!
 //! It must not know program text, the insides of cycles, messages of the gateway, storage or hardware.
@@ -39,3 +40,4 @@ pub mod signals;
 pub mod spindle;
 pub mod tick;
 pub mod units;
+pub mod zones;

@@ -54,6 +54,23 @@ impl Interlock {
     }
 }
 
+/// A zone that the tip of a tool may not enter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
+#[repr(u8)]
+pub enum Zone {
+    /// The body of the chuck.
+    Chuck = 0,
+    /// Its jaws.
+    Jaws = 1,
+    /// The tailstock.
+    Tailstock = 2,
+}
+
+impl Zone {
+    /// All of them; each at the index of its number.
+    pub const ALL: [Self; 3] = [Self::Chuck, Self::Jaws, Self::Tailstock];
+}
+
 /// The mode in which the machine is operated. It says which requests the board lets in; a change moves nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 #[repr(u8)]
@@ -206,7 +223,7 @@ pub enum PressState {
     Runs = 1,
     /// Over.
     Ended = 2,
-    /// Over at a limit of the travel.
+    /// Over at a limit of the travel, or at a zone.
     Limit = 3,
     /// Not let in.
     Refused = 4,

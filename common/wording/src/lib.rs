@@ -6,7 +6,7 @@ pub mod number;
 
 use leadscrew_core::alarm::{Alarm, Arg, Lang};
 use leadscrew_core::bus::Statusword;
-use leadscrew_core::operating::Interlock;
+use leadscrew_core::operating::{Interlock, Zone};
 
 /// Replaces `{0}`…`{3}` and `{w}` in a template with the figures of an alarm.
 #[must_use]
@@ -76,6 +76,20 @@ pub fn figure(arg: Arg, lang: Lang, inch: bool) -> String {
         },
         Arg::Mode(mode) => mode.name().to_owned(),
         Arg::Interlock(interlock) => interlock_words(interlock, lang).to_owned(),
+        Arg::Zone(zone) => zone_words(zone, lang).to_owned(),
+    }
+}
+
+/// A zone.
+#[must_use]
+pub const fn zone_words(zone: Zone, lang: Lang) -> &'static str {
+    match (zone, lang) {
+        (Zone::Chuck, Lang::En) => "the chuck",
+        (Zone::Chuck, Lang::Zh) => "卡盘",
+        (Zone::Jaws, Lang::En) => "the jaws",
+        (Zone::Jaws, Lang::Zh) => "卡爪",
+        (Zone::Tailstock, Lang::En) => "the tailstock",
+        (Zone::Tailstock, Lang::Zh) => "尾座",
     }
 }
 

@@ -380,6 +380,8 @@ impl<'a> BackgroundSide<'a> {
             begun: state.begun,
             signals: operator.signals,
             tap: state.journal.newest.as_ref(),
+            tool: state.device.in_place(),
+            offsets: state.device.offsets(),
             now: state.now,
         };
         let (_, mut calls) = state.calls.split();

@@ -26,6 +26,8 @@ use crate::cycle::Moves;
 use crate::journal::TapRecord;
 use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
 use crate::moves::{Move, MoveKind, Stage};
+use crate::offsets::InPlace;
+use crate::offsets::image::Image;
 use crate::params::{FunctionRow, Params};
 use crate::signals::Signals;
 use crate::tick::Notice;
@@ -47,6 +49,10 @@ pub struct Settings<'a> {
     pub signals: Signals,
     /// The newest entry of the tap journal.
     pub tap: Option<&'a TapRecord>,
+    /// The tool in place by what the machine has carried out.
+    pub tool: InPlace,
+    /// The table of offsets in force.
+    pub offsets: &'a Image,
     /// The time, in ticks; it wraps.
     pub now: u32,
 }
@@ -98,6 +104,8 @@ pub struct Planner {
     /// Cuts that wait to be joined, and how they leave.
     joined: Joined,
     guard: Guard,
+    /// The tool in place behind the calls so far; `None`: no call has changed it.
+    tool: Option<InPlace>,
     /// For the tap journal: S of the call under expansion, and other values of the program.
     infeed: CentiRpm,
     notes: TapNotes,
@@ -137,6 +145,7 @@ impl Planner {
             failed: false,
             joined: Joined::new(),
             guard: Guard::open(),
+            tool: None,
             infeed: CentiRpm::new(0),
             notes: TapNotes::METRIC,
         }
@@ -169,6 +178,7 @@ impl Planner {
             failed,
             joined,
             guard,
+            tool,
             infeed,
             notes,
         } = self;
@@ -187,6 +197,7 @@ impl Planner {
         (*hole_ends, *complete, *failed) = (false, false, false);
         joined.begin_anew();
         *guard = Guard::open();
+        *tool = None;
         (*infeed, *notes) = (CentiRpm::new(0), TapNotes::METRIC);
     }
 

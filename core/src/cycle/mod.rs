@@ -18,10 +18,11 @@ mod tests;
 mod thread;
 mod turning;
 
+pub use crate::feasible::Forbidden;
 pub use context::Context;
 pub use expand::{Moves, expand};
 pub use groove::{GrooveCount, GrooveMoves, groove_warning};
-pub use limits::{time, within_limits};
+pub use limits::{clear_of_zones, time, within_limits};
 pub use tap::{TapJoin, TapMoves, TapReport, tap_report, tap_return, tap_spindle};
 pub use thread::{
     FINDINGS, ThreadFindings, ThreadMoves, ThreadReport, ThreadSummary, chain_report,

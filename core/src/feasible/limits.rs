@@ -4,7 +4,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::Position;
 use crate::moves::{Move, MoveKind};
 use crate::params::Params;
-use crate::units::plane::{self, Vector, ahead, side};
+use crate::units::plane::{self, Vector, passes};
 use crate::units::{Angle, Axis, Diameter, Length, signed};
 
 /// Checks that no move of `moves` leaves the travel of an axis. The first move begins at `from`.
@@ -101,24 +101,4 @@ fn farthest(
 /// The length of a vector, rounded up.
 fn radius((z, x): Vector) -> i64 {
     signed(plane::length_up(z.unsigned_abs(), x.unsigned_abs()))
-}
-
-/// True if the counter-clockwise way from `first` to `last` passes through `point`. The way is a whole turn if `first`
-/// and `last` point the same way.
-fn passes(first: Vector, point: Vector, last: Vector) -> bool {
-    let whole = side(first, last) == 0 && ahead(first, last) > 0;
-    if whole {
-        return true;
-    }
-    let (to_point, to_last) = (half(first, point), half(first, last));
-    if to_point != to_last {
-        return to_point < to_last;
-    }
-    side(point, last) >= 0
-}
-
-/// 0 if `to` lies less than half a turn counter-clockwise of `from`, else 1.
-fn half(from: Vector, to: Vector) -> u8 {
-    let side = side(from, to);
-    u8::from(side < 0 || (side == 0 && ahead(from, to) < 0))
 }

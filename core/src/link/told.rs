@@ -124,6 +124,10 @@ impl Put for Arg {
                 writer.byte(16);
                 writer.byte(*interlock as u8);
             }
+            Self::Zone(zone) => {
+                writer.byte(17);
+                writer.byte(*zone as u8);
+            }
         }
     }
 }
@@ -160,7 +164,7 @@ impl Put for Event {
 #[allow(clippy::arithmetic_side_effects)]
 mod tests {
     extern crate std;
-    use crate::operating::Interlock;
+    use crate::operating::{Interlock, Zone};
     use std::vec::Vec;
 
     use serde::Serialize;
@@ -194,7 +198,7 @@ mod tests {
         assert_eq!(short[used - 1], 0x55);
     }
 
-    fn figures(number: i64) -> [Arg; 15] {
+    fn figures(number: i64) -> [Arg; 16] {
         [
             Arg::None,
             Arg::Int(number),
@@ -211,6 +215,7 @@ mod tests {
             Arg::Key(number as u32),
             Arg::Statusword(number as u16),
             Arg::Interlock(Interlock::Door),
+            Arg::Zone(Zone::Tailstock),
         ]
     }
 

@@ -8,10 +8,11 @@
 //! ```
 //!
 //! All is little-endian; a length is in 0.1 µm, of X in diameter. `measured`: bit 0 X, bit 1 Z. A board [checks](check) the
-//! bytes and never reads more of them than their head.
+//! bytes, and reads of them their head and the tool in place.
 
-use super::{Offset, Offsets, Record, Revision, STEP_NM, SYSTEMS, TOOLS, Tool};
+use super::{Offset, Offsets, Record, Revision, STEP_NM, SYSTEMS, Source, TOOLS, Tool};
 use crate::checksum::crc32;
+use crate::params::Params;
 use crate::units::{Diameter, Length};
 
 /// Layout of these bytes.
@@ -115,6 +116,35 @@ pub fn empty() -> Image {
     image
 }
 
+/// The tool with this number in an image; `None` for 0 and for numbers that no tool has.
+#[must_use]
+pub fn tool(image: &Image, number: u8) -> Option<Tool> {
+    let index = usize::from(number).checked_sub(1)?;
+    let tools = image.get(HEAD.saturating_add(SYSTEMS.saturating_mul(WORK))..END)?;
+    let record = tools.as_chunks::<TOOL>().0.get(index)?;
+    Some(Reader(record).tool())
+}
+
+/// Where the machine is with the tip of a tool at zero, by a board's table or by its parameters; `None` where nobody knows.
+#[must_use]
+pub fn tip_of(number: u8, params: &Params, image: &Image) -> Option<[Length; 2]> {
+    if revision(image) == Revision::default() {
+        return Source {
+            params,
+            table: None,
+        }
+        .tip(number);
+    }
+    tool(image, number)?.tip()
+}
+
+/// The revision of an image.
+#[must_use]
+pub fn revision(image: &Image) -> Revision {
+    let [_, _, _, _, a, b, c, d, ..] = *image;
+    Revision(u32::from_le_bytes([a, b, c, d]))
+}
+
 /// Puts the checksum at the end.
 fn seal(image: &mut Image) {
     if let Some((content, sum)) = image.split_last_chunk_mut::<SUM>() {
@@ -180,18 +210,7 @@ impl Offsets {
             let _: [u8; 8] = from.take();
         }
         for tool in &mut table.tools {
-            let (geometry, wear) = (from.offset(), from.offset());
-            let radius = Length::from_nm(from.length());
-            let [tip, station, measured, _] = from.take();
-            *tool = Tool {
-                geometry,
-                wear,
-                radius,
-                tip,
-                station,
-                measured_x: measured & 1 != 0,
-                measured_z: measured & 2 != 0,
-            };
+            *tool = from.tool();
         }
         Ok(table)
     }
@@ -239,6 +258,21 @@ impl Reader<'_> {
         Offset {
             x: Diameter::from_nm(self.length()),
             z: Length::from_nm(self.length()),
+        }
+    }
+
+    fn tool(&mut self) -> Tool {
+        let (geometry, wear) = (self.offset(), self.offset());
+        let radius = Length::from_nm(self.length());
+        let [tip, station, measured, _] = self.take();
+        Tool {
+            geometry,
+            wear,
+            radius,
+            tip,
+            station,
+            measured_x: measured & 1 != 0,
+            measured_z: measured & 2 != 0,
         }
     }
 }

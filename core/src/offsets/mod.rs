@@ -11,8 +11,10 @@ pub mod image;
 mod source;
 #[cfg(test)]
 mod tests;
+mod tip;
 
 pub use source::{Nose, Source};
+pub use tip::InPlace;
 
 use crate::params::Params;
 use crate::units::{Diameter, Length};

@@ -3,9 +3,10 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code};
-use leadscrew_core::board::device::objects::{BEAT, BY_WHEEL, MODE, REFUSED};
+use leadscrew_core::board::device::objects::{BEAT, BY_WHEEL, MODE, REFUSED, TOOL};
 use leadscrew_core::bus::{Beat, BoardCommand, Order};
 use leadscrew_core::link::Event;
+use leadscrew_core::offsets::InPlace;
 use leadscrew_core::operating::OperatingMode;
 
 use super::{Link, LinkResult, Trouble};
@@ -74,6 +75,16 @@ impl Link {
     /// A program is under way; the board does not answer.
     pub fn set_by_wheel(&mut self, by_wheel: bool) -> LinkResult {
         self.write(BY_WHEEL, &[u8::from(by_wheel)])
+    }
+
+    /// The tool in place, by what the machine has carried out since power-up.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn tool(&mut self) -> LinkResult<InPlace> {
+        let code = self.read_number(TOOL)?;
+        let code = u16::try_from(code).map_err(|_| self.strange(TOOL))?;
+        Ok(InPlace::default().after(code))
     }
 
     /// Offsets are written in any mode but the one for the reference.

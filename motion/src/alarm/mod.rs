@@ -13,7 +13,7 @@ pub use table::{Code, Lang};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::operating::{Interlock, OperatingMode};
+use crate::operating::{Interlock, OperatingMode, Zone};
 use crate::units::{Angle, Diameter, Feed, Length, Rpm};
 
 /// A place in the program text: the line (from 1) and the columns (from 1, `end` exclusive) of a word.
@@ -86,6 +86,8 @@ pub enum Arg {
     Mode(OperatingMode),
     /// What keeps the machine from something.
     Interlock(Interlock),
+    /// Where no tip of a tool may be.
+    Zone(Zone),
 }
 
 /// An alarm or a warning: what ([`Code`]), where, at which word, and up to four figures for the template.

@@ -1109,6 +1109,12 @@ codes! {
     /// A step that would leave the travel: axis, how far is free.
     StepBeyondLimit = 4540, "the step would leave the travel of axis {0}: {1} are free", "make a shorter step, or look at the soft limits (1320, 1321)",
         "该步将超出 {0} 轴行程：尚余 {1}", "请减小步距，或检查软限位（1320、1321）";
+    /// The tip of a tool would enter a zone: the zone, the axis in which it goes less far into it, how far.
+    ZoneEntered = 4541, "the tip of the tool would enter the zone of {0}: along {1} by {2}", "keep it away from there, or check the offsets, the geometry of the tool and the zones (9091 to 9097)",
+        "刀尖将进入{0}禁区：沿 {1} 轴进入 {2}", "请避开该区域，或检查偏置、刀具几何值和禁区参数（9091 至 9097）";
+    /// Zones are set, and where the tip of the tool is nobody knows: the number of its offset; 0: no tool was called.
+    TipUnknown = 4543, "zones are set, and where the tip of tool {0} is was not measured in X and Z", "touch it off (`leadscrew touch`), or call a tool that was before the first move; zones are parameters 9091 to 9097",
+        "已设置禁区，但 {0} 号刀具的刀尖位置未在 X 和 Z 方向测量", "请先对刀（`leadscrew touch`），或在首次移动前调用已测量的刀具；禁区为参数 9091 至 9097";
     /// A start in the middle of a program that its lines do not allow: {0} the line.
     NoStartHere = 4590, "the program cannot be started at line {0}", "start at the block that begins what this line belongs to, or at an earlier straight block with absolute X and Z",
         "程序不能从第 {0} 行开始", "请从该行所属循环或路径的起始程序段开始，或从更前面含绝对 X、Z 的直线程序段开始";

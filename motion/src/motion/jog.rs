@@ -22,8 +22,10 @@ use crate::call::Position;
 use crate::operating::{PressState, Towards};
 use crate::params::Params;
 use crate::units::{Axis, Length};
+use crate::zones::Point;
 
 mod wheel;
+mod zones;
 
 pub use self::wheel::Wheel;
 
@@ -138,6 +140,8 @@ pub struct Press {
     pub at_rapid: bool,
     /// Planned for an open door: no axis is faster than 9043.
     pub slow: bool,
+    /// Where the machine is with the tip of the tool at zero, if zones count: geometry and wear.
+    pub tip: Option<Point>,
     /// A step: the axes go this far, and no farther. Of a handwheel: how far it has been turned since its claim, with its
     /// sign.
     pub way: Option<Length>,

@@ -369,8 +369,9 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x8222_8EC1),
     // The handwheel: 9044 to 9046; machine functions and interlocks: 9401 to 9429.
     (2, 0x6828_BF6E),
-    // Numbers without a point: 3401.0. Drives as they are: 9070 to 9074. Gears and tool changes: 9431 to 9459.
-    (2, 0x76A1_9FB4),
+    // Numbers without a point: 3401.0. Drives as they are: 9070 to 9074. Zones: 9091 to 9097. Gears and tool changes: 9431
+    // to 9459.
+    (2, 0xBD8A_319D),
 ];
 
 #[test]

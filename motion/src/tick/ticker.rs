@@ -72,7 +72,7 @@ use crate::bus::Frame;
 use crate::bus::Setpoints;
 use crate::call::Position;
 use crate::journal::TapRecord;
-use crate::motion::{Conditions, Epoch, Executor, Jog, Setpoint, Task};
+use crate::motion::{AxisTravel, Conditions, Epoch, Executor, Jog, Setpoint, Task};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
 use crate::tick::Event;
@@ -144,6 +144,8 @@ pub struct Ticker {
     journal: Journal,
     drives: Drives,
     jog: Jog,
+    /// How far X and Z may go by the last press, or on the way back.
+    free: [AxisTravel; 2],
     handwheel: Handwheel,
     home: Home,
     machine: Machine,
@@ -186,6 +188,7 @@ impl Ticker {
             journal: Journal::new(tap, given.second),
             drives: Drives::new(&setup.figures),
             jog: Jog::new(),
+            free: [given.travel_x, given.travel_z],
             handwheel: Handwheel::OFF,
             home: Home::new(),
             machine: Machine::new(given.wiring),

@@ -37,6 +37,26 @@ fn square(a: u64, b: u64) -> u128 {
     product(a, a).wrapping_add(product(b, b))
 }
 
+/// True if the counter-clockwise way from `first` to `last` passes through `point`. The way is a whole turn if `first`
+/// and `last` point the same way.
+pub fn passes(first: Vector, point: Vector, last: Vector) -> bool {
+    let whole = side(first, last) == 0 && ahead(first, last) > 0;
+    if whole {
+        return true;
+    }
+    let (to_point, to_last) = (half(first, point), half(first, last));
+    if to_point != to_last {
+        return to_point < to_last;
+    }
+    side(point, last) >= 0
+}
+
+/// 0 if `to` lies less than half a turn counter-clockwise of `from`, else 1.
+fn half(from: Vector, to: Vector) -> u8 {
+    let side = side(from, to);
+    u8::from(side < 0 || (side == 0 && ahead(from, to) < 0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

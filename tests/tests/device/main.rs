@@ -13,3 +13,4 @@ mod protection;
 mod threads;
 mod wheel;
 mod wheel_program;
+mod zones;

@@ -25,9 +25,11 @@ impl BackgroundSide<'_> {
             && let Some(asked) = self.state.device.asked()
         {
             let snapshot = &self.state.snapshot;
+            let forbidden = self.state.device.forbidden(&self.state.params);
             let press = plan_press(
                 &asked,
                 (snapshot.referenced, snapshot.interlocks.has_door()),
+                (&forbidden, snapshot.setpoint.position),
                 &self.state.params,
                 &self.state.limits,
             );

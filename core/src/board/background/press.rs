@@ -2,6 +2,8 @@
 
 use crate::board::device::Asked;
 use crate::bus::Periods;
+use crate::call::Position;
+use crate::cycle::Forbidden;
 use crate::motion::{AxisPress, Limits, PathRate, Press, Wheel};
 use crate::operating::Towards;
 use crate::params::Params;
@@ -15,10 +17,12 @@ const MM: i64 = 1_000_000;
 const WHEEL_MS: u32 = 50;
 
 /// The press for the tick. No axis goes faster than its rapid (1420) and 9042, or 9046 by handwheel; one without a
-/// reference, or that goes back to where a program was left, or with the door open, than 9043. `door`: it is open.
+/// reference, or that goes back to where a program was left, or with the door open, than 9043. So does one whose tool was
+/// not measured, or stands in a zone, where there are zones. `door`: it is open; `at`: where the machine is.
 pub fn plan_press(
     asked: &Asked,
     (referenced, door): (Axes, bool),
+    (forbidden, at): (&Forbidden, Position),
     params: &Params,
     limits: &Limits,
 ) -> Press {
@@ -37,11 +41,11 @@ pub fn plan_press(
         false => PathRate::of_feed(speed, tick_us),
     };
     let slow = PathRate::of_feed(params.slow_feed(), tick_us).min(top);
+    let zones = !forbidden.zones.are_off();
+    let watched = zones && (forbidden.tip.is_none() || forbidden.is_in_zone(at));
     let plan = |axis, towards: Option<Towards>| {
-        let top = match referenced.contains(axis) && !door && !asked.returns {
-            true => top,
-            false => slow,
-        };
+        let fast = referenced.contains(axis) && !door && !asked.returns && !watched;
+        let top = if fast { top } else { slow };
         if asked.wheel {
             towards?;
             return AxisPress::led(axis, top, limits);
@@ -56,6 +60,7 @@ pub fn plan_press(
         z,
         at_rapid: asked.rapid,
         slow: door,
+        tip: forbidden.tip.filter(|_| zones),
         way: asked.way,
         wheel: led.map(|led| wheel(led, params)),
         until: asked.until,

@@ -163,7 +163,7 @@ impl ObjectValues {
         if !self.is_fresh((self.count, order), echo, params) {
             return Err(Abort::State);
         }
-        self.order(order).map_err(|_| Abort::State)
+        self.order(order, params).map_err(|_| Abort::State)
     }
 
     /// The echo for the order that is written next.

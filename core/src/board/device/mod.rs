@@ -65,9 +65,11 @@ use crate::bus::{
     Beat, BlockSize, CobId, Controller, Cycle, Frame, HeartbeatEvent, HeartbeatWatch, NmtSlave,
     NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
 };
-use crate::call::Call;
+use crate::call::{Aux, Call};
+use crate::cycle::Forbidden;
 use crate::link::Event;
 use crate::link::ThreadCertificate;
+use crate::offsets::InPlace;
 use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
@@ -162,6 +164,17 @@ impl Device {
     #[must_use]
     pub const fn offsets(&self) -> &Image {
         &self.values.offset_store.in_force
+    }
+
+    /// The tool in place, by what the machine has carried out since power-up.
+    #[must_use]
+    pub const fn in_place(&self) -> InPlace {
+        self.values.in_place
+    }
+
+    /// What is moved by hand has to keep out of.
+    pub(in crate::board) fn forbidden(&self, params: &Params) -> Forbidden {
+        self.values.forbidden(params)
     }
 
     /// How the last change of the parameter set ended: 5010h:02.
@@ -332,6 +345,9 @@ impl Device {
     pub fn note(&mut self, event: &Event) {
         self.values.log.push(self.values.tick, event);
         self.values.recorder.note(event);
+        if let Event::Aux(Aux::T(code)) = event {
+            self.values.in_place = self.values.in_place.after(*code);
+        }
         if let Event::Reset | Event::Finished | Event::Alarm(_) = event {
             self.values.program_buffer.close();
             self.values.operating.end_by_wheel();

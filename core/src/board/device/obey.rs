@@ -120,7 +120,7 @@ impl Device {
         {
             self.gate.take(raw.count, raw.order);
             // A refused order is in the event log.
-            let _ = values.order(order);
+            let _ = values.order(order, params);
         }
         values.count = self.gate.count();
     }

@@ -275,6 +275,8 @@ objects! {
     BY_WHEEL = within(item(0x5002, 7, "the next program follows the handwheel", U8, Both), 0, 1),
         get |values, _| u8::from(values.operating.by_wheel()),
         set |values, value, _| values.put_by_wheel(value);
+    TOOL = item(0x5002, 8, "tool in place", U16, Read),
+        get |values, _| values.in_place.code();
     IMAGE = item(0x5010, 1, "image", Domain, Both);
     CHANGE_STATE = item(0x5010, 2, "state of the last change", U8, Read),
         get |values, _| values.parameter_store.state() as u8;

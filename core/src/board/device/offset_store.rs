@@ -57,8 +57,7 @@ impl OffsetStore {
 
     /// The revision in force.
     pub fn revision(&self) -> Revision {
-        let [_, _, _, _, a, b, c, d, ..] = self.in_force;
-        Revision(u32::from_le_bytes([a, b, c, d]))
+        image::revision(&self.in_force)
     }
 
     const fn mark(&mut self, axis: Axis) -> &mut i32 {

@@ -18,13 +18,16 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::guard::Guard;
 use crate::bus::{Beat, BoardBeat, JogRequest, Order, Periods, StepRequest, WheelRequest};
 use crate::call::Position;
+use crate::cycle::Forbidden;
 use crate::link::Event;
+use crate::offsets::image::tip_of;
 use crate::operating::{Interlock, Led, OperatingMode, PressState, Towards};
 use crate::params::Params;
 use crate::tick::Command;
 use crate::tick::State;
 use crate::tick::interlocked;
-use crate::units::{Axes, Length};
+use crate::units::{Axes, Axis, Length};
+use crate::zones::Zones;
 
 /// A step of this length or less is made whole, though nobody renews it.
 const SHORT: Length = Length::from_nm(1_000_000);
@@ -260,7 +263,7 @@ impl ObjectValues {
     }
 
     /// A held program goes on. One that was left first goes back to its point, and goes on by the next order.
-    pub(super) fn resume(&mut self) -> Result<Command, Alarm> {
+    pub(super) fn resume(&mut self, params: &Params) -> Result<Command, Alarm> {
         self.let_in(Request::Resume)?;
         let snapshot = &self.snapshot;
         let Some(point) = self.operating.point.filter(|_| snapshot.has_left) else {
@@ -281,9 +284,11 @@ impl ObjectValues {
             return Err(Alarm::of(Code::NotAtRest, &[]));
         }
         self.door_is_closed()?;
-        if snapshot.setpoint.position == point {
+        let here = snapshot.setpoint.position;
+        if here == point {
             return Ok(Command::Return);
         }
+        self.forbidden(params).hull(here, point)?;
         // Nobody presses: the axes go back by themselves.
         let operating = &mut self.operating;
         (operating.session, operating.denied) = (0, false);
@@ -352,12 +357,14 @@ impl ObjectValues {
         if is_new {
             let admitted = self.admit_by_hand(Request::Step).and_then(|()| {
                 let position = &self.snapshot.setpoint.position;
+                let forbidden = self.forbidden(params);
                 self.operating.steps.admit(
                     request.on_z,
                     way,
                     position,
                     self.snapshot.referenced,
                     params,
+                    &forbidden,
                 )
             });
             self.count_press(request.session, request.count, admitted);
@@ -420,6 +427,19 @@ impl ObjectValues {
         } else {
             self.deny(&Alarm::of(Code::NothingFollows, &[]));
         }
+    }
+
+    /// What the tip of the tool in place has to keep out of. Nothing without the references of X and Z: where the tip is,
+    /// nobody knows.
+    pub(super) fn forbidden(&self, params: &Params) -> Forbidden {
+        let number = self.in_place.number();
+        let tip = tip_of(number, params, &self.offset_store.in_force);
+        let mut forbidden = Forbidden::of(params, number, tip);
+        let referenced = self.snapshot.referenced;
+        if !referenced.contains(Axis::X) || !referenced.contains(Axis::Z) {
+            forbidden.zones = Zones::default();
+        }
+        forbidden
     }
 
     /// The next program follows a handwheel, or does not.

@@ -4,6 +4,7 @@
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::call::Position;
+use crate::cycle::Forbidden;
 use crate::motion::AxisTravel;
 use crate::operating::Towards;
 use crate::params::Params;
@@ -28,7 +29,8 @@ impl Steps {
     /// limits.
     ///
     /// # Errors
-    /// [`Code::StepsWait`], [`Code::NotAtRest`] for another axis or the other direction, [`Code::StepBeyondLimit`].
+    /// [`Code::StepsWait`], [`Code::NotAtRest`] for another axis or the other direction, [`Code::StepBeyondLimit`],
+    /// [`Code::ZoneEntered`].
     pub fn admit(
         &mut self,
         on_z: bool,
@@ -36,6 +38,7 @@ impl Steps {
         at: &Position,
         referenced: Axes,
         params: &Params,
+        forbidden: &Forbidden,
     ) -> Result<(), Alarm> {
         if self.count >= MOST {
             return Err(Alarm::of(Code::StepsWait, &[]));
@@ -61,6 +64,7 @@ impl Steps {
             let figures = [Arg::Letter(axis.letter()), told];
             return Err(Alarm::of(Code::StepBeyondLimit, &figures));
         }
+        forbidden.step(axis, from, way, *at)?;
         *self = Self {
             count: self.count.saturating_add(1),
             on_z,

@@ -22,6 +22,7 @@ use crate::bus::{
 };
 use crate::link::Event;
 use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
+use crate::offsets::InPlace;
 use crate::params::Params;
 use crate::signals::Signals;
 use crate::tick::Command;
@@ -82,6 +83,8 @@ pub struct ObjectValues {
     pub parameter_store: Shelf,
     /// The table of offsets and tools.
     pub offset_store: OffsetStore,
+    /// The tool in place, by what the machine has carried out since power-up.
+    pub in_place: InPlace,
     pub snapshot: Snapshot,
     /// Commands for the tick, in order.
     pub commands: Deque<Command, COMMANDS>,
@@ -196,6 +199,7 @@ impl ObjectValues {
             drops_tap: false,
             parameter_store: Shelf::new(Kept::Parameters),
             offset_store: OffsetStore::new(),
+            in_place: InPlace::default(),
             protection: WriteProtection::default(),
             staged: false,
             named: false,
@@ -226,8 +230,8 @@ impl ObjectValues {
     ///
     /// # Errors
     /// Why it is not carried out; the event log says so too [D110].
-    pub fn order(&mut self, order: Order) -> Result<(), Alarm> {
-        let done = self.carry_out(order);
+    pub fn order(&mut self, order: Order, params: &Params) -> Result<(), Alarm> {
+        let done = self.carry_out(order, params);
         match &done {
             Ok(()) => self.accept(),
             Err(alarm) => self.deny(alarm),
@@ -235,7 +239,7 @@ impl ObjectValues {
         done
     }
 
-    fn carry_out(&mut self, order: Order) -> Result<(), Alarm> {
+    fn carry_out(&mut self, order: Order, params: &Params) -> Result<(), Alarm> {
         let command = match order {
             Order::Run => {
                 let begun = self.begin_program();
@@ -261,7 +265,7 @@ impl ObjectValues {
                 self.operating.hold_back();
                 Command::Hold
             }
-            Order::Resume => self.resume()?,
+            Order::Resume => self.resume(params)?,
             Order::Reset => {
                 // The calls of the program are dropped with it.
                 self.program_buffer.close();

@@ -3,12 +3,13 @@
 use super::{Planner, Settings};
 use crate::alarm::{Alarm, Code, Span};
 use crate::call::{
-    Call, CallKind, ChainPart, Hand, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode,
-    TapCall, TapMode, ThreadCall,
+    Aux, Call, CallKind, ChainPart, Hand, HandChoice, Position, SpindleCall, SpindleChoice,
+    SpindleMode, TapCall, TapMode, ThreadCall,
 };
-use crate::cycle::{self, Context, Moves, TapMoves, TapReport};
+use crate::cycle::{self, Context, Forbidden, Moves, TapMoves, TapReport};
 use crate::motion::{Action, FloatPlan, Plan, Stops};
 use crate::moves::{Move, MoveKind};
+use crate::offsets::{InPlace, image::tip_of};
 use crate::params::Params;
 use crate::signals::Signals;
 use crate::tick::overridden;
@@ -57,6 +58,11 @@ impl Planner {
         self.guard.admit(call, moves)?;
         // Before any move of the call. A call that has expanded once expands again to the same moves.
         within_limits(moves, self.position, settings.params)?;
+        let tool = self.tool.unwrap_or(settings.tool);
+        if let CallKind::Aux(Aux::T(code)) = call.kind {
+            self.tool = Some(tool.after(code));
+        }
+        clear_of_zones(moves, self.position, tool, settings)?;
         self.home = self.position;
         if !part.is_joined() {
             self.percent = settings.spindle_percent;
@@ -171,6 +177,19 @@ fn can_cut(thread: &ThreadCall, span: Span, settings: &Settings<'_>) -> Result<(
 #[inline(never)]
 fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(), Alarm> {
     cycle::within_limits(moves, from, params)
+}
+
+#[inline(never)]
+fn clear_of_zones(
+    moves: &Moves,
+    from: Position,
+    tool: InPlace,
+    settings: &Settings<'_>,
+) -> Result<(), Alarm> {
+    let number = tool.number();
+    let tip = tip_of(number, settings.params, settings.offsets);
+    let forbidden = Forbidden::of(settings.params, number, tip);
+    cycle::clear_of_zones(moves, from, &forbidden)
 }
 
 /// The most segments that may be left in the queue when a call is opened. The override of a thread cycle is the override at

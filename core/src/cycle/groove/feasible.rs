@@ -1,12 +1,12 @@
-//! Grooves on the machine: travel by the extremes of the repeated moves, time by one of each kind, and a warning for the
-//! programmer.
+//! Grooves on the machine: travel and zones by the extremes of the repeated moves, time by one of each kind, and a
+//! warning for the programmer.
 
 use core::time::Duration;
 
 use super::moves::GrooveMoves;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::call::{GrooveCall, TapAxis};
-use crate::feasible::inside;
+use crate::feasible::{Forbidden, Way, inside};
 use crate::motion::{Limits, plan};
 use crate::params::Params;
 use crate::units::{Axis, Length};
@@ -18,10 +18,6 @@ use crate::units::{Axis, Length};
 pub(crate) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Result<(), Alarm> {
     let (call, span) = (groove.call(), groove.span());
     let (level, column) = (call.level(), call.first());
-    let axis = |axis| match axis {
-        TapAxis::X => Axis::X,
-        TapAxis::Z => Axis::Z,
-    };
     let to = |depth, column| inside(call.place(depth, column), span, params);
     // The limit in the direction of a way.
     let ahead = |axis, way: Length| {
@@ -45,6 +41,57 @@ pub(crate) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Res
     let limit = ahead(axis(call.axis.other()), call.last().value - column);
     let beyond = groove.column_beyond(limit);
     to(level, groove.column_at(beyond))
+}
+
+/// Gives the same result as [`each_clear_of_zones`](crate::feasible::each_clear_of_zones), but without making the moves.
+/// All columns are alike, so of those that reach a zone the first one counts: by itself, or by its relief.
+pub(crate) fn groove_clear_of_zones(
+    groove: &GrooveMoves,
+    forbidden: &Forbidden,
+) -> Result<(), Alarm> {
+    let (call, span) = (groove.call(), groove.span());
+    let (level, bottom) = (call.level(), call.bottom().value);
+    let (first, last) = (call.first(), call.last().value);
+    let way = |[from, to]: [(Length, Length); 2]| {
+        let [from, to] = [from, to].map(|(depth, column)| call.place(depth, column));
+        forbidden.way(from, to, &Way::Line, Length::ZERO, span)
+    };
+    let relief = groove.relief_end(first) - first;
+    way([(level, first + relief), (level, first)])?;
+    way([(level, first + relief), (level, last)])?;
+    for zone in forbidden.extents(axis(call.axis.other())) {
+        for aside in [Length::ZERO, relief] {
+            let number = if last >= first {
+                let border = zone.low - aside;
+                let before = border - Length::from_nm(1);
+                if first < border {
+                    groove.column_beyond(before)
+                } else {
+                    0
+                }
+            } else {
+                let border = zone.high - aside;
+                let before = border + Length::from_nm(1);
+                if first > border {
+                    groove.column_beyond(before)
+                } else {
+                    0
+                }
+            };
+            let column = groove.column_at(number);
+            way([(level, column), (bottom, column)])?;
+            way([(bottom, column), (bottom, column + relief)])?;
+            way([(bottom, column + relief), (level, column + relief)])?;
+        }
+    }
+    Ok(())
+}
+
+const fn axis(axis: TapAxis) -> Axis {
+    match axis {
+        TapAxis::X => Axis::X,
+        TapAxis::Z => Axis::Z,
+    }
 }
 
 /// The time of a groove at full override: each kind of move planned once.

@@ -11,7 +11,7 @@ mod words;
 
 pub use count::GrooveCount;
 pub use feasible::groove_warning;
-pub(super) use feasible::{groove_time, groove_within_limits};
+pub(super) use feasible::{groove_clear_of_zones, groove_time, groove_within_limits};
 pub use moves::GrooveMoves;
 pub(super) use refuse::refuse_groove;
 pub(crate) use words::GrooveWords;

@@ -325,7 +325,10 @@ pub(super) fn tell(global: &Global, link: &mut Link, end: End) -> Outcome {
     } else {
         let why = match end {
             End::Done => both!("", ""),
-            End::Limit => both!(", at the limit of the travel", "，已到行程极限"),
+            End::Limit => both!(
+                ", at the limit of the travel or a zone",
+                "，已到行程极限或禁区"
+            ),
             End::Broken => both!(", ended by the board", "，由控制板结束"),
         };
         let text = both!(

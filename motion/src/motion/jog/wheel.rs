@@ -71,6 +71,13 @@ impl Follower {
         self.warned = false;
     }
 
+    /// How far its target is from where this motion began, rounded away from there, while it leads the axis.
+    pub(super) fn target(&self) -> Option<Length> {
+        let nm = self.target.unsigned_abs().div_ceil(256);
+        let way = Length::from_nm(i64::try_from(nm).unwrap_or(i64::MAX));
+        self.is_under_way().then(|| way.times(self.target.signum()))
+    }
+
     pub(super) const fn is_under_way(&self) -> bool {
         self.left > 0
     }

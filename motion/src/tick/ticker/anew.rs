@@ -46,6 +46,7 @@ impl Ticker {
             drives,
             now: _,
             jog,
+            free,
             handwheel,
             home,
             machine,
@@ -83,6 +84,7 @@ impl Ticker {
         *tool = ToolIn::Unknown;
         *chuck_wait = ChuckWait::default();
         jog.begin_anew();
+        *free = [given.travel_x, given.travel_z];
         *handwheel = Handwheel::OFF;
         executor.begin_anew(given.arrival);
         // Until the drives are enabled, the last commanded position stays in force.

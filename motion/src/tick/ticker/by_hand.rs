@@ -27,15 +27,20 @@ impl Ticker {
             return self.jog.refuse(press.number);
         }
         self.note_way_out(press);
-        let (x, z) = self.travel();
-        self.jog.press(press, &x, &z);
+        let position = self.executor.position();
+        let travel = self.travel();
+        self.free = self
+            .jog
+            .clear_of(&self.given.zones, press, position, travel);
+        let [x, z] = &self.free;
+        self.jog.press(press, x, z);
         if self.jog.is_busy() {
             self.transition_to_by_hand();
         }
     }
 
     /// How far X and Z may go. Where an axis without a reference is, nobody knows: it has no limits.
-    const fn travel(&self) -> (AxisTravel, AxisTravel) {
+    pub(super) const fn travel(&self) -> [AxisTravel; 2] {
         let referenced = self.referenced();
         let x = match referenced.contains(Axis::X) {
             true => self.given.travel_x,
@@ -45,7 +50,7 @@ impl Ticker {
             true => self.given.travel_z,
             false => AxisTravel::UNLIMITED,
         };
-        (x, z)
+        [x, z]
     }
 
     /// One tick of the axes that are moved by hand.
@@ -62,8 +67,8 @@ impl Ticker {
             rapid: self.operator.rapid(),
         };
         let mut position = self.executor.position();
-        let (x, z) = self.travel();
-        if self.jog.tick(&conditions, &x, &z, &mut position) {
+        let [x, z] = &self.free;
+        if self.jog.tick(&conditions, x, z, &mut position) {
             let warning = Alarm::of(Code::WheelTooFast, &[]);
             emit(&mut ends.events, Event::Warning(warning));
         }

@@ -96,6 +96,8 @@ impl Ticker {
         {
             left.back = Some((*press, 0));
             self.operator.hold = false;
+            // The way was checked where it was asked for.
+            self.free = self.travel();
             if self.begin_leg() {
                 return self.transition_to_by_hand();
             }

@@ -11,6 +11,7 @@ use crate::tick::machine::Wiring;
 use crate::tick::stored::Found;
 use crate::tick::turret::Changer;
 use crate::units::{Axis, Ticks};
+use crate::zones::Zones;
 
 /// All that a ticker needs of a parameter set, checked. The background makes it, because that takes longer than a tick may
 /// [D131].
@@ -54,6 +55,8 @@ pub(super) struct Given {
     /// The travel of the axes that can be moved by hand.
     pub travel_x: AxisTravel,
     pub travel_z: AxisTravel,
+    /// The zones that the tip of the tool may not enter.
+    pub zones: Zones,
     /// Ticks in a second.
     pub second: u32,
     /// Leaving position mode waits for RGTAP = 0 (5200.2).
@@ -93,6 +96,7 @@ impl Given {
             },
             travel_x: AxisTravel::of(params, Axis::X),
             travel_z: AxisTravel::of(params, Axis::Z),
+            zones: Zones::of(params),
             second: ticks_per_minute / 60,
             waits_for_rgtap: params.tap_wait_rgtap(),
             edge_time: params.encoder_edge_time(),

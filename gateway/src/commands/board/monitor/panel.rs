@@ -444,7 +444,7 @@ impl Panel {
         let words = match self.hand.ended() {
             None => return,
             Some(End::Refused) => return self.asks.push(Ask::NoPress),
-            Some(End::Limit) => both!("at the limit of the travel", "已到行程极限"),
+            Some(End::Limit) => both!("at the limit of the travel or a zone", "已到行程极限或禁区"),
             Some(End::Broken) => broken(),
             Some(End::Untold) => both!(
                 "the terminal has told no more that the key is held: press it again",

@@ -10,6 +10,7 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::Rpm;
+use leadscrew_core::zones::Zones;
 
 pub use self::tell::no_figures;
 use self::work::Ran;
@@ -111,6 +112,9 @@ pub fn perform<'a>(
     setup.turning = status.command != Rpm::STOPPED;
     if setup.params.has_gears() {
         setup.gear = link.contacts()?.gear;
+    }
+    if !Zones::of(&setup.params).are_off() {
+        setup.tool = link.tool()?;
     }
     setup.tap = tap;
     begin(&mut setup, &status)?;
