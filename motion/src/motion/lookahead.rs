@@ -37,26 +37,27 @@
 //!
 //! This module knows planned cuts and the machine's limits. It knows nothing of calls, queues or overrides.
 
+mod slow;
 mod stop;
+mod turning;
 
 use heapless::{Deque, Vec};
 
+pub use self::slow::STRETCHES_OF_A_CUT;
+use self::slow::{Bound, Bounds, cut_up, hold};
 use self::stop::Side;
+use self::turning::{allowed, per, ramp, turn_of_arc, window};
+
 use super::flow::Stretch;
 use super::limits::{Corner, Limits};
 use super::path::{Heading, Path};
 use super::plan::{Scaling, Timed};
 use super::profile::{Ramp, to_units};
-use super::rate::PathRate;
 use super::segment::{Action, Segment};
-use crate::units::{div_wide, mul_div, product, root, root_wide};
+use crate::units::{div_wide, mul_div, product, root_wide};
 
 /// Cuts in the window.
 const WINDOW: usize = 24;
-/// Slow places before or after a cut that are kept apart; more are taken together.
-const BOUNDS: usize = 3;
-/// The most stretches of a cut: the slow places before it and after it, and what is between.
-pub const STRETCHES_OF_A_CUT: usize = 2 * BOUNDS + 1;
 
 /// After a full window, so many eighths of the slowest rate that was seen lately are expected. With all of it, the next
 /// corner of a rounded curve is too slow every few cuts.
@@ -66,9 +67,6 @@ const MEMORY: u64 = 64;
 
 /// Cuts that can be on the way from the profile's input to the tool. The queue of the tick holds some more.
 pub const CUTS_AHEAD: u64 = 28;
-
-/// Rates are in 1/256 nm per tick here, ways in 1/256 nm, turns in 2⁻³⁰.
-const TURN_BITS: u32 = 30;
 
 /// A cut that waits.
 #[derive(Clone, Copy, Debug)]
@@ -109,20 +107,6 @@ enum Limited {
     /// The number of cuts that can be on the way from the profile's input to the tool.
     Cuts,
 }
-
-/// A rate on the next part of the way, as long as `reach`. In a slow place no input is above it; where a cut has left, an
-/// input up to it may be there.
-#[derive(Clone, Copy, Debug)]
-struct Bound {
-    top: u64,
-    reach: u64,
-}
-
-impl Bound {
-    const NONE: Self = Self { top: 0, reach: 0 };
-}
-
-type Bounds = Vec<Bound, BOUNDS>;
 
 /// A cut that leaves, and the stretches of its way; none if it begins and ends in an exact stop.
 #[derive(Clone, Debug)]
@@ -583,15 +567,6 @@ impl Chain {
     }
 }
 
-/// The largest rate at which the direction may turn by `turn`.
-fn allowed(corner: &Corner, turn: u64) -> u64 {
-    corner
-        .turning
-        .saturating_mul(1 << TURN_BITS)
-        .checked_div(turn)
-        .unwrap_or(u64::MAX)
-}
-
 /// The turn of a cut's beginning that is its own: an arc's.
 fn own_turn(piece: &Piece, corner: &Corner) -> u64 {
     let Action::Timed(Timed {
@@ -601,108 +576,7 @@ fn own_turn(piece: &Piece, corner: &Corner) -> u64 {
     else {
         return 0;
     };
-    let way = piece.length.min(piece.top.saturating_mul(window(corner)));
-    mul_div(way, 1 << (TURN_BITS - 8), arc.bend().radius)
-}
-
-/// The ticks of a mean, in which all turns are counted together.
-fn window(corner: &Corner) -> u64 {
-    u64::from(corner.mean.ticks())
-}
-
-/// The rate at which a way takes so many ticks.
-const fn per(way: u64, ticks: u64) -> u64 {
-    match way.checked_div(ticks) {
-        Some(rate) => rate,
-        None => u64::MAX,
-    }
-}
-
-/// The shortest ramp to `cap` whose input may change in any way.
-fn ramp(cap: u64, corner: &Corner) -> Option<Ramp> {
-    let figure = |limit: u64| limit.max(1);
-    // cap / n1 is the acceleration, 2 · cap / (n1·n2) the jerk; limits are in 2⁻³² nm.
-    let area = (cap << 25).div_ceil(figure(corner.along.jerk));
-    let n1 = root(area)
-        .saturating_add(1)
-        .max((cap << 24).div_ceil(figure(corner.along.acceleration)))
-        .max(corner.least_ramp)
-        .max(1);
-    let n2 = area.div_ceil(n1).max(1);
-    let cap = PathRate::from_raw(u32::try_from(cap).ok()?);
-    Ramp::new(cap, u16::try_from(n1).ok()?, u16::try_from(n2).ok()?)
-}
-
-/// Adds a slow place, if it is slower than `cap`. The list goes from the slowest to the fastest, and from the shortest to
-/// the longest; what another one contains is left out.
-#[inline(never)]
-fn hold(bounds: &mut Bounds, cap: u64, top: u64, reach: u64) {
-    if reach == 0
-        || top >= cap
-        || bounds
-            .iter()
-            .any(|other| other.top <= top && other.reach >= reach)
-    {
-        return;
-    }
-    bounds.retain(|other| other.top < top || other.reach > reach);
-    let mut fastest = Bound { top, reach };
-    for place in bounds.iter_mut() {
-        if place.top > fastest.top {
-            core::mem::swap(place, &mut fastest);
-        }
-    }
-    if let Err(fastest) = bounds.push(fastest)
-        && let Some(next) = bounds.last_mut()
-    {
-        // The two fastest become one: the rate of the slower on the way of the longer.
-        next.reach = next.reach.max(fastest.reach);
-    }
-}
-
-/// Cuts the way of `piece` up, at slow places `behind` its beginning and `ahead` of its end.
-fn cut_up(
-    piece: &Piece,
-    anew: bool,
-    cap: u64,
-    behind: &Bounds,
-    ahead: &Bounds,
-    stretches: &mut Vec<Stretch, STRETCHES_OF_A_CUT>,
-) {
-    let Action::Timed(timed) = &piece.segment.action else {
-        return;
-    };
-    let mut at = 0;
-    while at < piece.length && !stretches.is_full() {
-        let mut top = piece.top.min(cap);
-        let mut next = piece.length;
-        for bound in behind {
-            if bound.reach > at {
-                top = top.min(bound.top);
-                next = next.min(bound.reach);
-            }
-        }
-        for bound in ahead {
-            let begins = piece.length.saturating_sub(bound.reach);
-            if begins > at {
-                next = next.min(begins);
-            } else {
-                top = top.min(bound.top);
-            }
-        }
-        let stretch = Stretch {
-            length: next.saturating_sub(at),
-            top: PathRate::from_raw(u32::try_from(top.max(2)).unwrap_or(u32::MAX)),
-            nominal: timed.nominal,
-            scaling: timed.scaling,
-            anew: anew && at == 0,
-            ends_block: next == piece.length,
-            epoch: piece.segment.epoch,
-        };
-        // There is room.
-        let _ = stretches.push(stretch);
-        at = next;
-    }
+    turn_of_arc(piece.length, piece.top, arc.bend().radius, corner)
 }
 
 #[cfg(test)]

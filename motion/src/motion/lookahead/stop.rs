@@ -2,7 +2,7 @@
 //!
 //! This module knows the way, the feed and the time of single cuts. It knows nothing of corners, windows or limits.
 
-use super::per;
+use super::turning::per;
 use crate::motion::plan::Timed;
 use crate::motion::profile::to_units;
 use crate::units::mul_div;
