@@ -98,9 +98,12 @@ impl Plausible {
                 let Some((z, x)) = remains.entered(from, to) else {
                     return;
                 };
+                // Nobody looks for the place more closely than to a micrometre.
+                let [diameter, z_there] =
+                    [2.0 * x, z].map(|mm| length_of((mm * 1e3).round() / 1e3));
                 let figures = [
-                    Arg::Diameter(Diameter::of_radius(length_of(x))),
-                    Arg::Length(length_of(z)),
+                    Arg::Diameter(Diameter::from_nm(diameter.nm())),
+                    Arg::Length(z_there),
                 ];
                 tell(
                     Alarm::new(Code::RapidInStock, step.span).with(figures),

@@ -178,7 +178,7 @@ fn every_refusal() {
     assert_eq!(code(o0013(0)), Code::SpindleStopped);
     assert_eq!(code(o0013(3001)), Code::SpeedAboveSpindle);
     assert_eq!(code(o0013(-1400)), Code::LeadTooFast);
-    assert_eq!(code(g78(71 * MM, 1)), Code::PitchTooLong);
+    assert_eq!(code(g78(71 * MM, 10)), Code::PitchTooLong);
     let mut steep = o0013(1000);
     steep.run_out = Some(RunOut {
         short: at(nm(4 * MM)),
@@ -216,7 +216,7 @@ fn every_refusal() {
         (Code::LeadTooFast, Arg::Letter(b'X'))
     );
     // Two starts halve the pitch.
-    let mut double = g78(71 * MM, 1);
+    let mut double = g78(71 * MM, 10);
     double.starts = at(2);
     assert!(thread_report(&double, Span::default(), &params).is_ok());
 }
@@ -258,9 +258,17 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
     let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
     assert_eq!(told(&g78(MM, 41), &coarse).map(drop), refused);
     assert!(told(&g78(MM, 42), &coarse).is_ok());
-    // With timed edges the encoder suits both the lead and the speed.
+    // With timed edges the encoder suits the lead, and 280 counts a second are enough.
     assert!(told(&o0013(300), &with(1024, 1)).is_ok());
-    assert!(told(&g78(MM, 10), &with(100, 1)).is_ok());
+    assert!(told(&g78(MM, 168), &with(100, 1)).is_ok());
+    let figures = [
+        Arg::Rpm(Rpm::new(167)),
+        Arg::Int(278),
+        Arg::Int(168),
+        Arg::None,
+    ];
+    let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
+    assert_eq!(told(&g78(MM, 167), &with(100, 1)).map(drop), refused);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Checks whether an axis can follow an encoder without edge times: whole counts shake an axis on the lead.
+//! Checks whether an axis can follow an encoder: of a slow spindle few counts tell too little, and whole counts shake an axis
+//! on the lead where their edges are not timed.
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::params::{Params, metres};
@@ -8,7 +9,7 @@ use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed};
 ///
 /// # Errors
 /// The noise exceeds the axis' acceleration ([`Code::LeadForEncoder`]); the spindle is so slow that the observer cannot
-/// know its speed ([`Code::SpeedForEncoder`]).
+/// keep hold of it ([`Code::SpeedForEncoder`]).
 pub(crate) fn can_follow(
     lead: At<Lead>,
     axis: Axis,
@@ -16,9 +17,7 @@ pub(crate) fn can_follow(
     span: Span,
     params: &Params,
 ) -> Result<(), Alarm> {
-    let Some(encoder) = params.coarse_encoder() else {
-        return Ok(());
-    };
+    let encoder = params.resolution();
     let slowest = encoder.slowest();
     let rpm = Rpm::new(rpm.get().saturating_abs());
     if rpm.get() < slowest.get() {

@@ -305,6 +305,12 @@ fn a_rapid_is_told_where_the_stock_still_is() {
     ] {
         assert_eq!(told(&text), lines, "{text}");
     }
+    // The place is told to a micrometre.
+    let text = format!("{bar}G98\nG0 X70 Z2\nG0 X58 Z-20\nM30\n");
+    std::fs::write(&program, text).unwrap();
+    let output = leadscrew(&["check", &program]);
+    let text = stderr(&output);
+    assert!(text.contains("at X 59.98 mm, Z -16.357 mm"), "{text}");
 }
 
 #[test]

@@ -645,7 +645,7 @@ codes! {
         "write a lead of {3} or less, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
         "主轴编码器的计数在导程 {0} 上会使该轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",
         "请写不大于 {3} 的导程，或使用线数更多或捕获边沿时间的编码器（3720、9006.0），或减小 9005";
-    /// An encoder whose edges are not timed tells too little of so slow a spindle: S, counts a second, the least S.
+    /// An encoder tells too little of so slow a spindle: S, counts a second, the least S.
     SpeedForEncoder = 4273, "at {0} the spindle encoder gives {1} counts a second, too few to know its speed",
         "write S{2} or more, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
         "主轴 {0} 时编码器每秒只有 {1} 个计数，不足以测定转速",

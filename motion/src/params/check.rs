@@ -3,7 +3,7 @@
 
 use super::{FunctionRow, Params};
 use crate::alarm::{Alarm, Arg, Code};
-use crate::spindle::Coarse;
+use crate::spindle::Resolution;
 use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks, mul_div};
 
 /// Ticks that the two ramps of a motion profile may have together.
@@ -197,21 +197,23 @@ impl Params {
         }
     }
 
-    /// The encoder, where its edges are not timed.
+    /// The spindle's encoder, and the observer that follows it.
     #[must_use]
-    pub fn coarse_encoder(&self) -> Option<Coarse> {
-        (!self.encoder_edge_time()).then(|| Coarse {
+    pub fn resolution(&self) -> Resolution {
+        Resolution {
             counts: self.encoder_counts(),
+            timed: self.encoder_edge_time(),
             bandwidth_hz: self.observer_bandwidth_hz(),
             tick_us: self.tick_us(),
-        })
+        }
     }
 
     /// The largest acceleration that reading whole counts can give `axis` on a lead; `None` where edges are timed.
     #[must_use]
     pub fn count_noise(&self, lead: Lead, axis: Axis) -> Option<Acceleration> {
         let ahead = Ticks::one_and(self.latency_us(axis), self.tick_us());
-        Some(self.coarse_encoder()?.noise(lead, ahead))
+        let resolution = self.resolution();
+        (!resolution.timed).then(|| resolution.noise(lead, ahead))
     }
 
     /// Counts a turn with which `noise` would be within `limit`.

@@ -318,7 +318,7 @@ fn the_hardest_ramp_of_the_table_is_followed() {
 
 /// Simulates an encoder without edge times and returns, after the observer has settled, the largest acceleration of the
 /// predicted angle (turns per second squared) and the largest relative error of the speed (a fraction).
-fn shaken(coarse: Coarse, rpm: f64, ahead: Ticks) -> (f64, f64) {
+fn shaken(coarse: Resolution, rpm: f64, ahead: Ticks) -> (f64, f64) {
     let tick_s = f64::from(coarse.tick_us) * 1e-6;
     let per_tick = rpm / 60.0 * tick_s * TURN as f64;
     let mut encoder = Encoder::new(per_tick.round() as i64);
@@ -347,7 +347,8 @@ fn shaken(coarse: Coarse, rpm: f64, ahead: Ticks) -> (f64, f64) {
 fn whole_counts_shake_an_axis_by_no_more_than_is_said_and_by_most_of_it() {
     for (bandwidth_hz, tick_us, latency_us) in [(35, 1000, 1000), (20, 2000, 0), (80, 500, 3000)] {
         for counts in [60, 100, 360, 1024, 4096] {
-            let coarse = Coarse {
+            let coarse = Resolution {
+                timed: false,
                 counts,
                 bandwidth_hz,
                 tick_us,
@@ -370,7 +371,8 @@ fn whole_counts_shake_an_axis_by_no_more_than_is_said_and_by_most_of_it() {
 #[test]
 fn the_slowest_speed_of_an_encoder_is_known_and_a_twentieth_of_it_is_not() {
     for (counts, bandwidth_hz) in [(60, 35), (360, 35), (1024, 20), (4096, 15)] {
-        let coarse = Coarse {
+        let coarse = Resolution {
+            timed: false,
             counts,
             bandwidth_hz,
             tick_us: 1000,
