@@ -20,7 +20,8 @@ pub(crate) fn can_follow(
     let encoder = params.resolution();
     let slowest = encoder.slowest();
     let rpm = Rpm::new(rpm.get().saturating_abs());
-    if rpm.get() < slowest.get() {
+    // A spindle that stands is an alarm of its own.
+    if rpm.get() != 0 && rpm.get() < slowest.get() {
         let counts = mul_div(u64::from(encoder.counts), u64::from(rpm.abs()), 60);
         let figures = [
             Arg::Rpm(rpm),
