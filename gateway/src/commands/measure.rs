@@ -33,8 +33,9 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
         surface: args.surface.map(Into::into),
         face: args.face.map(Into::into),
     };
-    let (jobs, along_x) = plan(setup, &source, &wish)?;
-    let mut cutting = Cutting::new(Summary::new(&setup.params), jobs);
+    let planned = plan(setup, &source, &wish)?;
+    let mut cutting = Cutting::new(Summary::new(&setup.params), planned.jobs);
+    let along_x = planned.along_x.len();
     execution.run(&args.drive, servos, &mut cutting)?;
     if !execution.is_whole() {
         return execution.conclude(&cutting.summary, None);

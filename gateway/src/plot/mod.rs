@@ -9,7 +9,7 @@ mod series;
 mod thread;
 mod time;
 
-pub use cut::{Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
+pub use cut::{Across, Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
 pub use path::{Kind, Mark, Stock, Stroke, View};
 pub use series::{Envelope, Sample};
 pub use thread::{Chip, Curve, Line, Sheet, svg};

@@ -187,6 +187,26 @@ fn two_threads_two_starts_and_none() {
     );
 }
 
+/// Passes of one thread are less than a lead apart; at another diameter it is another thread, though it ends alike.
+#[test]
+fn strokes_at_another_diameter_are_another_thread() {
+    let folder = Folder::new("measure-diameters");
+    let pass = |x: &str| format!("G0 X40\nZ6\nG0 X{x}\nG32 Z-20 F2\n");
+    let text = |passes: &[&str]| {
+        let passes: String = passes.iter().map(|x| pass(x)).collect();
+        format!("G97 M3 S300\nT0101\n{passes}G0 X60\nM30\n")
+    };
+    let told = |passes: &[&str]| {
+        let program = write(&folder, "strokes.nc", &text(passes));
+        let threads = measured(&[&program])["threads"].clone();
+        let threads = threads.as_array().unwrap();
+        let count = |thread: &serde_json::Value| thread["passes"].as_array().unwrap().len();
+        threads.iter().map(count).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&["29.2", "28.4", "27.6"]), [3]);
+    assert_eq!(told(&["29.2", "28.4", "27.6", "23.5", "22.9"]), [3, 2]);
+}
+
 #[test]
 fn what_cannot_be_measured_is_told() {
     let o = "examples/shaft.nc";
