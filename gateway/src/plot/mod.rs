@@ -12,7 +12,7 @@ mod time;
 pub use cut::{Across, Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
 pub use path::{Kind, Mark, Stock, Stroke, View};
 pub use series::{Envelope, Sample};
-pub use thread::{Chip, Curve, Line, Sheet, svg};
+pub use thread::{Along, Chip, Course, Curve, Line, Sheet, svg};
 
 use leadscrew_core::alarm::Lang;
 use svg::node::element::{Group, Rectangle, Style, Text};

@@ -28,7 +28,7 @@ pub enum Across {
 
 impl Across {
     /// How many millimetres are written for one, to the right and upwards.
-    const fn written(self) -> (f64, f64) {
+    pub(in crate::plot) const fn written(self) -> (f64, f64) {
         match self {
             Self::X => (1.0, 2.0),
             Self::Z => (2.0, 1.0),
