@@ -1,5 +1,5 @@
-//! The picture of what was measured: the axial section with the profiles that it is compared with, flanks near by, the error
-//! over the turns or along the contour, and the chip of each pass. Turns numbers into one SVG document.
+//! The picture of what was measured: the axial section with the profiles that it is compared with, flanks near by, the
+//! error over the turns or along the contour, and the chip of each pass. Turns numbers into one SVG document.
 
 use leadscrew_core::alarm::Lang;
 use svg::Node as _;

@@ -1,7 +1,7 @@
 //! Grooves and turned contours of a program: cut by the simulated machine's positions, and measured against the program.
 //!
-//! [`plan`] finds them in the text, [`Turning`] follows the machine's ticks, [`sheet`], [`result`] and [`picture`] tell what
-//! was found. How they are measured is in `leadscrew_metrology`.
+//! [`plan`] finds them in the text, [`Turning`] follows the machine's ticks, [`sheet`], [`result`] and [`picture`] tell
+//! what was found. How they are measured is in `leadscrew_metrology`.
 
 pub mod picture;
 mod plan;

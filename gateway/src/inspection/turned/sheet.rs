@@ -27,12 +27,19 @@ pub fn text(found: &Found, lang: Lang) -> String {
     text
 }
 
-/// ` · T2`.
-fn tool(number: u32) -> String {
+/// `, T2`.
+fn tool(number: u32) -> Both {
     match number {
-        0 => String::new(),
-        tool => format!(", T{tool}"),
+        0 => Both::default(),
+        tool => both!(", T{tool}", "，T{tool}"),
     }
+}
+
+/// A name in a column of so many letters; Chinese ones are twice as wide.
+fn column(name: &str, letters: usize) -> String {
+    let width = |c: char| if c.is_ascii() || c == '⌀' { 1 } else { 2 };
+    let room = letters.saturating_sub(name.chars().map(width).sum());
+    format!("{name}{:room$}", "")
 }
 
 /// A place across a groove as it is written.
@@ -54,9 +61,7 @@ pub(super) fn along(along: Across, mm: Mm) -> f64 {
 /// A row: name, programmed, mean, from, to.
 fn row(text: &mut String, name: &str, programmed: f64, found: &Spread) {
     let cells = [programmed, found.mean, found.low, found.high].map(|value| fixed(value, 4));
-    let wide: usize = name.chars().map(|c| if c.is_ascii() { 1 } else { 2 }).sum();
-    let room = 18usize.saturating_sub(wide);
-    let _ = write!(text, "  {name}{:room$}", "");
+    let _ = write!(text, "  {}", column(name, 18));
     for cell in cells {
         let _ = write!(text, "{cell:>12}");
     }
@@ -70,11 +75,13 @@ fn one_groove(text: &mut String, n: usize, cut: &CutGroove, lang: Lang) {
         Across::X => "G75",
         Across::Z => "G74",
     };
+    let tool = tool(groove.tool);
     let told = both!(
         "groove {n}, line {line}{tool}: {cycle}",
-        "槽 {n}，第 {line} 行{tool}：{cycle}",
+        "槽 {n}，第 {line} 行{tool_zh}：{cycle}",
         line = SourceLine(groove.line),
-        tool = tool(groove.tool)
+        tool = tool.en,
+        tool_zh = tool.zh
     );
     line(text, lang, &told);
     let Some((walls, width)) = groove.walls().zip(groove.width) else {
@@ -160,10 +167,12 @@ fn one_outline(text: &mut String, n: usize, cut: &CutOutline, lang: Lang) {
         Side::External => both!("outside", "外圆"),
         Side::Internal => both!("bore", "内孔"),
     };
+    let tool = tool(cut.outline.tool);
     let told = both!(
         "contour {n}, lines {a}–{b}{tool}: {side}",
-        "轮廓 {n}，第 {a}–{b} 行{tool}：{side_zh}",
-        tool = tool(cut.outline.tool),
+        "轮廓 {n}，第 {a}–{b} 行{tool_zh}：{side_zh}",
+        tool = tool.en,
+        tool_zh = tool.zh,
         side = side.en,
         side_zh = side.zh
     );
@@ -233,18 +242,9 @@ fn element(text: &mut String, piece: &Piece, found: &Turned, lang: Lang) {
         Some(Size::Cone(degrees)) => (angle(programmed), [angle(degrees.0), none(), none()]),
         Some(Size::Arc(radius)) => (number(programmed), [number(radius.0), none(), none()]),
     };
-    let name = name.get(lang);
-    let wide: usize = name
-        .chars()
-        .map(|c| if c.is_ascii() || c == '⌀' { 1 } else { 2 })
-        .sum();
-    let room = 12usize.saturating_sub(wide);
-    let _ = write!(
-        text,
-        "  {:>6}  {name}{:room$}{programmed:>12}",
-        SourceLine(piece.line).to_string(),
-        ""
-    );
+    let name = column(name.get(lang), 12);
+    let at = SourceLine(piece.line).to_string();
+    let _ = write!(text, "  {at:>6}  {name}{programmed:>12}");
     for cell in cells {
         let _ = write!(text, "{cell:>12}");
     }
