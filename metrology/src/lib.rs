@@ -2,7 +2,8 @@
 //!
 //! A stream of [`Sample`]s (spindle angle, place of the tool) goes through a [`Cutter`], which cuts a [`Work`]: one
 //! envelope of radii over Z for each of some hundred angles. [`measure`] finds the grooves in it and measures them as an
-//! inspector does; [`Limits`] are those of the norm that a [`Designation`] names; [`inspect`] compares the two.
+//! inspector does; [`Limits`] are those of the norm that a [`Designation`] names; [`inspect`] compares the two. [`recess`]
+//! measures a groove, and a [`Contour`] the elements of a turned one.
 //!
 //! The tool lies in the axial plane. So its profile, put down where it passes an angle, is exactly what it removes there.
 //!
@@ -11,6 +12,7 @@
 //!
 //! Knows nothing of programs, boards, buses and files.
 
+mod contour;
 mod cutter;
 mod designation;
 mod gauge;
@@ -20,11 +22,13 @@ mod inspect;
 mod limits;
 mod line;
 mod measure;
+mod recess;
 mod tables;
 mod tool;
 mod units;
 mod work;
 
+pub use contour::{Contour, Element, Place, Size, Turned};
 pub use cutter::{Cutter, Sample};
 pub use designation::{Designation, NotKnown, Series};
 pub use gauge::Functional;
@@ -32,6 +36,7 @@ pub use helix::{Drunkenness, Lead};
 pub use inspect::{Feature, Inspection, Row, inspect};
 pub use limits::{Band, Limits, Origin};
 pub use measure::{Measured, NoThread, Spread, Wires, measure};
+pub use recess::{Recess, recess};
 pub use tool::{Nose, Tool};
 pub use units::{Cubic, Degrees, Mm, Side, Turns};
 pub use work::{Chip, Grid, Stock, Work};

@@ -127,6 +127,10 @@ pub struct Measure {
     /// the tip, `:f` its width, mm.
     #[arg(long, value_name = "[TN=]EDGE")]
     pub tool: Vec<Edge>,
+    /// Width of a grooving tool from its programmed corner toward +Z, of G74 away from the axis, mm: `T2=4` (repeatable)
+    /// [default: not known, and its grooves are not measured]
+    #[arg(long, value_name = "TN=MM")]
+    pub tool_width: Vec<Width>,
     /// Diameter of the surface before the cut, at the face [default: what the cycle's height says, else the middle of the
     /// norm's limits]
     #[arg(long, value_name = "MM")]

@@ -7,18 +7,20 @@ use crate::execution::Execution;
 use crate::failure::{Failure, Outcome};
 use crate::inspection::plan::{Wish, plan};
 use crate::inspection::samples::Cutting;
+use crate::inspection::turned::{self, Found, Turning};
 use crate::inspection::{Cut, picture as sheets, result, sheet};
 use crate::json::Json;
+use crate::machine::Observer;
 use crate::output;
 use crate::page;
 use crate::plot;
 use crate::profiles::Chosen;
 use crate::setup::Setup;
 use crate::source::SourceFile;
-use crate::trace::Summary;
+use crate::trace::{Setpoint, Summary};
 use crate::words::both;
 
-/// Cuts and measures the threads of a program.
+/// Cuts and measures the threads, grooves and contours of a program.
 pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Outcome {
     let source = SourceFile::new(&args.program);
     if let Some(path) = &args.output {
@@ -33,21 +35,31 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
         surface: args.surface.map(Into::into),
         face: args.face.map(Into::into),
     };
-    let (jobs, along_x) = plan(setup, &source, &wish)?;
-    let mut cutting = Cutting::new(Summary::new(&setup.params), jobs);
-    execution.run(&args.drive, servos, &mut cutting)?;
+    let planned = plan(setup, &source, &wish)?;
+    let along_x = planned.along_x.len();
+    let mut all = All {
+        threads: Cutting::new(Summary::new(&setup.params), planned.jobs),
+        turning: Turning::new(turned::plan(setup, &source, &args.tool_width)?),
+    };
+    execution.run(&args.drive, servos, &mut all)?;
+    let All { threads, turning } = all;
     if !execution.is_whole() {
-        return execution.conclude(&cutting.summary, None);
+        return execution.conclude(&threads.summary, None);
     }
-    let cuts = cutting.finish();
+    let cuts = threads.finish();
+    let turned = turning.finish();
     let good = cuts.iter().all(|cut| cut.verdict() != Some(false));
     if let Some((path, format)) = args.output.as_ref().zip(format) {
         let title = super::plot::title(&args.program);
-        let svg = || plot::svg(&title, &sheets::sheets(&cuts, setup.lang), setup.lang);
+        let svg = || {
+            let mut sheets = sheets::sheets(&cuts, setup.lang);
+            sheets.extend(turned::picture::sheets(&turned, setup.lang));
+            plot::svg(&title, &sheets, setup.lang)
+        };
         match format {
             Format::Json => {
                 let mut json = Json::new();
-                json.object(|json| told(json, &execution, &cuts, along_x, good));
+                json.object(|json| told(json, &execution, &cuts, &turned, along_x, good));
                 let mut bytes = json.into_bytes();
                 bytes.push(b'\n');
                 picture::write(path, bytes)?;
@@ -55,28 +67,51 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
             Format::Svg => picture::write(path, svg())?,
             Format::Png => picture::write_png(setup.global, path, &svg())?,
             Format::Html => {
-                let text = sheet::text(&cuts, setup.lang);
+                let text =
+                    sheet::text(&cuts, setup.lang) + &turned::sheet::text(&turned, setup.lang);
                 picture::write(path, page::sheet(&title, &svg(), &text, setup.lang))?;
             }
         }
     }
     if setup.global.json {
-        output::json(|json| told(json, &execution, &cuts, along_x, good))?;
+        output::json(|json| told(json, &execution, &cuts, &turned, along_x, good))?;
     } else {
-        tell(setup, &cuts, along_x);
+        tell(setup, &cuts, &turned, along_x);
     }
     if good { Ok(()) } else { Err(Failure::Wrong) }
 }
 
+/// All that is cut while the program runs.
+struct All {
+    threads: Cutting,
+    turning: Turning,
+}
+
+impl Observer for All {
+    fn setpoint(&mut self, point: &Setpoint) -> Outcome {
+        self.turning.push(point);
+        self.threads.setpoint(point)
+    }
+}
+
 /// The result for a program.
-fn told(json: &mut Json, execution: &Execution, cuts: &[Cut], along_x: usize, good: bool) {
+fn told(
+    json: &mut Json,
+    execution: &Execution,
+    cuts: &[Cut],
+    turned: &Found,
+    along_x: usize,
+    good: bool,
+) {
     json.flag("ok", good);
     result::fields(cuts, along_x, json);
+    turned::result::fields(turned, json);
     execution.origin_fields(json);
 }
 
-fn tell(setup: &Setup, cuts: &[Cut], along_x: usize) {
+fn tell(setup: &Setup, cuts: &[Cut], turned: &Found, along_x: usize) {
     diagnostics::say(&sheet::text(cuts, setup.lang));
+    diagnostics::say(&turned::sheet::text(turned, setup.lang));
     if along_x > 0 {
         let told = both!(
             "{along_x} threads along X are not measured\n",

@@ -6,7 +6,7 @@ mod width;
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Aux, Call, Position};
-use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage};
+use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag};
 use leadscrew_metrology::Mm;
 
 pub use self::width::Width;
@@ -19,7 +19,7 @@ use crate::inspection::edge::Edge;
 use crate::inspection::plan::{Wish, plan, tool_of};
 use crate::movelist::cycle_name;
 use crate::number::measured;
-use crate::plot::{Column, Contour, Feature, Groove, Piece, Shape, Stock};
+use crate::plot::{Across, Column, Contour, Feature, Groove, Piece, Shape, Stock};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::walk::Walk;
@@ -90,10 +90,11 @@ pub fn collect(
         face: stock.map(|stock| Mm(stock.face)),
         ..Wish::default()
     };
-    let (jobs, _) = plan(setup, source, &wish)?;
+    let planned = plan(setup, source, &wish)?;
+    let rim = stock.map(|stock| stock.outside);
     let mut finder = Finder {
         tools,
-        threads: Threads::new(jobs),
+        threads: Threads::new(planned, rim),
         found: Vec::new(),
         at: setup.options().position,
         tool: 0,
@@ -137,9 +138,9 @@ impl Finder<'_> {
                 }
             }
             MoveKind::Feed(_) => match step.tag {
-                Some(tag) if tag.cycle == Cycle::G75 => {
+                Some(tag) if matches!(tag.cycle, Cycle::G74 | Cycle::G75) => {
                     if tag.stage == Stage::Peck {
-                        self.peck(line, tag.pass, tag.peck, from, to);
+                        self.peck(line, tag, from, to);
                     }
                 }
                 tag => self.piece(line, tag.map(|tag| tag.cycle), vec![from, to]),
@@ -211,7 +212,13 @@ impl Finder<'_> {
         }
     }
 
-    fn peck(&mut self, line: u32, number: u32, peck: u32, from: (f64, f64), to: (f64, f64)) {
+    fn peck(&mut self, line: u32, tag: Tag, from: (f64, f64), to: (f64, f64)) {
+        let (cycle, number) = (Some(tag.cycle), tag.pass);
+        let across = match tag.cycle {
+            Cycle::G74 => Across::Z,
+            _ => Across::X,
+        };
+        let (from, to) = (across.of(from), across.of(to));
         let width = self
             .tools
             .widths
@@ -226,22 +233,22 @@ impl Finder<'_> {
         };
         // Each block makes a groove of its own.
         let is_same = self.found.last().is_some_and(|last| last.lines.0 == line);
-        let last = self.last(Some(Cycle::G75)).filter(|_| is_same);
+        let last = self.last(cycle).filter(|_| is_same);
         let Some(Found {
             shape: Kind::Groove(groove),
             ..
         }) = last
         else {
-            let columns = vec![column];
-            return self.begin(
-                Some(Cycle::G75),
-                line,
-                Kind::Groove(Groove { columns, width }),
-            );
+            let groove = Groove {
+                across,
+                columns: vec![column],
+                width,
+            };
+            return self.begin(cycle, line, Kind::Groove(groove));
         };
         let has_room = groove.columns.len() < PIECES;
         match groove.columns.last_mut() {
-            Some(last) if last.number == number && peck > 1 => {
+            Some(last) if last.number == number && tag.peck > 1 => {
                 if last.pecks.len() < PIECES {
                     last.pecks.push(to);
                 } else {
@@ -317,16 +324,23 @@ fn columns(groove: &Groove, tool: u32, lang: Lang) -> Vec<String> {
     let deepest = bottoms.map(|bottom| bottom.1).fold(f64::INFINITY, f64::min);
     let pecks: usize = groove.columns.iter().map(|column| column.pecks.len()).sum();
     let count = groove.columns.len();
-    let bottom = measured(2.0 * deepest);
+    let bottom = groove.across.size(deepest);
     let mut lines = vec![
         both!(
-            "bottom ⌀{bottom} · columns: {count}, feeds: {pecks}",
-            "槽底 ⌀{bottom} · {count} 列，进给 {pecks} 次"
+            "bottom {bottom} · columns: {count}, feeds: {pecks}",
+            "槽底 {bottom} · {count} 列，进给 {pecks} 次"
         )
         .get(lang)
         .to_owned(),
     ];
     let told = match groove.width.map(measured) {
+        Some(width) if groove.is_drilled() => {
+            both!("tool of ⌀{width}, on the axis", "刀具 ⌀{width}，在轴线上")
+        }
+        Some(width) if groove.across == Across::Z => both!(
+            "tool {width} mm wide, programmed at its corner toward the axis",
+            "刀宽 {width} mm，刀位点为靠轴线侧刀尖"
+        ),
         Some(width) => both!(
             "tool {width} mm wide, programmed at its corner toward -Z",
             "刀宽 {width} mm，刀位点为 -Z 侧刀尖"

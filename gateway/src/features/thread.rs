@@ -5,13 +5,15 @@ use leadscrew_core::call::{Call, CallKind, ChainPart};
 use leadscrew_core::cycle;
 use leadscrew_core::moves::{Move, Stage, ThreadMove};
 use leadscrew_core::params::Params;
+use leadscrew_metrology::{Side, Tool};
 
 use super::PIECES;
 use crate::drawing::mm;
-use crate::inspection::Job;
 use crate::inspection::edge::typed;
+use crate::inspection::plan::Plan;
+use crate::inspection::{Assumed, Job};
 use crate::number::measured;
-use crate::plot::{Pass, Shape, Thread};
+use crate::plot::{Across, Pass, Shape, Thread};
 use crate::words::both;
 
 /// A move in the work: Z and radius in millimetres, and the line it is of.
@@ -22,7 +24,50 @@ pub(super) struct Lathe {
     pub(super) line: u32,
 }
 
-/// All threads along Z.
+impl Lathe {
+    /// Along and across for a thread along X: as if Z and X were exchanged.
+    const fn exchanged(self) -> Self {
+        let Self { from, to, line } = self;
+        Self {
+            from: (from.1, from.0),
+            to: (to.1, to.0),
+            line,
+        }
+    }
+}
+
+/// What is known of a thread before its passes: lengths along it, and across it.
+#[derive(Debug)]
+struct Known {
+    across: Across,
+    /// Its moves: first, last, pass.
+    moves: Vec<(u64, u64, u32)>,
+    side: Side,
+    tool: Tool,
+    tool_number: u32,
+    /// Where the part begins along it, where that is known.
+    face: Option<f64>,
+    /// The surface before the cut at the face, and its change along the thread.
+    surface: (f64, f64),
+    assumed: Assumed,
+}
+
+impl Known {
+    fn along_z(job: Job) -> Self {
+        Self {
+            across: Across::X,
+            moves: job.passes,
+            side: job.stock.side,
+            tool: job.tool,
+            tool_number: job.tool_number,
+            face: Some(job.stock.face.0),
+            surface: (job.stock.radius.0, job.stock.taper),
+            assumed: job.assumed,
+        }
+    }
+}
+
+/// All threads.
 #[derive(Debug)]
 pub(super) struct Threads {
     list: Vec<One>,
@@ -33,7 +78,7 @@ pub(super) struct Threads {
 
 #[derive(Debug)]
 struct One {
-    job: Job,
+    known: Known,
     passes: Vec<Pass>,
     lead: f64,
     /// The spindle turns as for M3.
@@ -42,16 +87,28 @@ struct One {
 }
 
 impl Threads {
-    pub(super) fn new(jobs: Vec<Job>) -> Self {
-        let one = |job| One {
-            job,
+    /// Those of a plan; the part's outer radius, where it is known, is where those along X begin.
+    pub(super) fn new(plan: Plan, rim: Option<f64>) -> Self {
+        let along_x = plan.along_x.into_iter().map(|flat| Known {
+            across: Across::Z,
+            moves: flat.passes,
+            side: Side::External,
+            tool: flat.tool,
+            tool_number: flat.tool_number,
+            face: rim,
+            surface: (flat.surface.0.0, flat.surface.1),
+            assumed: flat.assumed,
+        });
+        let along_z = plan.jobs.into_iter().map(Known::along_z);
+        let one = |known| One {
+            known,
             passes: Vec::new(),
             lead: 0.0,
             forward: true,
             lead_in: None,
         };
         Self {
-            list: jobs.into_iter().map(one).collect(),
+            list: along_z.chain(along_x).map(one).collect(),
             is_over: true,
             left_out: 0,
         }
@@ -65,8 +122,9 @@ impl Threads {
         thread: &ThreadMove,
         at: Lathe,
     ) -> Option<usize> {
+        let at = if thread.long_x { at.exchanged() } else { at };
         let is_in = |one: &One| {
-            let mut passes = one.job.passes.iter();
+            let mut passes = one.known.moves.iter();
             passes.any(|(first, last, _)| (*first..=*last).contains(&step))
         };
         let number = self.list.iter().position(is_in)?;
@@ -134,14 +192,19 @@ impl Threads {
     /// The figures of a thread, and its geometry.
     pub(super) fn feature(&self, number: usize, lang: Lang) -> (Vec<String>, Shape) {
         let one = &self.list[number];
-        let stock = &one.job.stock;
+        let known = &one.known;
         let thread = Thread {
-            side: stock.side,
+            across: known.across,
+            side: known.side,
             passes: one.passes.clone(),
-            tool: one.job.tool,
+            tool: known.tool,
             lead: one.lead,
-            face: stock.face.0,
-            surface: (stock.radius.0, stock.taper),
+            face: known.face,
+            surface: known.surface,
+            level: match known.across {
+                Across::X => known.face.unwrap_or(0.0),
+                Across::Z => 0.0,
+            },
             lead_in: one.lead_in,
         };
         let figures = vec![one.figures(lang), one.edge(lang)];
@@ -154,7 +217,16 @@ impl One {
         let toward_minus = self.passes.first().is_some_and(|pass| {
             pass.points.first().map(|point| point.0) > pass.points.get(1).map(|point| point.0)
         });
+        let spindle = if self.forward { "M3" } else { "M4" };
         let hand = match (toward_minus, self.forward) {
+            (toward_axis, _) if self.known.across == Across::Z => {
+                let (en, zh) = if toward_axis {
+                    ("toward the axis", "向轴线")
+                } else {
+                    ("away from the axis", "离开轴线")
+                };
+                both!("along X ({spindle}, {en})", "沿 X（{spindle}，{zh}）")
+            }
             (true, true) => both!("right-hand (M3, toward -Z)", "右旋（M3，向 -Z）"),
             (false, false) => both!("right-hand (M4, toward +Z)", "右旋（M4，向 +Z）"),
             (true, false) => both!("left-hand (M4, toward -Z)", "左旋（M4，向 -Z）"),
@@ -173,11 +245,19 @@ impl One {
     }
 
     fn edge(&self, lang: Lang) -> String {
-        let shape = typed(&self.job.tool);
-        let face = measured(self.job.stock.face.0);
+        let known = &self.known;
+        let shape = typed(&known.tool);
+        let face = match known.across {
+            Across::X => known.face.unwrap_or(0.0),
+            Across::Z => {
+                let rim = self.passes.first().and_then(|pass| pass.points.first());
+                known.surface.0 + known.surface.1 * rim.map_or(0.0, |rim| rim.0)
+            }
+        };
+        let face = measured(face);
         let mut told = both!("edge {shape}", "刀刃 {shape}");
-        if self.job.assumed.tool {
-            let number = match self.job.tool_number {
+        if known.assumed.tool {
+            let number = match known.tool_number {
                 0 => String::new(),
                 tool => format!("T{tool}="),
             };
@@ -188,7 +268,7 @@ impl One {
                 zh = told.zh
             );
         }
-        if self.job.assumed.face {
+        if known.assumed.face {
             told = both!(
                 "{en} · face assumed at Z{face}",
                 "{zh} · 假定端面在 Z{face}",
@@ -196,7 +276,7 @@ impl One {
                 zh = told.zh
             );
         }
-        if self.job.assumed.surface {
+        if known.assumed.surface {
             told = both!(
                 "{en} · surface assumed",
                 "{zh} · 表面直径为假定值",

@@ -1,4 +1,5 @@
-//! Virtual metrology of a program: its threads, cut by the simulated machine's positions and measured.
+//! Virtual metrology of a program: its threads, cut by the simulated machine's positions and measured, and its grooves and
+//! contours ([`turned`]).
 //!
 //! [`plan`] finds the threads in the text, [`guess`] what they are called, [`samples`] turns the machine's ticks into cuts,
 //! [`sheet`], [`result`] and [`picture`] tell what was found. How a part is cut and measured is in `leadscrew_metrology`.
@@ -10,6 +11,7 @@ pub mod plan;
 pub mod result;
 pub mod samples;
 pub mod sheet;
+pub mod turned;
 
 use leadscrew_metrology::{Designation, Inspection, Measured, Mm, NoThread, Stock, Tool, Work};
 

@@ -5,7 +5,7 @@ use leadscrew_metrology::{Band, Designation, Inspection, Measured, Mm, Series, S
 
 use super::{Cut, sheet};
 use crate::number;
-use crate::plot::{Chip, Curve, Line, Sheet};
+use crate::plot::{Across, Along, Chip, Course, Curve, Line, Sheet};
 use crate::words::both;
 
 /// Pitches that are shown near by.
@@ -29,7 +29,7 @@ fn one(cut: &Cut, lang: Lang) -> Sheet {
         points: surface(&cut.work),
     }];
     let mut near = (stock.from.0, stock.face.0);
-    let mut course = Vec::new();
+    let mut course = None;
     let mut figures = String::new();
     if let Ok((measured, inspection)) = &cut.found {
         let pitch = cut.job.thread.pitch.0;
@@ -38,12 +38,16 @@ fn one(cut: &Cut, lang: Lang) -> Sheet {
         near = (middle - NEAR / 2.0 * pitch, middle + NEAR / 2.0 * pitch);
         curves.extend(profiles(&cut.job.thread, measured, inspection, middle));
         let points = measured.lead.course.iter();
-        course = points.map(|(turn, off)| (turn.0, off.um())).collect();
+        course = Some(Course {
+            along: Along::Helix,
+            points: points.map(|(turn, off)| (turn.0, off.um())).collect(),
+        });
         figures = self::figures(measured, inspection, lang);
     }
     Sheet {
         name: sheet::name(&cut.job).get(lang).to_owned(),
         figures,
+        across: Across::X,
         curves,
         near,
         course,

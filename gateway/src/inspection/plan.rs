@@ -28,28 +28,55 @@ pub struct Wish {
     pub face: Option<Mm>,
 }
 
+/// The threads of a program, each kind in order.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// Those along Z.
+    pub jobs: Vec<Job>,
+    /// Those along X, which are not measured.
+    pub along_x: Vec<Flat>,
+}
+
+/// A thread along X: a scroll on a face.
+#[derive(Clone, Debug)]
+pub struct Flat {
+    /// The edge that cuts it.
+    pub tool: Tool,
+    /// Its number, 0 where the program has named none.
+    pub tool_number: u32,
+    /// Z of the face before the cut on the axis, and its change per millimetre of radius.
+    pub surface: (Mm, f64),
+    /// Its moves: first, last, pass.
+    pub passes: Vec<(u64, u64, u32)>,
+    /// What had to be assumed.
+    pub assumed: Assumed,
+}
+
 /// A thread as the text has it.
 #[derive(Clone, Debug)]
 struct Found {
     line: u32,
+    /// It goes along X.
+    long_x: bool,
     call: ThreadCall,
     origin: Position,
     tool: u32,
     /// The last pass so far.
     pass: u32,
     passes: Vec<(u64, u64, u32)>,
-    /// Radius of the deepest pass at D.
+    /// Radius of the deepest pass at D; along X its Z.
     deepest: Length,
     /// Z where the last stroke of a chain ends.
     reach: Length,
 }
 
-/// The threads of a program, in order, and how many there are along X, which are not measured.
+/// The threads of a program.
 ///
 /// # Errors
 /// The program cannot be read; a name says nothing, or there are not as many names as threads.
-pub fn plan(setup: &Setup, source: &SourceFile, wish: &Wish) -> Outcome<(Vec<Job>, usize)> {
-    let (found, along_x) = find(setup, source)?;
+pub fn plan(setup: &Setup, source: &SourceFile, wish: &Wish) -> Outcome<Plan> {
+    let found = find(setup, source)?;
+    let (along_x, found): (Vec<_>, Vec<_>) = found.into_iter().partition(|found| found.long_x);
     let names = wish.threads.len();
     if names > 1 && names != found.len() {
         return Err(Failure::Usage(both!(
@@ -62,12 +89,15 @@ pub fn plan(setup: &Setup, source: &SourceFile, wish: &Wish) -> Outcome<(Vec<Job
         let name = wish.threads.get(n).or(wish.threads.first());
         job(found, name.map(String::as_str), wish)
     });
-    Ok((jobs.collect::<Outcome<_>>()?, along_x))
+    Ok(Plan {
+        jobs: jobs.collect::<Outcome<_>>()?,
+        along_x: along_x.iter().map(|found| flat(found, wish)).collect(),
+    })
 }
 
-fn find(setup: &Setup, source: &SourceFile) -> Outcome<(Vec<Found>, usize)> {
+fn find(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Found>> {
     let mut walk = Walk::open(setup, source)?;
-    let (mut threads, mut along_x): (Vec<Found>, usize) = (Vec::new(), 0);
+    let mut threads: Vec<Found> = Vec::new();
     let (mut step, mut tool) = (0u64, 0u32);
     loop {
         let first = step + 1;
@@ -83,23 +113,24 @@ fn find(setup: &Setup, source: &SourceFile) -> Outcome<(Vec<Found>, usize)> {
             note(&mut cuts, step, each);
         })?;
         let Some(call) = call else {
-            return Ok((threads, along_x));
+            return Ok(threads);
         };
         let CallKind::Thread(thread) = &call.kind else {
             continue;
         };
-        if is_long_x {
-            along_x += 1;
-            continue;
-        }
         let own = Found {
             line: call.span.line,
+            long_x: is_long_x,
             call: *thread,
             origin: call.origin,
             tool,
             pass: 0,
             passes: Vec::new(),
-            deepest: thread.end_x.value,
+            deepest: if is_long_x {
+                thread.end_z.value
+            } else {
+                thread.end_x.value
+            },
             reach: thread.end_z.value,
         };
         if !threads
@@ -131,8 +162,16 @@ fn note(cuts: &mut Vec<(u64, u64, u32)>, step: u64, each: &Move) {
 /// The call cuts on in the thread before: another pass of G92, a spring pass, another stroke of a chain.
 fn goes_on(before: &Found, now: &Found, call: &Call) -> bool {
     let (a, b) = (&before.call, &now.call);
-    let same_end = a.end_z.value == b.end_z.value && a.taper.value == b.taper.value;
+    let same_end = if now.long_x {
+        a.end_x.value == b.end_x.value
+    } else {
+        a.end_z.value == b.end_z.value
+    };
+    // No pass is deeper than the one before by a lead: what is, cuts at another diameter.
+    let apart = (before.deepest - now.deepest).nm().unsigned_abs();
+    let same_end = same_end && a.taper.value == b.taper.value && mm_of(apart) <= lead(a);
     before.tool == now.tool
+        && before.long_x == now.long_x
         && before.origin == call.origin
         && a.lead.value == b.lead.value
         && side(a) == side(b)
@@ -157,12 +196,13 @@ impl Found {
             self.passes
                 .push((*from.max(&first), *to.min(&last), self.pass));
         }
-        let deeper = match side(call) {
-            Side::External => call.end_x.value < self.deepest,
-            Side::Internal => call.end_x.value > self.deepest,
+        let (at, is_lower) = if self.long_x {
+            (call.end_z.value, true)
+        } else {
+            (call.end_x.value, side(call) == Side::External)
         };
-        if deeper {
-            self.deepest = call.end_x.value;
+        if (is_lower && at < self.deepest) || (!is_lower && at > self.deepest) {
+            self.deepest = at;
         }
         if call.part.is_joined() {
             self.reach = call.end_z.value;
@@ -172,6 +212,78 @@ impl Found {
 
 fn mm(length: Length) -> f64 {
     length.nm() as f64 / 1e6
+}
+
+fn mm_of(nm: u64) -> f64 {
+    nm as f64 / 1e6
+}
+
+/// Travel per turn in millimetres.
+fn lead(call: &ThreadCall) -> f64 {
+    call.lead.value.numerator() as f64 / call.lead.value.denominator() as f64 / 1e6
+}
+
+/// The height of a cycle that knows it: then the surface is known. Others leave it open.
+fn height(call: &ThreadCall) -> Option<f64> {
+    match call.cycle {
+        ThreadCycle::G76 | ThreadCycle::G78 => Some(mm(call.height.value)),
+        ThreadCycle::G92 | ThreadCycle::G32 | ThreadCycle::G34 => None,
+    }
+}
+
+/// The angle between the flanks that a cycle names, else 60°.
+fn angle(call: &ThreadCall) -> Degrees {
+    let written = f64::from(call.angle.value);
+    Degrees(if written > 0.0 { written } else { 60.0 })
+}
+
+/// The edge that was typed for a tool.
+fn edge(wish: &Wish, tool: u32) -> Option<&Edge> {
+    let own = wish.tools.iter().find(|edge| edge.tool == Some(tool));
+    own.or(wish.tools.iter().find(|edge| edge.tool.is_none()))
+}
+
+fn flat(found: &Found, wish: &Wish) -> Flat {
+    let call = &found.call;
+    let starts = call.starts.value.max(1);
+    let pitch = Mm(lead(call) / f64::from(starts));
+    // No norm has a thread on a face: its shape is that of a bolt.
+    let shape = Designation::free(Side::External, Mm(1.0), pitch, starts, angle(call), 0.0);
+    let edge = edge(wish, found.tool);
+    let of_work = |x: Length, z: Length| (mm(x - found.origin.x), mm(z - found.origin.z));
+    let (begin, end) = (
+        of_work(call.start.x, call.start.z),
+        of_work(call.end_x.value, call.end_z.value),
+    );
+    // The radius changes by this on the way from D back to A; a cycle comes from elsewhere.
+    let rise = if call.cycle.is_stroke() {
+        begin.0 - end.0
+    } else {
+        mm(call.taper.value)
+    };
+    let slope = (begin.1 - end.1) / rise;
+    // A height is one on the radius.
+    let way = if side(call) == Side::External {
+        1.0
+    } else {
+        -1.0
+    };
+    let known = height(call).map(|height| end.1 - slope * (end.0 + way * height));
+    let face = wish.face.map_or(end.1.max(0.0), |face| face.0);
+    Flat {
+        tool: edge.map_or_else(
+            || Tool::vee(shape.angle, Nose::Round(shape.tip())),
+            |edge| edge.shape,
+        ),
+        tool_number: found.tool,
+        surface: (Mm(known.unwrap_or(face - slope * begin.0)), slope),
+        passes: found.passes.clone(),
+        assumed: Assumed {
+            tool: edge.is_none(),
+            face: known.is_none() && wish.face.is_none(),
+            ..Assumed::default()
+        },
+    }
 }
 
 fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Outcome<Job> {
@@ -190,9 +302,7 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Outcome<Job> {
     } else {
         mm(call.taper.value) / (start - end)
     };
-    let lead = call.lead.value.numerator() as f64 / call.lead.value.denominator() as f64 / 1e6;
     let starts = call.starts.value.max(1);
-    let written = f64::from(call.angle.value);
     let (low, high) = (start.min(end), start.max(end));
     let face = wish.face.map_or_else(
         || {
@@ -205,17 +315,12 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Outcome<Job> {
     let to_face = Mm(2.0 * taper * (face - end));
     let mut traits = Traits {
         side: side(call),
-        pitch: Mm(lead / f64::from(starts)),
+        pitch: Mm(lead(call) / f64::from(starts)),
         starts,
-        angle: Degrees(if written > 0.0 { written } else { 60.0 }),
+        angle: angle(call),
         taper,
         crest: wish.surface,
         root: Mm(2.0 * mm(found.deepest - found.origin.x)) + to_face,
-    };
-    // A cycle that knows its height knows the surface; others leave it open.
-    let height = match call.cycle {
-        ThreadCycle::G76 | ThreadCycle::G78 => Some(mm(call.height.value)),
-        ThreadCycle::G92 | ThreadCycle::G32 | ThreadCycle::G34 => None,
     };
     let way = if traits.side == Side::External {
         2.0
@@ -224,7 +329,7 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Outcome<Job> {
     };
     traits.crest = traits
         .crest
-        .or(height.map(|height| traits.root + Mm(way * height)));
+        .or(height(call).map(|height| traits.root + Mm(way * height)));
     let thread = match name {
         None => guess(&traits),
         Some(name) => named(name, call, &mut traits)?,
@@ -245,8 +350,7 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Outcome<Job> {
     });
     let low = low.min(mm(found.reach - found.origin.z));
     let room = (2.0 * thread.lead().0).max(call.run_out.map_or(0.0, |out| mm(out.long.value)));
-    let edge = wish.tools.iter().find(|edge| edge.tool == Some(found.tool));
-    let edge = edge.or(wish.tools.iter().find(|edge| edge.tool.is_none()));
+    let edge = edge(wish, found.tool);
     assumed.tool = edge.is_none();
     let tool = edge.map_or_else(
         || Tool::vee(thread.angle, Nose::Round(thread.tip())),

@@ -6,7 +6,7 @@ use super::{Cut, Job};
 use crate::json::Json;
 
 /// Millimetres to a nanometre.
-fn mm(json: &mut Json, key: &str, value: f64) {
+pub(super) fn mm(json: &mut Json, key: &str, value: f64) {
     if value.is_finite() {
         json.decimal::<6>(key, (value * 1e6).round() as i64);
     } else {
@@ -15,7 +15,7 @@ fn mm(json: &mut Json, key: &str, value: f64) {
 }
 
 /// Micrometres to a nanometre.
-fn um(json: &mut Json, key: &str, value: Mm) {
+pub(super) fn um(json: &mut Json, key: &str, value: Mm) {
     json.decimal::<3>(key, (value.um() * 1e3).round() as i64);
 }
 

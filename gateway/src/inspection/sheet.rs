@@ -12,7 +12,7 @@ use crate::number::measured;
 use crate::words::{Both, both};
 
 /// A number with a fixed count of decimals, as columns need it.
-fn fixed(value: f64, decimals: usize) -> String {
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let is_zero = text.bytes().all(|b| b"-0.".contains(&b));
     if is_zero {
@@ -23,7 +23,7 @@ fn fixed(value: f64, decimals: usize) -> String {
 }
 
 /// Micrometres to a tenth, with a sign.
-fn um(value: Mm) -> String {
+pub(super) fn um(value: Mm) -> String {
     let text = fixed(value.um(), 1);
     if text.starts_with('-') || text == "0.0" {
         text
@@ -33,12 +33,12 @@ fn um(value: Mm) -> String {
 }
 
 /// `30°02′`.
-fn angle(degrees: f64) -> String {
+pub(super) fn angle(degrees: f64) -> String {
     let minutes = (degrees * 60.0).round() as i64;
     format!("{}°{:02}′", minutes / 60, minutes % 60)
 }
 
-fn line(text: &mut String, lang: Lang, told: &Both) {
+pub(super) fn line(text: &mut String, lang: Lang, told: &Both) {
     text.push_str(told.get(lang));
     text.push('\n');
 }

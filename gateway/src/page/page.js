@@ -259,11 +259,12 @@ function views(svg) {
   const whole = svg.getAttribute("viewBox").split(/[\s,]+/).map(Number);
   const panes = [...svg.querySelectorAll("[data-pane]")].map((group) => {
     const [left, top, right, bottom, ...values] = group.dataset.pane.split(" ").map(Number);
+    const names = group.dataset.names.split(" ");
     const lines = [...group.querySelectorAll("[data-told]")].map((path) => ({
       path,
       p: (path.getAttribute("d").match(/-?[\d.]+/g) ?? []).map(Number),
     }));
-    return { left, top, right, bottom, values, lines };
+    return { left, top, right, bottom, values, names, lines };
   });
   let [box, drag, marked] = [whole, null, null];
   const show = (next) => {
@@ -300,12 +301,14 @@ function views(svg) {
       }
     }
     mark(found);
-    const [z0, z1, x0, x1] = pane.values;
-    const z = z0 + ((x - pane.left) / (pane.right - pane.left)) * (z1 - z0);
-    const wide = x0 + ((pane.bottom - y) / (pane.bottom - pane.top)) * (x1 - x0);
+    const [a0, a1, b0, b1] = pane.values;
+    const value = {
+      [pane.names[0]]: a0 + ((x - pane.left) / (pane.right - pane.left)) * (a1 - a0),
+      [pane.names[1]]: b0 + ((pane.bottom - y) / (pane.bottom - pane.top)) * (b1 - b0),
+    };
     const text = found ? block(Number(found.dataset.line)) : "";
     const of = found ? `${found.dataset.told}${text && `: ${text}`} · ` : "";
-    output.textContent = `${of}X ${wide.toFixed(4)} · Z ${z.toFixed(4)}`;
+    output.textContent = `${of}X ${value.X.toFixed(4)} · Z ${value.Z.toFixed(4)}`;
   };
   svg.addEventListener("click", (event) => {
     const pane = paneAt(...place(event));

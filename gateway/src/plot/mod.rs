@@ -9,10 +9,10 @@ mod series;
 mod thread;
 mod time;
 
-pub use cut::{Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
+pub use cut::{Across, Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
 pub use path::{Kind, Mark, Stock, Stroke, View};
 pub use series::{Envelope, Sample};
-pub use thread::{Chip, Curve, Line, Sheet, svg};
+pub use thread::{Along, Chip, Course, Curve, Line, Sheet, svg};
 
 use leadscrew_core::alarm::Lang;
 use svg::node::element::{Group, Rectangle, Style, Text};

@@ -1,5 +1,5 @@
-//! The picture of a thread that was measured: its axial section with the profiles that it is compared with, its flanks near
-//! by, its pitch error over the turns, and the chip of each pass. Turns numbers into one SVG document.
+//! The picture of what was measured: the axial section with the profiles that it is compared with, flanks near by, the
+//! error over the turns or along the contour, and the chip of each pass. Turns numbers into one SVG document.
 
 use leadscrew_core::alarm::Lang;
 use svg::Node as _;
@@ -7,7 +7,7 @@ use svg::node::element::{ClipPath, Group, Rectangle};
 
 use super::frame::{self, LEFT, RIGHT};
 use super::scale::Scale;
-use super::{MARGIN, TITLE, document, px, simplified, text};
+use super::{Across, MARGIN, TITLE, document, px, simplified, text};
 use crate::words::pick;
 
 /// What a curve in the section is.
@@ -15,6 +15,8 @@ use crate::words::pick;
 pub enum Line {
     /// What was cut.
     Cut,
+    /// What was programmed.
+    Programmed,
     /// The basic profile.
     Basic,
     /// The limit of most material: the GO gauge.
@@ -27,7 +29,7 @@ impl Line {
     const fn class(self) -> &'static str {
         match self {
             Self::Cut => "cut",
-            Self::Basic => "basic",
+            Self::Programmed | Self::Basic => "basic",
             Self::Most => "most",
             Self::Least => "least",
         }
@@ -36,6 +38,7 @@ impl Line {
     fn name(self, lang: Lang) -> &'static str {
         match self {
             Self::Cut => pick(lang, "cut", "切出"),
+            Self::Programmed => pick(lang, "programmed", "编程"),
             Self::Basic => pick(lang, "basic profile", "基本牙型"),
             Self::Most => pick(lang, "most material", "最大实体"),
             Self::Least => pick(lang, "least material", "最小实体"),
@@ -63,19 +66,39 @@ pub struct Chip {
     pub plus: f64,
 }
 
-/// One thread.
+/// What an error is told over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// Turns of a thread: the distance from its helix.
+    Helix,
+    /// Millimetres of a contour: the distance square to it.
+    Contour,
+}
+
+/// An error over turns or millimetres.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// What it is told over.
+    pub along: Along,
+    /// Each with its error in micrometres.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// One thread, groove or contour.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// Its name.
     pub name: String,
     /// Its figures.
     pub figures: String,
+    /// What is upwards in the section.
+    pub across: Across,
     /// The section.
     pub curves: Vec<Curve>,
     /// From and to Z of what is shown near by.
     pub near: (f64, f64),
-    /// Turns, and the distance from the nominal helix in micrometres.
-    pub course: Vec<(f64, f64)>,
+    /// Its error.
+    pub course: Option<Course>,
     /// The passes.
     pub chips: Vec<Chip>,
 }
@@ -85,7 +108,7 @@ const TALLEST: f64 = 420.0;
 const COURSE: f64 = 120.0;
 const CHIPS: f64 = 110.0;
 
-/// The SVG document of all threads of a program.
+/// The SVG document of all that was measured of a program.
 #[must_use]
 pub fn svg(title: &str, sheets: &[Sheet], lang: Lang) -> String {
     let mut body = Group::new();
@@ -98,7 +121,7 @@ pub fn svg(title: &str, sheets: &[Sheet], lang: Lang) -> String {
     document(style, &head, body, top + 10.0)
 }
 
-/// One thread; returns the lower edge.
+/// One of them; returns the lower edge.
 fn draw(body: &mut Group, top: f64, n: usize, sheet: &Sheet, lang: Lang) -> f64 {
     body.append(text(MARGIN, top, "sheet", &sheet.name));
     body.append(text(MARGIN, top + 22.0, "subtitle", &sheet.figures));
@@ -108,28 +131,36 @@ fn draw(body: &mut Group, top: f64, n: usize, sheet: &Sheet, lang: Lang) -> f64 
         .flat_map(|curve| [curve.points.first(), curve.points.last()])
         .flatten();
     let (from, to) = range(ends.map(|point| point.0));
-    if to > from {
+    let mut room = 30.0;
+    if to > from && (from, to) != sheet.near {
         let whole: Vec<&Curve> = cut().collect();
         bottom = section(
             body,
             bottom + 30.0,
             (from, to),
-            &whole,
+            (sheet.across, &whole),
             &format!("w{n}"),
             lang,
         );
+        room = 52.0;
+    }
+    if sheet.near.1 > sheet.near.0 {
         let all: Vec<&Curve> = sheet.curves.iter().collect();
         bottom = section(
             body,
-            bottom + 52.0,
+            bottom + room,
             sheet.near,
-            &all,
+            (sheet.across, &all),
             &format!("n{n}"),
             lang,
         );
     }
-    if sheet.course.len() > 1 {
-        bottom = course(body, bottom + 52.0, &sheet.course, lang);
+    if let Some(errors) = sheet
+        .course
+        .as_ref()
+        .filter(|course| course.points.len() > 1)
+    {
+        bottom = course(body, bottom + 52.0, errors, lang);
     }
     if !sheet.chips.is_empty() {
         bottom = chips(body, bottom + 52.0, &sheet.chips, lang);
@@ -143,12 +174,12 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// A section between two Z, both axes to one scale.
+/// A section between two places along it, both axes to one scale.
 fn section(
     body: &mut Group,
     top: f64,
     (from, to): (f64, f64),
-    curves: &[&Curve],
+    (across, curves): (Across, &[&Curve]),
     id: &str,
     lang: Lang,
 ) -> f64 {
@@ -161,16 +192,14 @@ fn section(
     let (low, high) = (low - room, high + room);
     let width = RIGHT - LEFT;
     let height = ((high - low) / (to - from) * width).clamp(40.0, TALLEST);
-    // Where the height is cut down, the width follows.
+    // Where the height is cut down, there is room at either side.
     let shown = width * height / ((high - low) / (to - from) * width).max(height);
     let bottom = top + height;
-    let z = Scale::new(
-        from,
-        to,
-        LEFT + (width - shown) / 2.0,
-        RIGHT - (width - shown) / 2.0,
-    );
-    let x = Scale::new(2.0 * low, 2.0 * high, bottom, top);
+    let (along, up) = across.written();
+    let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0 * width / shown);
+    let ends = [middle - half, middle + half].map(|end| along * end);
+    let z = Scale::new(ends[0], ends[1], LEFT, RIGHT);
+    let x = Scale::new(up * low, up * high, bottom, top);
     frame::panel(body, top, bottom);
     frame::columns(body, &z, top, bottom, true);
     frame::rows(body, &x, (height / 40.0).max(2.0));
@@ -183,24 +212,51 @@ fn section(
             .filter(|point| {
                 point.0 >= from - 0.1 * (to - from) && point.0 <= to + 0.1 * (to - from)
             })
-            .map(|(at, radius)| (z.px(*at), x.px(2.0 * radius)))
+            .map(|(at, radius)| (z.px(along * at), x.px(up * radius)))
             .collect();
         let class = format!("line {}", curve.line.class());
         frame::line(&mut drawn, &class, simplified(&pixels, 0.1));
     }
     body.append(drawn);
-    body.append(text(LEFT - 8.0, top - 8.0, "left name", "Ø"));
-    body.append(text(RIGHT + 14.0, bottom + 18.0, "right name", "Z"));
+    let (right_name, up_name) = match across {
+        Across::X => ("Z", "Ø"),
+        Across::Z => ("Ø", "Z"),
+    };
+    body.append(text(LEFT - 8.0, top - 8.0, "left name", up_name));
+    body.append(text(RIGHT + 14.0, bottom + 18.0, "right name", right_name));
     let mut at = LEFT + 4.0;
-    for curve in curves {
+    for (n, curve) in curves.iter().enumerate() {
+        // A contour has many of one kind.
+        if curves[..n].iter().any(|other| other.line == curve.line) {
+            continue;
+        }
         let name = curve.line.name(lang);
         at = frame::key(body, at, top - 8.0, curve.line.class(), name);
     }
     bottom
 }
 
-/// Distance from the nominal helix over the turns.
-fn course(body: &mut Group, top: f64, points: &[(f64, f64)], lang: Lang) -> f64 {
+/// An error over the turns, or along the contour.
+fn course(body: &mut Group, top: f64, course: &Course, lang: Lang) -> f64 {
+    let points = &course.points;
+    let (name, unit) = match course.along {
+        Along::Helix => (
+            pick(
+                lang,
+                "distance from the nominal helix",
+                "与理论螺旋线的偏差",
+            ),
+            pick(lang, "turn", "圈"),
+        ),
+        Along::Contour => (
+            pick(
+                lang,
+                "distance from the programmed contour, along it; +: material left",
+                "沿轮廓与编程轮廓的法向偏差；+：余料",
+            ),
+            "mm",
+        ),
+    };
     let bottom = top + COURSE;
     let (first, last) = range(points.iter().map(|point| point.0));
     let (low, high) = range(points.iter().map(|point| point.1));
@@ -217,23 +273,8 @@ fn course(body: &mut Group, top: f64, points: &[(f64, f64)], lang: Lang) -> f64 
         .collect();
     frame::line(body, "line off", simplified(&pixels, 0.1));
     body.append(text(LEFT - 8.0, top - 8.0, "left name", "µm"));
-    body.append(text(
-        RIGHT + 14.0,
-        bottom + 18.0,
-        "right name",
-        pick(lang, "turn", "圈"),
-    ));
-    frame::key(
-        body,
-        LEFT + 4.0,
-        top - 8.0,
-        "off",
-        pick(
-            lang,
-            "distance from the nominal helix",
-            "与理论螺旋线的偏差",
-        ),
-    );
+    body.append(text(RIGHT + 14.0, bottom + 18.0, "right name", unit));
+    frame::key(body, LEFT + 4.0, top - 8.0, "off", name);
     bottom
 }
 
@@ -296,9 +337,10 @@ mod tests {
         let sheet = Sheet {
             name: "<M1>".into(),
             figures: String::new(),
+            across: Across::X,
             curves: Vec::new(),
             near: (0.0, 0.0),
-            course: Vec::new(),
+            course: None,
             chips: Vec::new(),
         };
         let drawn = svg("a & b", &[sheet], Lang::En);

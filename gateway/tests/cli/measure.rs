@@ -188,6 +188,82 @@ fn two_threads_two_starts_and_none() {
 }
 
 #[test]
+fn grooves_and_contours_come_out_as_they_are_programmed() {
+    let shaft = measured(&["examples/shaft.nc", "--tool-width", "T2=4"]);
+    let grooves = shaft["grooves"].as_array().unwrap();
+    assert_eq!(grooves.len(), 4);
+    let first = &grooves[0];
+    assert_eq!((&first["line"], &first["into"]), (&35.into(), &"x".into()));
+    near(&first["width_mm"]["programmed"], 6.0, 1e-9);
+    near(&first["width_mm"]["mean"], 6.0, 1e-5);
+    near(&first["wall_minus_mm"]["mean"], -45.0, 1e-5);
+    near(&first["wall_plus_mm"]["max"], -39.0, 1e-5);
+    // Without a dwell the floor is a spiral: no deeper than programmed, and higher by less than a feed of 0.05 mm a turn.
+    near(&first["floor_mm"]["programmed"], 34.0, 1e-9);
+    near(&first["floor_mm"]["min"], 34.05, 0.05);
+    near(&first["floor_mm"]["max"], 34.05, 0.05);
+    // Roughing is not the surface.
+    let contour = &shaft["contours"][0];
+    let elements = contour["elements"].as_array().unwrap();
+    let lines: Vec<u64> = elements
+        .iter()
+        .map(|one| one["line"].as_u64().unwrap())
+        .collect();
+    assert_eq!(lines, [22, 23, 24, 25, 26, 27, 28]);
+    near(&elements[0]["angle_deg"]["mean"], 45.0, 0.001);
+    near(&elements[1]["diameter_mm"]["mean"], 40.0, 0.000_5);
+    near(&elements[2]["face_mm"]["mean"], -45.0, 0.000_5);
+    near(&elements[5]["radius_mm"]["mean"], 5.0, 0.001);
+    // Corners within the tolerance of 0.01 mm.
+    near(&contour["least"]["off_um"], -5.0, 5.0);
+    near(&contour["most"]["off_um"], 5.0, 5.0);
+    assert_eq!(contour["internal"], false);
+    let bore = measured(&["examples/shop/nose-bore.nc"]);
+    assert_eq!(bore["contours"][0]["internal"], true);
+}
+
+#[test]
+fn errors_of_grooves_and_contours_come_out() {
+    // A tool that is wider by 0.05 mm.
+    let wide = measured(&["examples/shaft.nc", "--tool-width", "T2=4.05"]);
+    near(&wide["grooves"][0]["width_mm"]["mean"], 6.05, 0.002_5);
+    near(&wide["grooves"][1]["width_mm"]["mean"], 4.05, 0.002_5);
+    let told = stderr(&leadscrew(&["measure", "examples/shaft.nc"]));
+    assert!(told.contains("add `--tool-width T2=MM`"), "{told}");
+    // Axes that are behind cut a circle too small: a lag of 1/Kv by half of the square of what it is of a radian.
+    let folder = Folder::new("measure-arc");
+    let arc = "G97 G98 M3 S600\nT0101\nG0 X40 Z30\nG1 Z0 F2400\nG2 X120 Z-40 R40\nG0 X130\nM30\n";
+    let arc = write(&folder, "arc.nc", arc);
+    let limits = ["--set", "1828.X=20", "--set", "1828.Z=20"];
+    let lag = measured(&[&[&arc, "--drive", "kv30"], &limits[..]].concat());
+    let elements = lag["contours"][0]["elements"].as_array().unwrap();
+    let radians_a_second: f64 = 40.0 / 40.0;
+    let off = 40.0 / 2.0 * (radians_a_second / 30.0).powi(2);
+    near(&elements[1]["radius_mm"]["mean"], 40.0 - off, 0.05 * off);
+    near(&elements[1]["mean_um"], 1e3 * off, 0.2 * 1e3 * off);
+}
+
+/// Passes of one thread are less than a lead apart; at another diameter it is another thread, though it ends alike.
+#[test]
+fn strokes_at_another_diameter_are_another_thread() {
+    let folder = Folder::new("measure-diameters");
+    let pass = |x: &str| format!("G0 X40\nZ6\nG0 X{x}\nG32 Z-20 F2\n");
+    let text = |passes: &[&str]| {
+        let passes: String = passes.iter().map(|x| pass(x)).collect();
+        format!("G97 M3 S300\nT0101\n{passes}G0 X60\nM30\n")
+    };
+    let told = |passes: &[&str]| {
+        let program = write(&folder, "strokes.nc", &text(passes));
+        let threads = measured(&[&program])["threads"].clone();
+        let threads = threads.as_array().unwrap();
+        let count = |thread: &serde_json::Value| thread["passes"].as_array().unwrap().len();
+        threads.iter().map(count).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&["29.2", "28.4", "27.6"]), [3]);
+    assert_eq!(told(&["29.2", "28.4", "27.6", "23.5", "22.9"]), [3, 2]);
+}
+
+#[test]
 fn what_cannot_be_measured_is_told() {
     let o = "examples/shaft.nc";
     for (args, told) in [

@@ -122,6 +122,54 @@ fn a_page_has_the_pass_and_the_line_of_each_line_of_the_close_views() {
 }
 
 #[test]
+fn a_thread_along_x_has_z_upwards() {
+    let folder = Folder::new("plot-face");
+    let scroll = include_str!("../../../examples/shop/face-g32.nc");
+    let told = texts(&folder, "examples/shop/face-g32.nc", &[]).join("\n");
+    for line in [
+        "along X (M3, toward the axis) · lead 4 mm · starts: 1 · passes: 5",
+        "edge V60:r0.5774, of the norm: the tool is not known, add `--tool T7=V60:r0.5774` · face assumed at Z0",
+        "1: Z-0.4",
+        "5: Z-2",
+        "no run-out: ends at X24",
+        "X modulo lead minus the helix",
+    ] {
+        assert!(told.contains(line), "{line}: {told}");
+    }
+    assert!(!told.contains("lead-in") && !told.contains("rim"), "{told}");
+    // Where the stock is declared, its rim and its face are known.
+    let scroll = scroll.replace("O2008 (", "O2008 (STOCK X90 L30)(");
+    let scroll = write(&folder, "scroll.nc", &scroll);
+    let told = texts(&folder, &scroll, &["--tool", "V60:r0.5"]).join("\n");
+    for line in ["edge V60:r0.5\n", "rim X90", "mm to spare"] {
+        assert!(told.contains(line), "{line}: {told}");
+    }
+}
+
+#[test]
+fn a_groove_of_g74_goes_into_the_face() {
+    let folder = Folder::new("plot-g74");
+    let program = "G97 G99 M3 S600\nT0303\nG0 X40 Z2\nG74 R0.5\nG74 X30 Z-8 P50000 Q30000 F0.1\n\
+        G0 X100 Z50\nT0505\nG0 X0 Z2\nG74 R1\nG74 Z-30 Q80000 F0.1\nM30\n";
+    let program = write(&folder, "g74.nc", program);
+    let page = folder.file("g74.html");
+    let args = ["--tool-width", "T3=3", "--tool-width", "T5=10"];
+    let output = leadscrew(&[&["plot", &program, "-o", &page][..], &args].concat());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = std::fs::read_to_string(&page).unwrap();
+    for told in [
+        "bottom Z-8 · columns: 3, feeds: 12",
+        "tool 3 mm wide, programmed at its corner toward the axis",
+        "bottom Z-30 · columns: 1, feeds: 4",
+        "tool of ⌀10, on the axis",
+        "data-told=\"column 3, feed 2 to Z-4, line 5\"",
+        "data-names=\"X Z\"",
+    ] {
+        assert!(page.contains(told), "{told}");
+    }
+}
+
+#[test]
 fn a_thread_tells_its_hand_its_run_out_and_its_lead_in() {
     let folder = Folder::new("plot-thread");
     let program = "examples/o0013-g76-m68x6.nc";

@@ -3,6 +3,7 @@
 mod errors;
 mod ideal;
 mod norms;
+mod turned;
 mod volume;
 
 use crate::{Cutter, Designation, Grid, Mm, Nose, Sample, Side, Stock, Tool, Turns, Work};

@@ -4,7 +4,7 @@ use leadscrew_core::alarm::Lang;
 use svg::Node as _;
 use svg::node::element::Group;
 
-use super::pane::{Area, Pane, Range};
+use super::pane::{Across, Area, Pane, Range};
 use super::told;
 use crate::place::SourceLine;
 use crate::plot::text;
@@ -37,7 +37,8 @@ pub(super) fn draw(document: &mut Group, area: Area, contour: &Contour, n: usize
     let Some(range) = Range::of(points()) else {
         return;
     };
-    let pane = Pane::true_to_scale(area, range.with_room(0.06, 0.12), format!("contour{n}"));
+    let range = range.with_room(0.06, 0.12);
+    let pane = Pane::true_to_scale(area, Across::X, range, format!("contour{n}"));
     let mut inside = pane.frame(document);
     for piece in &contour.pieces {
         let pixels = piece.points.iter().map(|point| pane.place(*point));

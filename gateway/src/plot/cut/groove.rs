@@ -4,9 +4,8 @@ use leadscrew_core::alarm::Lang;
 use svg::Node as _;
 use svg::node::element::{Group, Rectangle};
 
-use super::pane::{Area, Pane, Range};
+use super::pane::{Across, Area, Pane, Range};
 use super::told;
-use crate::number::measured;
 use crate::plot::{px, text};
 use crate::words::pick;
 
@@ -17,44 +16,66 @@ pub struct Column {
     pub number: u32,
     /// The line of the program as the machine counts it.
     pub line: u32,
-    /// Where the first feed begins: Z, radius.
+    /// Where the first feed begins: to the right, upwards.
     pub from: (f64, f64),
-    /// The ends of its feeds: Z, radius.
+    /// The ends of its feeds.
     pub pecks: Vec<(f64, f64)>,
 }
 
 impl Column {
-    /// Its bottom: Z, radius.
+    /// Its bottom.
     pub fn bottom(&self) -> (f64, f64) {
         self.pecks.last().copied().unwrap_or(self.from)
     }
 }
 
-/// A groove along X.
+/// A groove: of G75 into the outside, of G74 into the face.
 #[derive(Clone, Debug)]
 pub struct Groove {
+    /// Where it goes into, which is upwards in its view.
+    pub across: Across,
     /// In the order of cutting.
     pub columns: Vec<Column>,
-    /// Width of the tool in millimetres from its programmed corner toward +Z, where it is known.
+    /// Width of the tool in millimetres from its programmed corner to the right, where it is known.
     pub width: Option<f64>,
+}
+
+impl Groove {
+    /// A hole on the axis.
+    pub fn is_drilled(&self) -> bool {
+        let mut columns = self.columns.iter();
+        self.across == Across::Z && columns.all(|column| column.bottom().0 == 0.0)
+    }
+
+    /// From the programmed point to the left and to the right edge of the tool.
+    fn edges(&self) -> (f64, f64) {
+        let wide = self.width.unwrap_or(0.0);
+        if self.is_drilled() {
+            (wide / 2.0, wide / 2.0)
+        } else {
+            (0.0, wide)
+        }
+    }
 }
 
 /// Draws the view.
 pub(super) fn draw(document: &mut Group, area: Area, groove: &Groove, n: usize, lang: Lang) {
-    let wide = groove.width.unwrap_or(0.0);
+    let (less, more) = groove.edges();
+    let wide = less + more;
     let corners = groove.columns.iter().flat_map(|column| {
-        let (z, radius) = column.bottom();
-        [column.from, (z, radius), (z + wide, radius)]
+        let (along, up) = column.bottom();
+        [column.from, (along - less, up), (along + more, up)]
     });
     let Some(range) = Range::of(corners) else {
         return;
     };
-    let pane = Pane::true_to_scale(area, range.with_room(0.15, 0.12), format!("groove{n}"));
+    let range = range.with_room(0.15, 0.12);
+    let pane = Pane::true_to_scale(area, groove.across, range, format!("groove{n}"));
     let mut inside = pane.frame(document);
     for column in &groove.columns {
         let ((left, top), (right, bottom)) = (
-            pane.place(column.from),
-            pane.place((column.bottom().0 + wide, column.bottom().1)),
+            pane.place((column.from.0 - less, column.from.1)),
+            pane.place((column.bottom().0 + more, column.bottom().1)),
         );
         if wide > 0.0 {
             inside.append(
@@ -80,13 +101,10 @@ pub(super) fn draw(document: &mut Group, area: Area, groove: &Groove, n: usize, 
             } else {
                 at + 4.0
             };
+            let to = groove.across.up(peck.1);
             let words = match lang {
-                Lang::En => format!("{number}feed {} to X{}, ", n + 1, measured(2.0 * peck.1)),
-                Lang::Zh => format!(
-                    "{number}第 {} 次进给至 X{}，",
-                    n + 1,
-                    measured(2.0 * peck.1)
-                ),
+                Lang::En => format!("{number}feed {} to {to}, ", n + 1),
+                Lang::Zh => format!("{number}第 {} 次进给至 {to}，", n + 1),
             };
             let end = [(at, y), (end, y)];
             inside.append(told("line peck", end, &words, column.line, lang));
@@ -100,13 +118,14 @@ pub(super) fn draw(document: &mut Group, area: Area, groove: &Groove, n: usize, 
 
 /// Numbers of the columns below their bottoms, where they have room.
 fn numbers(document: &mut Group, pane: &Pane, groove: &Groove) {
-    let wide = groove.width.unwrap_or(0.0) / 2.0;
+    let (less, more) = groove.edges();
+    let middle = (more - less) / 2.0;
     let mut taken: Vec<f64> = Vec::new();
     let last = groove.columns.len().saturating_sub(1);
     let order = [0, last].into_iter().chain(1..last);
     for column in order.filter_map(|n| groove.columns.get(n)) {
-        let (z, radius) = column.bottom();
-        let (at, y) = pane.place((z + wide, radius));
+        let (along, up) = column.bottom();
+        let (at, y) = pane.place((along + middle, up));
         if taken.iter().all(|other| (other - at).abs() >= 22.0) {
             taken.push(at);
             let inside = (y + 15.0).min(pane.area.bottom - 3.0);

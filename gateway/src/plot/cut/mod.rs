@@ -9,6 +9,7 @@ mod thread;
 
 pub use contour::{Contour, Piece};
 pub use groove::{Column, Groove};
+pub use pane::Across;
 pub use phase::Phase;
 pub use thread::{Pass, Thread};
 
@@ -41,7 +42,7 @@ pub struct Feature {
 /// The geometry of a feature.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// A thread along Z.
+    /// A thread.
     Thread(Thread),
     /// A groove: columns, each to its bottom.
     Groove(Groove),
@@ -114,7 +115,12 @@ pub(super) fn draw(
             },
         ] = row
         {
-            bottom = phase::draw(document, (LEFT, RIGHT), bottom + 40.0, phase, ideal, lang);
+            let axis = match &row[0].shape {
+                Shape::Thread(thread) if thread.across == Across::Z => "X",
+                _ => "Z",
+            };
+            let top = bottom + 40.0;
+            bottom = phase::draw(document, (LEFT, RIGHT), top, phase, axis, ideal, lang);
         }
         bottom += 38.0;
     }

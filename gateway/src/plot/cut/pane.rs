@@ -3,6 +3,7 @@
 use svg::Node as _;
 use svg::node::element::{ClipPath, Group, Rectangle};
 
+use crate::number::measured;
 use crate::plot::frame::{label, line};
 use crate::plot::scale::Scale;
 use crate::plot::{px, text};
@@ -16,7 +17,58 @@ pub(super) struct Area {
     pub(super) bottom: f64,
 }
 
-/// From the lowest to the highest value of Z and of the radius, in millimetres.
+/// What a view has upwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// X as a diameter, and Z to the right: what goes along Z.
+    X,
+    /// Z, and X as a diameter to the right: what goes along X, or into the face.
+    Z,
+}
+
+impl Across {
+    /// How many millimetres are written for one, to the right and upwards.
+    pub(in crate::plot) const fn written(self) -> (f64, f64) {
+        match self {
+            Self::X => (1.0, 2.0),
+            Self::Z => (2.0, 1.0),
+        }
+    }
+
+    /// A point, Z and radius, as the view has it: to the right, upwards.
+    pub const fn of(self, (z, radius): (f64, f64)) -> (f64, f64) {
+        match self {
+            Self::X => (z, radius),
+            Self::Z => (radius, z),
+        }
+    }
+
+    /// A place to the right, in words.
+    pub(super) fn right(self, mm: f64) -> String {
+        match self {
+            Self::X => format!("Z{}", measured(mm)),
+            Self::Z => format!("X{}", measured(2.0 * mm)),
+        }
+    }
+
+    /// A height as a size of the part.
+    pub fn size(self, mm: f64) -> String {
+        match self {
+            Self::X => format!("⌀{}", measured(2.0 * mm)),
+            Self::Z => self.up(mm),
+        }
+    }
+
+    /// A height, in words.
+    pub(super) fn up(self, mm: f64) -> String {
+        match self {
+            Self::X => format!("X{}", measured(2.0 * mm)),
+            Self::Z => format!("Z{}", measured(mm)),
+        }
+    }
+}
+
+/// From the lowest to the highest value to the right and upwards, in millimetres: Z and radius where X is upwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Range {
     pub(super) z: (f64, f64),
@@ -51,10 +103,11 @@ impl Range {
     }
 }
 
-/// A box with its scales: Z to the right, X upwards, labelled as a diameter.
+/// A box with its scales; X is labelled as a diameter.
 #[derive(Debug)]
 pub(super) struct Pane {
     pub(super) area: Area,
+    across: Across,
     z: Scale,
     x: Scale,
     id: String,
@@ -62,10 +115,10 @@ pub(super) struct Pane {
 
 impl Pane {
     /// Both axes to one scale, the range in the middle.
-    pub(super) fn true_to_scale(area: Area, range: Range, id: String) -> Self {
+    pub(super) fn true_to_scale(area: Area, across: Across, range: Range, id: String) -> Self {
         let (width, height) = (area.right - area.left, area.bottom - area.top);
-        let (length, across) = (range.z.1 - range.z.0, range.r.1 - range.r.0);
-        let mm = (width / length.max(1e-3)).min(height / across.max(1e-3));
+        let (length, depth) = (range.z.1 - range.z.0, range.r.1 - range.r.0);
+        let mm = (width / length.max(1e-3)).min(height / depth.max(1e-3));
         let middle = |(low, high): (f64, f64), pixels: f64| {
             let (at, half) = (f64::midpoint(low, high), pixels / mm / 2.0);
             (at - half, at + half)
@@ -74,30 +127,33 @@ impl Pane {
             z: middle(range.z, width),
             r: middle(range.r, height),
         };
-        Self::filled(area, range, id)
+        Self::filled(area, across, range, id)
     }
 
     /// Each axis as large as the box allows.
-    pub(super) fn filled(area: Area, range: Range, id: String) -> Self {
+    pub(super) fn filled(area: Area, across: Across, range: Range, id: String) -> Self {
+        let (along, up) = across.written();
         Self {
             area,
-            z: Scale::new(range.z.0, range.z.1, area.left, area.right),
-            x: Scale::new(2.0 * range.r.0, 2.0 * range.r.1, area.bottom, area.top),
+            across,
+            z: Scale::new(along * range.z.0, along * range.z.1, area.left, area.right),
+            x: Scale::new(up * range.r.0, up * range.r.1, area.bottom, area.top),
             id,
         }
     }
 
-    /// The pixels of a point: Z, radius.
+    /// The pixels of a point: to the right, upwards.
     pub(super) fn place(&self, (z, radius): (f64, f64)) -> (f64, f64) {
-        (self.z.px(z), self.x.px(2.0 * radius))
+        let (along, up) = self.across.written();
+        (self.z.px(along * z), self.x.px(up * radius))
     }
 
-    /// Z and diameter at a pixel.
+    /// What is written at a pixel.
     fn value(&self, (x, y): (f64, f64)) -> (f64, f64) {
         (self.z.value(x), self.x.value(y))
     }
 
-    /// How much more X is drawn than Z.
+    /// How much more is drawn upwards than to the right.
     pub(super) fn stretch(&self) -> f64 {
         let ((z0, r0), (z1, r1)) = (self.place((0.0, 0.0)), self.place((1.0, 1.0)));
         ((r1 - r0) / (z1 - z0)).abs()
@@ -124,8 +180,12 @@ impl Pane {
             line(document, "grid", [(left, at), (right, at)]);
             document.append(text(left - 8.0, at + 4.5, "left", &label(tick, decimals)));
         }
-        document.append(text(left - 8.0, top - 8.0, "left name", "⌀"));
-        document.append(text(right + 8.0, bottom + 18.0, "right name", "Z"));
+        let (right_name, up_name) = match self.across {
+            Across::X => ("Z", "⌀"),
+            Across::Z => ("⌀", "Z"),
+        };
+        document.append(text(left - 8.0, top - 8.0, "left name", up_name));
+        document.append(text(right + 8.0, bottom + 18.0, "right name", right_name));
         document.append(ClipPath::new().set("id", self.id.as_str()).add(self.edge()));
         let corners = [left, top, right, bottom].map(px).join(" ");
         let (low, high) = (self.value((left, bottom)), self.value((right, top)));
@@ -133,6 +193,13 @@ impl Pane {
         Group::new()
             .set("clip-path", format!("url(#{})", self.id))
             .set("data-pane", format!("{corners} {}", values.join(" ")))
+            .set(
+                "data-names",
+                match self.across {
+                    Across::X => "Z X",
+                    Across::Z => "X Z",
+                },
+            )
     }
 
     fn edge(&self) -> Rectangle {

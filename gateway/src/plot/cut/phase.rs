@@ -85,6 +85,7 @@ pub(super) fn draw(
     (left, right): (f64, f64),
     top: f64,
     phase: &Phase,
+    axis: &str,
     ideal: bool,
     lang: Lang,
 ) -> f64 {
@@ -138,11 +139,11 @@ pub(super) fn draw(
     document.append(text(right + 14.0, bottom + 18.0, "right name", "°"));
     let words = match lang {
         Lang::En => format!(
-            "Z modulo lead minus the helix, over the spindle angle: from lowest to highest; filled: all {} passes",
+            "{axis} modulo lead minus the helix, over the spindle angle: from lowest to highest; filled: all {} passes",
             phase.passes
         ),
         Lang::Zh => format!(
-            "Z（对导程取模）与螺旋线之差，沿主轴角度，最低至最高；填充：全部 {} 次走刀",
+            "{axis}（对导程取模）与螺旋线之差，沿主轴角度，最低至最高；填充：全部 {} 次走刀",
             phase.passes
         ),
     };

@@ -6,7 +6,7 @@ use leadscrew_metrology::{Mm, Side, Tool};
 use svg::Node as _;
 use svg::node::element::{Group, Path};
 
-use super::pane::{Area, Pane, Range};
+use super::pane::{Across, Area, Pane, Range};
 use super::{labelled, told};
 use crate::number::{self, measured};
 use crate::plot::{frame, text};
@@ -23,23 +23,23 @@ pub struct Pass {
     pub start: u8,
     /// Depth below the crest in millimetres, where the cycle knows it.
     pub depth: Option<f64>,
-    /// Its way: Z, radius.
+    /// Its way: along the thread, across it.
     pub points: Vec<(f64, f64)>,
     /// The point of the way at which the run-in ends; the first one where there is none.
     pub run_in: usize,
     /// The point of the way at which the run-out begins; the last one where there is none.
     pub run_out: usize,
-    /// Where the helix stands along Z at the spindle's index, in millimetres.
+    /// Where the helix stands along the thread at the spindle's index, in millimetres.
     pub phase: f64,
 }
 
 impl Pass {
-    /// Z where it begins.
+    /// Where it begins.
     fn begin(&self) -> f64 {
         self.points.first().map_or(0.0, |point| point.0)
     }
 
-    /// Where the run-out begins: Z, radius.
+    /// Where the run-out begins.
     fn bottom(&self) -> (f64, f64) {
         self.points.get(self.run_out).copied().unwrap_or_default()
     }
@@ -49,9 +49,11 @@ impl Pass {
     }
 }
 
-/// A thread along Z.
+/// A thread: along Z, its depth across it a radius, or along X, its depth along Z.
 #[derive(Clone, Debug)]
 pub struct Thread {
+    /// What is across it, and upwards in its views.
+    pub across: Across,
     /// Outer or inner.
     pub side: Side,
     /// In the order of cutting.
@@ -60,10 +62,12 @@ pub struct Thread {
     pub tool: Tool,
     /// Travel per turn in millimetres.
     pub lead: f64,
-    /// Z of the face.
-    pub face: f64,
-    /// Radius of the surface at the face, and its change per millimetre of Z.
+    /// Where the part begins along it, where that is known.
+    pub face: Option<f64>,
+    /// The surface across it at `level` along it, and its change per millimetre along it.
     pub surface: (f64, f64),
+    /// Where along it the surface is known.
+    pub level: f64,
     /// The way in which the axis gets onto the lead, where it is known.
     pub lead_in: Option<f64>,
 }
@@ -76,10 +80,11 @@ impl Thread {
         let late = |pass: &&Pass| (pass.begin() * toward * 1e6) as i64;
         let last = self.passes.iter().max_by_key(late)?;
         // Where the tool comes from the other end, that end is not known.
-        (toward < 0.0).then(|| (last, self.face - (last.begin() - lead_in)))
+        let face = self.face.filter(|_| toward < 0.0)?;
+        Some((last, face - (last.begin() - lead_in)))
     }
 
-    /// +1 where it is cut toward +Z.
+    /// +1 where it is cut toward plus.
     fn toward(&self) -> f64 {
         let first = self.passes.first();
         first.map_or(-1.0, |pass| {
@@ -92,7 +97,7 @@ impl Thread {
     }
 
     fn surface_at(&self, z: f64) -> f64 {
-        self.surface.0 + self.surface.1 * (z - self.face)
+        self.surface.0 + self.surface.1 * (z - self.level)
     }
 
     /// The number of a pass, with its start where there are several.
@@ -128,8 +133,8 @@ impl Thread {
         told(class, points, &words, pass.line, lang)
     }
 
-    /// Where the groove of a pass lies along Z, from that of the last pass: less than three quarters of a
-    /// lead toward +Z, and the rest toward -Z.
+    /// Where the groove of a pass lies along the thread, from that of the last pass: less than three quarters of a
+    /// lead toward plus, and the rest toward minus.
     fn aside(&self, pass: &Pass) -> f64 {
         let last = self.passes.last().map_or(0.0, |last| last.phase);
         let lead = self.lead.max(1e-6);
@@ -137,10 +142,13 @@ impl Thread {
         if off > lead * 0.75 { off - lead } else { off }
     }
 
-    /// The groove that a pass cuts, by the distance along Z from that of the last pass: up to the surface.
+    /// The groove that a pass cuts, by the distance along the thread from that of the last pass: up to the surface.
     pub fn groove(&self, pass: &Pass) -> Vec<(f64, f64)> {
         let (z, radius) = pass.bottom();
-        let surface = self.surface_at(z);
+        // Each goes along the surface, to where the last one is.
+        let at = self.passes.last().map_or(z, |last| last.bottom().0);
+        let radius = radius + self.surface.1 * (at - z);
+        let surface = self.surface_at(at);
         let up = match self.side {
             Side::External => 1.0,
             Side::Internal => -1.0,
@@ -182,7 +190,8 @@ fn draw_form(document: &mut Group, area: Area, thread: &Thread, n: usize, lang: 
     let Some(range) = Range::of(grooves.iter().flatten().copied()) else {
         return;
     };
-    let pane = Pane::true_to_scale(area, range.with_room(0.12, 0.12), format!("form{n}"));
+    let range = range.with_room(0.12, 0.12);
+    let pane = Pane::true_to_scale(area, thread.across, range, format!("form{n}"));
     let mut inside = pane.frame(document);
     let at = thread.passes.last().map_or(0.0, |pass| pass.bottom().0);
     let surface = pane.place((0.0, thread.surface_at(at))).1;
@@ -215,15 +224,17 @@ fn draw_length(document: &mut Group, area: Area, thread: &Thread, n: usize, lang
         .passes
         .iter()
         .flat_map(|pass| pass.points.iter().copied());
-    let face = (thread.face, thread.surface_at(thread.face));
+    let begins = thread.passes.iter().map(Pass::begin);
+    let near = thread.face.unwrap_or(begins.fold(f64::MIN, f64::max));
+    let face = (near, thread.surface_at(near));
     let Some(range) = Range::of(ends.chain([face])) else {
         return;
     };
     // Room below for the lead-in, and above for the words of the marks.
     let range = range.with_room(0.05, 0.2);
-    let pane = Pane::filled(area, range, format!("length{n}"));
+    let pane = Pane::filled(area, thread.across, range, format!("length{n}"));
     let mut inside = pane.frame(document);
-    let (far, near) = (range.z.0, thread.face);
+    let far = range.z.0;
     let surface = [far, near].map(|z| pane.place((z, thread.surface_at(z))));
     frame::line(&mut inside, "surface", surface);
     for pass in &thread.passes {
@@ -252,9 +263,13 @@ fn draw_length(document: &mut Group, area: Area, thread: &Thread, n: usize, lang
     marks(document, &pane, thread, lang);
     depths(document, &pane, thread, lang);
     let factor = pane.stretch();
+    let (along, up) = match thread.across {
+        Across::X => ("Z", "X"),
+        Across::Z => ("X", "Z"),
+    };
     let words = match lang {
-        Lang::En => format!("passes over Z, X drawn ×{factor:.1}"),
-        Lang::Zh => format!("各次走刀沿 Z 方向，X 放大 ×{factor:.1}"),
+        Lang::En => format!("passes over {along}, {up} drawn ×{factor:.1}"),
+        Lang::Zh => format!("各次走刀沿 {along} 方向，{up} 放大 ×{factor:.1}"),
     };
     document.append(text(area.left, area.top - 8.0, "key", &words));
 }
@@ -277,31 +292,32 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
         };
         document.append(text(left, area.top + 16.0 * row, "key", &words));
     };
-    let face = pick(lang, "face", "端面");
-    upright(
-        thread.face,
-        "mark",
-        format!("{face} Z{}", measured(thread.face)),
-        1.0,
-    );
+    let place = |mm: f64| thread.across.right(mm);
+    if let Some(at) = thread.face {
+        let face = match thread.across {
+            Across::X => pick(lang, "face", "端面"),
+            Across::Z => pick(lang, "rim", "外缘"),
+        };
+        upright(at, "mark", format!("{face} {}", place(at)), 1.0);
+    }
     if last.run_in > 0 {
         let within = last.points[last.run_in].0;
         let words = match lang {
-            Lang::En => format!("run-in to Z{}", measured(within)),
-            Lang::Zh => format!("切入段至 Z{}", measured(within)),
+            Lang::En => format!("run-in to {}", place(within)),
+            Lang::Zh => format!("切入段至 {}", place(within)),
         };
         upright(within, "mark", words, 2.0);
     }
     let (out, end) = (last.bottom().0, last.end().0);
     if last.run_out + 1 < last.points.len() {
         let words = match lang {
-            Lang::En => format!("run-out from Z{} to Z{}", measured(out), measured(end)),
-            Lang::Zh => format!("退尾 Z{} 至 Z{}", measured(out), measured(end)),
+            Lang::En => format!("run-out from {} to {}", place(out), place(end)),
+            Lang::Zh => format!("退尾 {} 至 {}", place(out), place(end)),
         };
         upright(out, "mark", words, 1.0);
     } else {
         let words = pick(lang, "no run-out: ends at", "无退尾，终点");
-        upright(end, "mark", format!("{words} Z{}", measured(end)), 1.0);
+        upright(end, "mark", format!("{words} {}", place(end)), 1.0);
     }
     let Some((late, missing)) = thread.lead_in_left() else {
         return;
@@ -367,7 +383,7 @@ fn depths(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
         let number = thread.number(pass);
         let deep = pass
             .depth
-            .map_or_else(|| format!("⌀{}", measured(2.0 * pass.bottom().1)), measured);
+            .map_or_else(|| thread.across.size(pass.bottom().1), measured);
         let class = if n + 1 == thread.passes.len() {
             "depth-of name"
         } else {
