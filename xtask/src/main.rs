@@ -19,6 +19,7 @@ mod emulator;
 mod held;
 mod image;
 mod licences;
+mod packages;
 mod page;
 mod pages;
 mod pictures;
@@ -62,6 +63,7 @@ usage: cargo xtask COMMAND
   page       the lathe in a browser tab, as static files in out/page (--check: opens it in headless Chromium and runs programs)
   pictures   docs/shop.md and its pictures, from the programs of examples/shop
   renew      every page, picture and golden file that the program writes, anew; read the difference afterwards
+  packages   what is published on crates.io: each crate says what it is, and builds from its own files
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
 
@@ -105,6 +107,7 @@ fn main() -> ExitCode {
         ["page", "--check"] => page::check(),
         ["pictures"] => pictures::write(),
         ["renew"] => renew::all(),
+        ["packages"] => packages::build(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),
         ["help" | "--help" | "-h"] => {
