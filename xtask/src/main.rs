@@ -13,6 +13,7 @@ mod callgraph;
 mod canopen;
 mod chip;
 mod demo;
+mod dist;
 mod docs;
 mod emulated;
 mod emulator;
@@ -32,6 +33,7 @@ mod soak;
 mod stack;
 mod target;
 mod test;
+mod tools;
 mod vcan;
 mod wasm;
 
@@ -63,6 +65,8 @@ usage: cargo xtask COMMAND
   page       the lathe in a browser tab, as static files in out/page (--check: opens it in headless Chromium and runs programs)
   pictures   docs/shop.md and its pictures, from the programs of examples/shop
   renew      every page, picture and golden file that the program writes, anew; read the difference afterwards
+  dist       what a release holds, in target/dist: programs for Linux, Debian packages, firmware, page, bills of materials,
+             checksums (--check: takes it apart and runs it)
   packages   what is published on crates.io: each crate says what it is, and builds from its own files
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
@@ -107,6 +111,8 @@ fn main() -> ExitCode {
         ["page", "--check"] => page::check(),
         ["pictures"] => pictures::write(),
         ["renew"] => renew::all(),
+        ["dist"] => dist::make(),
+        ["dist", "--check"] => dist::check(),
         ["packages"] => packages::build(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),
