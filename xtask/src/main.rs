@@ -20,6 +20,7 @@ mod emulator;
 mod held;
 mod image;
 mod licences;
+mod manual;
 mod packages;
 mod page;
 mod pages;
@@ -62,6 +63,7 @@ usage: cargo xtask COMMAND
   image      what is flashed onto a NUCLEO-G474RE, as out/nucleo-g474re.elf, .bin and .hex
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings, with every link alive and every picture current
+  manual     docs/ as a book, in target/manual (--check: no dead link, no page left out, each program good)
   page       the lathe in a browser tab, as static files in out/page (--check: opens it in headless Chromium and runs programs)
   pictures   docs/shop.md and its pictures, from the programs of examples/shop
   renew      every page, picture and golden file that the program writes, anew; read the difference afterwards
@@ -107,6 +109,8 @@ fn main() -> ExitCode {
         ["sizes"] => target::ensure().and_then(|()| sizes::sizes(false)),
         ["sizes", "--write"] => target::ensure().and_then(|()| sizes::sizes(true)),
         ["docs"] => docs::check(),
+        ["manual"] => manual::write(),
+        ["manual", "--check"] => manual::check(),
         ["page"] => page::write(),
         ["page", "--check"] => page::check(),
         ["pictures"] => pictures::write(),

@@ -21,6 +21,13 @@ pub const CARGO_DEB: Program = Program {
     features: "gzip",
 };
 
+/// Builds the manual. Its licence (MPL-2.0) is none of those that may be linked [D392].
+pub const MDBOOK: Program = Program {
+    name: "mdbook",
+    version: "0.5.4",
+    features: "search",
+};
+
 /// The path of a program; installs it where it is not there, or is another version.
 pub fn ensure(program: &Program) -> Result<PathBuf> {
     let folder = run::scratch("tools")?;

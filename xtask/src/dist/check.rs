@@ -43,7 +43,11 @@ pub fn check() -> Result<()> {
         println!("{}: its programs run", target.triple);
     }
     firmware(&out.join(FIRMWARE)).context(FIRMWARE)?;
-    for file in ["page/index.html", "page/leadscrew.wasm"] {
+    for file in [
+        "page/index.html",
+        "page/leadscrew.wasm",
+        "manual/index.html",
+    ] {
         ensure!(out.join(file).is_file(), "there is no {file}");
     }
     for (program, _) in linux::PROGRAMS {

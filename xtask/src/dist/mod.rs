@@ -1,5 +1,5 @@
-//! What a release holds, in `target/dist`: programs for Linux, Debian packages, the firmware, the page, the bus
-//! description, bills of materials, and the checksums of all of it.
+//! What a release holds, in `target/dist`: programs for Linux, Debian packages, the firmware, the page, the
+//! manual, the bus description, bills of materials, and the checksums of all of it.
 //!
 //! What cannot be made on this machine is named, the rest is made, and the command fails in the end.
 
@@ -15,7 +15,7 @@ use anyhow::{Context, Result, bail};
 
 pub use check::check;
 
-use crate::{image, page, run};
+use crate::{image, manual, page, run};
 
 /// The version of all that is made.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -42,6 +42,7 @@ pub fn make() -> Result<()> {
     }
     part(FIRMWARE, firmware(&out.join(FIRMWARE)));
     part("page", the_page(&out.join("page")));
+    part("manual", the_manual(&out.join("manual")));
     part("bills of materials", materials::make(&out.join("sbom")));
     sums::write(&out)?;
     if missing.is_empty() {
@@ -70,6 +71,11 @@ fn firmware(to: &Path) -> Result<()> {
 fn the_page(to: &Path) -> Result<()> {
     page::write()?;
     copy(&page::out(), to)
+}
+
+fn the_manual(to: &Path) -> Result<()> {
+    manual::write()?;
+    copy(&manual::out(), to)
 }
 
 /// Copies the files of a folder, and those of the folders in it.
