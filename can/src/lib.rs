@@ -15,6 +15,21 @@
 //!                                                                    ├─ Slcan: serial line, TCP, Unix socket
 //!                                                                    └─ End: one end of a pair in this process
 //! ```
+//!
+//! ```
+//! use std::time::Duration;
+//!
+//! use leadscrew_can::{Can as _, pair};
+//! use leadscrew_core::bus::{CobId, Frame};
+//!
+//! let (mut a, mut b) = pair();
+//! let sync = Frame::new(CobId::SYNC, &[]).expect("no more than eight bytes");
+//! a.send(&[sync])?;
+//! let mut received = Vec::new();
+//! assert_eq!(b.receive(&mut received, Duration::ZERO)?, 1);
+//! assert_eq!(received[0].packet.frame(), Some(&sync));
+//! # Ok::<(), leadscrew_can::CanError>(())
+//! ```
 
 mod address;
 mod chinese;

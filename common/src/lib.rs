@@ -5,6 +5,15 @@
 //! ([`values`]); program files as streams of events ([`source`], [`program`]) and their lines ([`place`]); the flash of a
 //! simulated board ([`state`]); standard output ([`output`], [`json`]); SIGINT and SIGTERM ([`interrupt`]). Knows no
 //! command, and nothing of a board on a bus.
+//!
+//! ```
+//! use leadscrew_common::params::load_text;
+//! use leadscrew_core::alarm::Lang;
+//!
+//! let machine = load_text("lathe.toml", "rapid_rate.X = \"12 m/min\"\n", Lang::En);
+//! assert!(machine.is_good());
+//! assert!(!load_text("lathe.toml", "rapid_rte.X = \"12 m/min\"\n", Lang::En).is_good());
+//! ```
 
 pub mod diagnostics;
 pub mod failure;

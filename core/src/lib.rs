@@ -60,6 +60,33 @@
 //!
 //! Sources. Doc comments cite the makers' sheets as `[G76 sheet]` and the decisions where these leave something open as
 //! `[D7]`; both are explained in `docs/decisions.md`.
+//!
+//! # As a library
+//!
+//! Text to moves, without a machine. A front end draws them, a post-processor counts them.
+//!
+//! ```
+//! use leadscrew_core::alarm::Alarm;
+//! use leadscrew_core::cycle::{self, Context};
+//! use leadscrew_core::moves::MoveKind;
+//! use leadscrew_core::params::Params;
+//! use leadscrew_core::program::{Event, Events, Options};
+//!
+//! let program = b"M3 S300\nG0 X80 Z10\nG76 P020560 Q150 R0.1\nG76 X60.64 Z-62 P3680 Q1800 F6\n";
+//! let (params, options) = (Params::slant_bed(), Options::default());
+//! let (mut at, mut moves, mut strokes) = (options.position, 0, 0);
+//! for event in Events::new(program, &params, options) {
+//!     let Event::Call(call) = event? else { continue };
+//!     for step in cycle::expand(&call, &Context::standing(at))? {
+//!         moves += 1;
+//!         strokes += usize::from(matches!(step.kind, MoveKind::Thread(thread) if thread.last));
+//!         at = step.to;
+//!     }
+//! }
+//! assert_eq!((strokes, at.x.nm(), at.z.nm()), (6, 40_000_000, 10_000_000));
+//! assert_eq!(moves, 32); // the spindle, a rapid, and six passes of five moves
+//! # Ok::<(), Alarm>(())
+//! ```
 
 #[doc(inline)]
 pub use leadscrew_motion::{

@@ -70,6 +70,7 @@ impl Cli {
                 | Command::Drives { .. }
                 | Command::Measure(_)
                 | Command::Completions { .. }
+                | Command::Man { .. }
         );
         let global = &mut self.global;
         if let Some(bus) = &global.typed_bus {
@@ -491,6 +492,16 @@ pub enum Command {
         /// Which shell
         #[arg(value_enum)]
         shell: clap_complete::Shell,
+    },
+    /// Print a manual page, or write all of them into a folder
+    #[command(after_help = examples::MAN)]
+    Man {
+        /// The command, with its verb where it has one [default: `leadscrew` itself]
+        #[arg(value_name = "COMMAND")]
+        command: Vec<String>,
+        /// Write the page of every command into this folder
+        #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
+        to: Option<PathBuf>,
     },
 }
 /// `explain`.

@@ -9,6 +9,15 @@
 //! [`execution`] runs it on one ([`machine`]) while [`trace`] watches the setpoints and [`drawing`] and [`plot`] make the
 //! picture. What the simulated board keeps between commands is in
 //! [`state`]. Knows nothing of how motion is made.
+//!
+//! ```
+//! use clap::Parser as _;
+//! use leadscrew::cli::{Cli, Command};
+//!
+//! let typed = Cli::try_parse_from(["leadscrew", "check", "examples/shaft.nc"])?;
+//! assert!(matches!(typed.command, Command::Check(_)));
+//! # Ok::<(), clap::Error>(())
+//! ```
 
 pub mod beside;
 pub mod checking;

@@ -32,6 +32,31 @@
 //! It must not know sockets, files, boards or commands. Its input are bytes that can be read again from a place, and the
 //! subprograms that whoever has them hands over by their numbers; its output are the calls of the core, with alarms that
 //! name line, column, cause and remedy.
+//!
+//! ```
+//! use leadscrew_core::call::CallKind;
+//! use leadscrew_core::params::Params;
+//! use leadscrew_core::program::{Event, Options};
+//! use leadscrew_language::flow::{Rules, Trouble};
+//! use leadscrew_language::reader::Reader;
+//! use leadscrew_language::variables::Kept;
+//!
+//! let text = "#1=20\nWHILE[#1GT14]DO1\nG0 X#1\n#1=#1-2\nEND1\nM30\n".as_bytes();
+//! let params = Params::slant_bed();
+//! let mut reader = Reader::new(text, &params, Options::default(), Kept::default(), Rules::default());
+//! let mut diameters = Vec::new();
+//! while !reader.is_over() {
+//!     reader.step(&mut |event| {
+//!         if let Event::Call(call) = event
+//!             && let CallKind::Rapid(to) = call.kind
+//!         {
+//!             diameters.push(2 * to.x.nm() / 1_000_000);
+//!         }
+//!     })?;
+//! }
+//! assert_eq!(diameters, [20, 18, 16]);
+//! # Ok::<(), Trouble>(())
+//! ```
 
 pub mod arguments;
 pub mod contour;

@@ -11,6 +11,15 @@
 //! an inner one. A cut always lowers `u`.
 //!
 //! Knows nothing of programs, boards, buses and files.
+//!
+//! ```
+//! use leadscrew_metrology::{Designation, Limits, Side};
+//!
+//! let thread = Designation::read("M24x2-6g", Side::External).expect("a thread of ISO 965");
+//! assert_eq!(format!("{:.3}", thread.pitch_diameter().0), "22.701");
+//! let pitch = Limits::of(&thread).pitch;
+//! assert_eq!(pitch.high.map(|limit| format!("{:.3}", limit.0)).as_deref(), Some("22.663"));
+//! ```
 
 mod contour;
 mod cutter;

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 
 fn main() {
     let manifest = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
-    let params = manifest.join("../params");
+    let params = manifest.join("params");
     let mut tables = definition::Tables::default();
     for file in ["gsk980td.toml", "gsk988.toml", "motion.toml"] {
         definition::read_definitions(&params.join(file), &mut tables);

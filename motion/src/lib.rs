@@ -26,6 +26,17 @@
 //!
 //! No allocation, no floating point, no `unsafe`, nothing that can panic, no clock. Time and input are arguments. The words
 //! of both crates are explained in `leadscrew-core`, the citations (`[D7]`, `[G76 sheet]`) in `docs/decisions.md`.
+//!
+//! ```
+//! use leadscrew_motion::bus::{CobId, Frame};
+//! use leadscrew_motion::units::{Diameter, Lead};
+//!
+//! let lead = Lead::new(25_400_000, 14).expect("14 threads to the inch");
+//! assert!(Lead::new(25_400_000, 0).is_none());
+//! assert_eq!(Diameter::from_nm(40_000_000).radius().nm(), 20_000_000);
+//! assert_eq!(Frame::new(CobId::SYNC, &[]).map(|sync| sync.payload().len()), Some(0));
+//! # let _ = lead;
+//! ```
 
 pub mod alarm;
 pub mod bus;

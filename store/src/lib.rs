@@ -13,6 +13,20 @@
 //! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation. The
 //! flash is one whose operations end by themselves (simulated, or a driver that waits for its chip):
 //! `sequential-storage` would let others run meanwhile, of which there are none here.
+//!
+//! ```
+//! use leadscrew_board_sim::plant::Flash;
+//! use leadscrew_store::{BUFFER, Region, Store};
+//!
+//! let mut store = Store::new(Flash::erased())?;
+//! store.write(Region::TapJournal, b"the hole that a tap is in")?;
+//!
+//! let mut buffer = [0; BUFFER];
+//! let mut again = Store::new(store.into_flash())?;
+//! let read = again.read(Region::TapJournal, &mut buffer)?;
+//! assert_eq!(read, Some(&b"the hole that a tap is in"[..]));
+//! # Ok::<(), leadscrew_store::StoreError>(())
+//! ```
 
 mod patient;
 mod recover;

@@ -7,11 +7,12 @@
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::Value;
 
-use crate::{pages, pictures, run};
+use crate::{manual, pages, pictures, run};
 
 /// Builds the documentation, and lists its faults.
 pub fn check() -> Result<()> {
     pages::check()?;
+    manual::whole()?;
     pictures::check()?;
     let args = [
         "doc",

@@ -9,7 +9,7 @@ use object::read::elf::{FileHeader, ProgramHeader};
 use crate::{run, target};
 
 /// The program that is flashed.
-const PROGRAM: &str = "nucleo-g474re";
+pub const PROGRAM: &str = "nucleo-g474re";
 /// The value of erased flash: it fills the space between two parts of the image.
 const ERASED: u8 = 0xFF;
 /// Bytes in a record of the hex file, as in most tools.
@@ -17,17 +17,21 @@ const IN_A_RECORD: usize = 16;
 
 /// Builds the image and writes `out/nucleo-g474re.elf`, `.bin` and `.hex`.
 pub fn image() -> Result<()> {
+    write(&run::root().join("out"), PROGRAM)
+}
+
+/// Builds the image and writes it into a folder in each format, under this name.
+pub fn write(out: &std::path::Path, name: &str) -> Result<()> {
     let elf = target::build(PROGRAM, PROGRAM, &[])?;
     let data = std::fs::read(&elf).with_context(|| format!("there is no {}", elf.display()))?;
     let (start, bytes) = flat(&parts(&data)?)?;
-    let out = run::root().join("out");
-    std::fs::create_dir_all(&out).with_context(|| format!("cannot make {}", out.display()))?;
+    std::fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
     for (ending, content) in [
         ("elf", data),
         ("hex", hex(start, &bytes)?.into_bytes()),
         ("bin", bytes.clone()),
     ] {
-        let path = out.join(PROGRAM).with_extension(ending);
+        let path = out.join(format!("{name}.{ending}"));
         std::fs::write(&path, content)
             .with_context(|| format!("cannot write {}", path.display()))?;
         println!("{}", path.display());
@@ -95,6 +99,17 @@ fn hex(start: u32, bytes: &[u8]) -> Result<String> {
     records.push(Record::EndOfFile);
     ihex::create_object_file_representation(&records)
         .map_err(|error| anyhow::anyhow!("the image has no form as Intel hex: {error}"))
+}
+
+/// The bytes of a hex file whose records follow each other.
+pub fn bytes_of(hex: &str) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    for record in ihex::Reader::new(hex) {
+        if let Record::Data { value, .. } = record? {
+            bytes.extend(value);
+        }
+    }
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -13,12 +13,15 @@ mod callgraph;
 mod canopen;
 mod chip;
 mod demo;
+mod dist;
 mod docs;
 mod emulated;
 mod emulator;
 mod held;
 mod image;
 mod licences;
+mod manual;
+mod packages;
 mod page;
 mod pages;
 mod pictures;
@@ -31,6 +34,7 @@ mod soak;
 mod stack;
 mod target;
 mod test;
+mod tools;
 mod vcan;
 mod wasm;
 
@@ -59,9 +63,13 @@ usage: cargo xtask COMMAND
   image      what is flashed onto a NUCLEO-G474RE, as out/nucleo-g474re.elf, .bin and .hex
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings, with every link alive and every picture current
+  manual     docs/ as a book, in target/manual (--check: no dead link, no page left out, each program good)
   page       the lathe in a browser tab, as static files in out/page (--check: opens it in headless Chromium and runs programs)
   pictures   docs/shop.md and its pictures, from the programs of examples/shop
   renew      every page, picture and golden file that the program writes, anew; read the difference afterwards
+  dist       what a release holds, in target/dist: programs for Linux, Debian packages, firmware, page, bills of materials,
+             checksums (--check: takes it apart and runs it)
+  packages   what is published on crates.io: each crate says what it is, and builds from its own files
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
 
@@ -101,10 +109,15 @@ fn main() -> ExitCode {
         ["sizes"] => target::ensure().and_then(|()| sizes::sizes(false)),
         ["sizes", "--write"] => target::ensure().and_then(|()| sizes::sizes(true)),
         ["docs"] => docs::check(),
+        ["manual"] => manual::write(),
+        ["manual", "--check"] => manual::check(),
         ["page"] => page::write(),
         ["page", "--check"] => page::check(),
         ["pictures"] => pictures::write(),
         ["renew"] => renew::all(),
+        ["dist"] => dist::make(),
+        ["dist", "--check"] => dist::check(),
+        ["packages"] => packages::build(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),
         ["help" | "--help" | "-h"] => {

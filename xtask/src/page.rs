@@ -55,6 +55,7 @@ pub fn check() -> Result<()> {
     ))
 }
 
-fn out() -> PathBuf {
+/// Where it is written.
+pub fn out() -> PathBuf {
     run::root().join("out").join("page")
 }

@@ -31,7 +31,7 @@ pub fn check() -> Result<()> {
             .with_context(|| format!("cannot read {}", path.display()))?;
         pages.insert(path, read(&text));
     }
-    let exists = |path: &Path| root.join(path).exists();
+    let exists = |path: &Path| root.join(path).exists() || is_made(&root, path);
     let mut wrong = dead(&pages, exists);
     let decisions = fs::read_to_string(root.join(DECISIONS)).context(DECISIONS)?;
     wrong.extend(undecided(&pages, &listed(&decisions)));
@@ -45,8 +45,17 @@ pub fn check() -> Result<()> {
     )
 }
 
+/// True for a picture that is made when the manual is built, of the program of its name.
+fn is_made(root: &Path, path: &Path) -> bool {
+    let program = path.strip_prefix("docs/cycles/pictures").map(|name| {
+        let program = Path::new("examples/cycles").join(name);
+        program.with_extension("nc")
+    });
+    program.is_ok_and(|program| root.join(program).is_file())
+}
+
 /// README.md and the pages below docs/, relative to the root.
-fn paths(root: &Path) -> Result<Vec<PathBuf>> {
+pub fn paths(root: &Path) -> Result<Vec<PathBuf>> {
     let mut found = vec![PathBuf::from("README.md")];
     let mut folders = vec![PathBuf::from("docs")];
     while let Some(folder) = folders.pop() {
@@ -169,7 +178,7 @@ fn undecided(pages: &BTreeMap<PathBuf, Page>, listed: &BTreeSet<u32>) -> Vec<Str
 }
 
 /// The file that `page` means by `name`.
-fn beside(page: &Path, name: &str) -> PathBuf {
+pub fn beside(page: &Path, name: &str) -> PathBuf {
     let mut path = page.parent().map(Path::to_owned).unwrap_or_default();
     for part in Path::new(name).components() {
         match part {

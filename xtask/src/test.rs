@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 
 use crate::{
-    audit, bits, canopen, chip, docs, emulated, emulator, image, licences, page, renew, rules, run,
-    setup, sizes, target, vcan as bus,
+    audit, bits, canopen, chip, docs, emulated, emulator, image, licences, manual, packages, page,
+    renew, rules, run, setup, sizes, target, vcan as bus,
 };
 
 /// The number of tests of a program that run at once. Tests with processes and time-outs mostly wait, so that a core
@@ -26,7 +26,8 @@ not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
   the flashed image on a model of its chip (alone: cargo xtask chip)
   the page in headless Chromium (alone: cargo xtask page --check)
   flash, RAM and stack of all images (alone: cargo xtask sizes)
-by no test: cargo xtask soak --hours H, cargo xtask chip --all, cargo xtask bench, the fuzzers (docs/reliability.md)";
+  the manual as a book, its links and its pictures (alone: cargo xtask manual --check)
+by no test: cargo xtask packages, cargo xtask dist --check, cargo xtask soak --hours H, cargo xtask chip --all, cargo xtask bench, the fuzzers (docs/reliability.md)";
 
 /// Runs the test with full volumes and all steps.
 pub fn full() -> Result<()> {
@@ -53,6 +54,7 @@ pub fn test() -> Result<()> {
     clock.step("house rules", rules::check)?;
     clock.step("lock files", lock_files)?;
     clock.step("licences", licences::check)?;
+    clock.step("crates that are published", packages::check)?;
     clock.step("clippy", clippy)?;
     clock.step("pages that the program writes", renew::check)?;
     clock.step("tests with overflow checks", || tests(&mut counts))?;
@@ -70,6 +72,7 @@ pub fn test() -> Result<()> {
         clock.step("the emulated board on a bus", || {
             on_the_board(&mut counts, "")
         })?;
+        clock.step("the manual", manual::check)?;
         clock.step("the page in a browser", page::check)?;
         clock.step("images of the boards", || sizes::sizes(false))?;
         clock.step("the image against a model of its chip", || {

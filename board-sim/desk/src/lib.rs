@@ -12,6 +12,16 @@
 //! of `leadscrew sim`. The board is the one of `leadscrew_core`; it joins this bus as it does a real one.
 //!
 //! It must not know commands of `leadscrew`, nor how motion works inside the board.
+//!
+//! ```
+//! use std::time::{Duration, Instant};
+//!
+//! use leadscrew_desk::clock::Clock;
+//!
+//! let start = Instant::now();
+//! let mut clock = Clock::new(Duration::from_millis(1), start);
+//! assert_eq!(clock.due(start + Duration::from_millis(5)), 5);
+//! ```
 
 mod bus;
 pub mod clock;

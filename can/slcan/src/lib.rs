@@ -16,6 +16,17 @@
 //! [`Lines`] cuts bytes into lines. [`Request`] and [`Reply`] are the meaning of the lines in the two directions.
 //! [`Adapter`] is the behaviour of the adapter's side, for a board that is reached over a serial line. Sans-IO: this
 //! crate must not know the connection that carries the bytes.
+//!
+//! ```
+//! use leadscrew_slcan::{BitRate, Lines, Request};
+//!
+//! let line = Request::Rate(BitRate::K500).line();
+//! assert_eq!(line.bytes(), b"S6\r");
+//!
+//! let mut lines: Lines = Lines::default();
+//! let heard = line.bytes().iter().find_map(|&byte| Request::of(lines.push(byte)?));
+//! assert_eq!(heard, Some(Request::Rate(BitRate::K500)));
+//! ```
 
 #[cfg(test)]
 extern crate std;

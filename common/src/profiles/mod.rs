@@ -34,7 +34,7 @@ macro_rules! built_in {
     ($($name:literal)*) => {
         /// The profiles that are built in: name and text.
         const BUILT_IN: &[(&str, &str)] = &[
-            $(($name, include_str!(concat!("../../../params/drives/", $name, ".toml")))),*
+            $(($name, include_str!(concat!("../../drives/", $name, ".toml")))),*
         ];
     };
 }

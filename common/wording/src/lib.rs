@@ -1,6 +1,13 @@
 //! The words of an alarm: a template of the core's table, with its figures in the reader's units.
 //!
 //! Must know no file, no terminal and no command line: the page in a browser says the same words as `leadscrew`.
+//!
+//! ```
+//! use leadscrew_core::alarm::{Alarm, Code, Lang};
+//!
+//! let alarm = Alarm::of(Code::EmergencyStop, &[]);
+//! assert_eq!(leadscrew_wording::fill(alarm.code.cause(Lang::En), &alarm, Lang::En, false), "emergency stop");
+//! ```
 
 pub mod number;
 

@@ -286,6 +286,11 @@ Examples:
   leadscrew completions bash > ~/.local/share/bash-completion/completions/leadscrew
   leadscrew completions fish > ~/.config/fish/completions/leadscrew.fish";
 
+pub(super) const MAN: &str = "\
+Examples:
+  leadscrew man run | man -l -
+  leadscrew man --to ~/.local/share/man/man1";
+
 pub(super) const UP: &str = "\
 Examples:
   leadscrew up --machine examples/leadscrew.toml       a machine named desk, for the programs of examples

@@ -8,6 +8,7 @@ mod doctor;
 mod drives;
 mod expand;
 mod explain;
+mod man;
 mod measure;
 mod params;
 mod picture;
@@ -36,6 +37,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
     unavailable::refuse(cli)?;
     match &cli.command {
         Command::Completions { shell } => completions::print(*shell),
+        Command::Man { command, to } => man::run(command, to.as_deref()),
         Command::Explain(args) => explain::run(&cli.global, args),
         Command::Params { command } => params::run(&cli.global, command),
         Command::Tools { command } => tools::tools(&cli.global, command),

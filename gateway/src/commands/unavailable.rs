@@ -87,6 +87,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Down { .. } => "down",
         Command::Sim { .. } => "sim",
         Command::Completions { .. } => "completions",
+        Command::Man { .. } => "man",
     }
 }
 

@@ -125,6 +125,7 @@ mod json;
 mod kept;
 mod machine;
 mod macros;
+mod manual;
 mod measure;
 mod plausible;
 mod plot;

@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::{code, leadscrew, stderr, stdout};
+use crate::{Folder, code, leadscrew, stderr, stdout};
 
 #[test]
 fn help_and_version_are_on_every_command() {
@@ -33,6 +33,7 @@ fn help_and_version_are_on_every_command() {
         "down",
         "sim",
         "completions",
+        "man",
     ] {
         let help = leadscrew(&[command, "--help"]);
         assert_eq!(code(&help), 0, "{command}: {}", stderr(&help));
@@ -268,6 +269,7 @@ fn what_cannot_be_printed_is_no_success() {
         (&["params", "set", "--help"], "en"),
         (&["--help", "--lang", "zh"], "zh"),
         (&["completions", "bash"], "en"),
+        (&["man", "run"], "en"),
         (&["params", "docs"], "en"),
     ] {
         let full = std::fs::File::create("/dev/full").unwrap();
@@ -350,6 +352,62 @@ fn completions_exist_for_the_usual_shells() {
         assert_eq!(code(&output), 0, "{shell}");
         assert!(stdout(&output).contains("leadscrew"), "{shell}");
     }
+}
+
+/// The commands that `--help` lists under this command, but `help` itself.
+fn commands_below(command: &[&str]) -> Vec<String> {
+    let help = stdout(&leadscrew(&[command, &["--help"]].concat()));
+    let list = help.split_once("Commands:\n").map_or("", |(_, list)| list);
+    let lines = list.lines().take_while(|line| !line.is_empty());
+    // What is wrapped is indented further.
+    let rows = lines.filter_map(|line| line.strip_prefix("  ").filter(|row| !row.starts_with(' ')));
+    let names = rows.filter_map(|row| row.split_whitespace().next());
+    names
+        .filter(|name| *name != "help")
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn each_command_and_verb_has_a_manual_page_that_the_one_above_names() {
+    let folder = Folder::new("man");
+    let output = leadscrew(&["man", "--to", folder.0.to_str().unwrap()]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = |name: &str| std::fs::read_to_string(folder.file(&format!("{name}.1"))).unwrap();
+    let commands = commands_below(&[]);
+    assert!(commands.len() > 30, "{commands:?}");
+    for command in &commands {
+        let named = format!("leadscrew\\-{}(1)", command.replace('-', "\\-"));
+        assert!(page("leadscrew").contains(&named), "{named}");
+        let own = page(&format!("leadscrew-{command}"));
+        for option in ["\\-\\-bus\\fR", "\\-\\-lang\\fR"] {
+            assert!(own.contains(option), "{command}: {option}");
+        }
+        let printed = stdout(&leadscrew(&["man", command]));
+        assert_eq!(printed, own, "{command}");
+        for verb in commands_below(&[command]) {
+            let own = page(&format!("leadscrew-{command}-{verb}"));
+            assert_eq!(
+                stdout(&leadscrew(&["man", command, &verb])),
+                own,
+                "{command} {verb}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_page_of_no_command_is_refused() {
+    let output = leadscrew(&["man", "params", "lst"]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("no command `params lst`"),
+        "{}",
+        stderr(&output)
+    );
+    let output = leadscrew(&["man", "--to", "/dev/null/here"]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("/dev/null/here"));
 }
 
 #[test]

@@ -121,6 +121,11 @@ impl Line {
     }
 }
 
+/// Name and version are one piece of the image, so that a file of it tells its version without a board.
+const NAMED: &str = concat!("Leadscrew board ", env!("CARGO_PKG_VERSION"));
+const DEVICE_NAME: &str = NAMED.split_at("Leadscrew board".len()).0;
+const SOFTWARE_VERSION: &str = NAMED.split_at("Leadscrew board ".len()).1;
+
 /// The data of an object that a board needs. Parameters have their own table.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
@@ -177,8 +182,8 @@ impl Row {
     /// The text; empty for a number.
     pub const fn text(&self) -> &'static str {
         match self.value {
-            Value::DeviceName => "Leadscrew board",
-            Value::SoftwareVersion => env!("CARGO_PKG_VERSION"),
+            Value::DeviceName => DEVICE_NAME,
+            Value::SoftwareVersion => SOFTWARE_VERSION,
             _ => "",
         }
     }
