@@ -134,7 +134,8 @@ fn the_page_is_told_what_the_machine_does_and_its_end_changes_nothing() {
         assert!(!en.is_empty() && en.is_ascii() && !zh.is_ascii(), "{s}");
     }
     let text = format!("{number:04}");
-    wait(&mut told, "log", |log| {
+    // The log is told before the state, and once.
+    wait(&mut page.watch(), "log", |log| {
         let list = log.as_array().unwrap();
         list.iter()
             .any(|entry| entry["text"][0].as_str().unwrap().contains(&text))
