@@ -375,6 +375,18 @@ pub enum Command {
         #[arg(long)]
         watch: bool,
     },
+    /// The page at the machine: a live view of the board for a tablet, in a browser (not with `--bus sim`)
+    ///
+    /// It prints the link to open, with a token that is new at each start. It looks only, and ends with Ctrl-C.
+    #[command(after_help = examples::PANEL)]
+    Panel {
+        /// Where it listens; beyond this computer only behind a proxy with TLS
+        #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:8080")]
+        listen: std::net::SocketAddr,
+        /// The name by which a proxy with TLS is reached, with its port where that is not 443; may be given several times
+        #[arg(long = "host", value_name = "NAME")]
+        hosts: Vec<String>,
+    },
     /// Feed hold (not with `--bus sim`)
     #[command(after_help = examples::HOLD)]
     Hold,

@@ -1,5 +1,5 @@
-//! Checks whether an axis can follow an encoder: of a slow spindle few counts tell too little, and whole counts shake an axis
-//! on the lead where their edges are not timed.
+//! Checks whether an axis can follow an encoder: of a slow spindle few counts tell too little, and whole counts shake an
+//! axis on the lead where their edges are not timed.
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::params::{Params, metres};

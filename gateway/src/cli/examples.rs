@@ -158,6 +158,12 @@ Examples:
   leadscrew monitor --bus can0             ? shows the keys, q ends it
   leadscrew monitor --bus can0 --watch     looks only";
 
+pub(super) const PANEL: &str = "\
+Examples:
+  leadscrew panel --bus can0                          open the link that it prints
+  leadscrew panel --bus can0 --listen 127.0.0.1:0     at a port that is free
+  leadscrew panel --bus can0 --host lathe.example     behind a proxy: https://lathe.example";
+
 pub(super) const HOLD: &str = "\
 Example:
   leadscrew hold --bus can0     a stroke that cuts a thread is finished first";

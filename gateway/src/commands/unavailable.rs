@@ -68,6 +68,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Touch(_) => "touch",
         Command::Status => "status",
         Command::Monitor { .. } => "monitor",
+        Command::Panel { .. } => "panel",
         Command::Hold => "hold",
         Command::Resume => "resume",
         Command::Home { .. } => "home",

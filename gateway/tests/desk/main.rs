@@ -6,6 +6,7 @@ mod from;
 mod functions;
 mod life;
 mod mdi;
+mod page;
 mod panel;
 mod tune;
 mod tutorial;

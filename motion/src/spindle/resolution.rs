@@ -39,8 +39,8 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// The largest acceleration that reading whole counts, without the times of edges, can give an axis on this lead. The axis's setpoints are
-    /// predicted `ahead` of the sample.
+    /// The largest acceleration that reading whole counts, without the times of edges, can give an axis on this lead. The
+    /// axis's setpoints are predicted `ahead` of the sample.
     ///
     /// This is a bound: it assumes errors of half a count in the worst order. Real accelerations reach about 70 % of
     /// it.

@@ -15,10 +15,10 @@ mod keys;
 mod orders;
 mod panel;
 mod terminal;
-mod told;
+pub(super) mod told;
 mod typed;
-mod view;
-mod zeros;
+pub(super) mod view;
+pub(super) mod zeros;
 
 use std::collections::VecDeque;
 use std::io::{self, IsTerminal as _};

@@ -1,0 +1,331 @@
+//! `panel`: the page at the machine. This is its side of the bus: it reads the board, and tells the page's server.
+//!
+//! It orders nothing, and must not know who watches: sockets, tokens and refusals are those of `leadscrew_panel`.
+
+use std::collections::VecDeque;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::bus::BoardStatus;
+use leadscrew_core::link::{Logged, Status};
+use leadscrew_core::units::Length;
+use leadscrew_panel::{Feed, Server, Token, fresh_token};
+
+use super::monitor::told::{Told, of_alarm, told};
+use super::monitor::view::Tone;
+use super::monitor::zeros::Zeros;
+use super::{mdi, names, open, state_name};
+use crate::cli::Global;
+use crate::failure::{Failure, Outcome};
+use crate::interrupt::{self, UnderWay};
+use crate::json::Json;
+use crate::link::{Link, LinkResult};
+use crate::output;
+use crate::place::SourceLine;
+use crate::words::both;
+
+/// Between two messages of state: 30 Hz.
+const PERIOD: Duration = Duration::from_millis(33);
+/// Between two readings of the status record, which has the position.
+const STATUS: Duration = Duration::from_millis(100);
+/// Between two readings of the event log, and of what else changes seldom.
+const LOG: Duration = Duration::from_secs(1);
+/// Messages of the log that are kept for the page.
+const KEPT: usize = 60;
+/// Entries of the log that are older than the page and shown all the same.
+const BEFORE: u32 = 8;
+
+/// Gives out the page until it is interrupted.
+pub fn panel(global: &Global, listen: SocketAddr, hosts: &[String]) -> Outcome {
+    let mut link = open(global)?;
+    link.greet()?;
+    link.hear_status()?;
+    let token = fresh_token().map_err(|error| {
+        Failure::Usage(both!(
+            "this computer gives no random numbers for a token: {error}; look at /dev/urandom",
+            "本机无法提供生成令牌所需的随机数：{error}；请检查 /dev/urandom"
+        ))
+    })?;
+    let feed = Arc::new(Feed::default());
+    let server = Server::start(listen, hosts, token, Arc::clone(&feed)).map_err(|error| {
+        Failure::Usage(both!(
+            "cannot listen at {listen}: {error}; choose another address with --listen",
+            "无法监听 {listen}：{error}；请用 --listen 选择其他地址"
+        ))
+    })?;
+    interrupt::defer(UnderWay::Computed);
+    tell_links(global, server.address, hosts, token)?;
+    Side::new(global, link, feed)?.carry_out()
+}
+
+/// The links to open.
+fn tell_links(global: &Global, address: SocketAddr, hosts: &[String], token: Token) -> Outcome {
+    let token = token.text();
+    let here = std::iter::once(format!("http://{address}/#{token}"));
+    let links: Vec<String> = here
+        .chain(hosts.iter().map(|host| format!("https://{host}/#{token}")))
+        .collect();
+    if global.json {
+        return output::json(|json| {
+            json.flag("ok", true);
+            json.array_at("links", |json| {
+                links.iter().for_each(|link| json.text_item(link))
+            });
+        });
+    }
+    let list = links.join("\n");
+    let text = both!(
+        "the panel is at\n{list}\nWho has the link sees the machine; Ctrl-C ends it.\n",
+        "面板地址：\n{list}\n持有该链接者可以查看机床；按 Ctrl-C 结束。\n"
+    );
+    output::write(text.get(global.lang()).as_bytes())?;
+    if !address.ip().is_loopback() {
+        let text = both!(
+            "warning: the page goes over the network without TLS, and its token with it; listen at 127.0.0.1 behind a proxy\n",
+            "警告：页面及其令牌未经 TLS 在网络上传输；请监听 127.0.0.1 并使用代理\n"
+        );
+        output::write(text.get(global.lang()).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// The side of the bus at work.
+struct Side<'a> {
+    global: &'a Global,
+    link: Link,
+    feed: Arc<Feed>,
+    zeros: Zeros,
+    record: Option<(Status, Instant)>,
+    /// The number of the last status, and when it came.
+    status: (u64, Instant),
+    last_event: u32,
+    /// In English, in Chinese.
+    messages: VecDeque<[Told; 2]>,
+}
+
+impl<'a> Side<'a> {
+    fn new(global: &'a Global, mut link: Link, feed: Arc<Feed>) -> Outcome<Self> {
+        let last_event = link.newest_event()?.saturating_sub(BEFORE);
+        feed.tell(
+            "hello",
+            object(|json| {
+                json.text("bus", &global.bus.to_string());
+                json.integer("node", i64::from(link.node().get()));
+            }),
+        );
+        Ok(Self {
+            global,
+            status: (link.seen.statuses, Instant::now()),
+            link,
+            feed,
+            zeros: Zeros::default(),
+            record: None,
+            last_event,
+            messages: VecDeque::new(),
+        })
+    }
+
+    /// What a board that lives does not answer is asked again later.
+    fn tolerate<T>(&mut self, read: LinkResult<T>) -> Outcome<Option<T>> {
+        if read.is_err() {
+            self.link.check_alive()?;
+        }
+        Ok(read.ok())
+    }
+
+    fn carry_out(mut self) -> Outcome {
+        let mut boots = self.link.seen.boots;
+        let (mut status_due, mut log_due) = (Instant::now(), Instant::now());
+        loop {
+            let now = Instant::now();
+            if now >= log_due {
+                log_due = now + LOG;
+                self.read_log()?;
+            }
+            if now >= status_due {
+                status_due = now + STATUS;
+                let read = self.link.status();
+                if let Some(status) = self.tolerate(read)? {
+                    self.record = Some((status, Instant::now()));
+                }
+            }
+            self.tell_state()?;
+            self.link.listen(Instant::now() + PERIOD, &mut |_| false)?;
+            self.link.check_alive()?;
+            if self.link.seen.boots != boots {
+                // It says no process data before somebody has started it.
+                boots = self.link.seen.boots;
+                self.link.start_node()?;
+            }
+            if interrupt::requested() {
+                return Ok(());
+            }
+        }
+    }
+
+    fn read_log(&mut self) -> Outcome {
+        let read = self.link.events_behind(self.last_event);
+        let entries = self.tolerate(read)?.unwrap_or_default();
+        for entry in &entries {
+            self.last_event = self.last_event.max(entry.number);
+            if let Some(told) = in_both(entry) {
+                if self.messages.len() == KEPT {
+                    self.messages.pop_front();
+                }
+                self.messages.push_back(told);
+            }
+        }
+        if !entries.is_empty() {
+            self.feed.tell("log", log(&self.messages));
+        }
+        if let Some((status, _)) = self.record {
+            self.zeros.note(mdi::in_force(self.global, &status));
+            let read = self.zeros.follow(&mut self.link, &status);
+            self.tolerate(read)?;
+        }
+        Ok(())
+    }
+
+    fn tell_state(&mut self) -> Outcome {
+        let now = Instant::now();
+        if self.link.seen.statuses != self.status.0 {
+            self.status = (self.link.seen.statuses, now);
+        }
+        let Some((record, read)) = self.record else {
+            return Ok(());
+        };
+        let mode = self.link.mode();
+        let mode = self.tolerate(mode)?;
+        let seen = &self.link.seen;
+        // The older of both counts.
+        let age = now.saturating_duration_since(read.min(self.status.1));
+        let status = seen.status.unwrap_or_default();
+        let zero = self.zeros.zero();
+        let modal = self.zeros.carried.as_ref().map(mdi::modal_words);
+        let text = object(|json| {
+            json.integer("age_ms", i64::try_from(age.as_millis()).unwrap_or(i64::MAX));
+            match mode {
+                Some(mode) => json.text("mode", mode.name()),
+                None => json.null("mode"),
+            }
+            levels(json, &record, &status);
+            match zero {
+                Some(zero) => {
+                    json.text("zero", &format!("G{} T{:02}", zero.system, zero.tool));
+                    json.integer("tool", i64::from(zero.tool));
+                }
+                None => {
+                    json.null("zero");
+                    json.null("tool");
+                }
+            }
+            places(json, &record, zero.map(|zero| zero.at));
+            match &modal {
+                Some(words) => json.text("modal", words),
+                None => json.null("modal"),
+            }
+        });
+        self.feed.tell("s", text);
+        Ok(())
+    }
+}
+
+/// State, alarm, overrides and place in the program.
+fn levels(json: &mut Json, record: &Status, status: &BoardStatus) {
+    json.text("state", state_name(status.state));
+    match status.alarm {
+        Some(number) => json.integer("number", i64::from(number)),
+        None => json.null("number"),
+    }
+    match record.alarm.filter(|_| status.alarm.is_some()) {
+        Some(alarm) => json.object_at("alarm", |json| {
+            let told = [Lang::En, Lang::Zh].map(|lang| of_alarm(&alarm, Tone::Bad, lang));
+            message(json, &told);
+        }),
+        None => json.null("alarm"),
+    }
+    json.flag("hold", status.flags.hold);
+    json.flag("single", status.flags.single_block);
+    json.flag("dry", status.flags.dry_run);
+    match record.line {
+        0 => json.null("line"),
+        line => json.text("line", &SourceLine(line).to_string()),
+    }
+    json.integer("move", i64::from(record.number));
+    json.integer("rpm", i64::from(record.speed.rpm().get()));
+    json.integer("commanded", i64::from(record.command.get()));
+    json.integer("feed", i64::from(record.feed_percent));
+    json.integer("rapid", i64::from(record.rapid_percent));
+    json.integer("turn", i64::from(record.spindle_percent));
+    match record.sync_error {
+        Some(error) => json.decimal::<3>("sync_um", error.nm()),
+        None => json.null("sync_um"),
+    }
+    json.integer("late", i64::from(record.late));
+}
+
+/// Where the axes are, X as a diameter, by the work's zero and by the machine's.
+fn places(json: &mut Json, record: &Status, zero: Option<[Length; 2]>) {
+    let place = record.position;
+    match zero {
+        Some([x, z]) => {
+            json.decimal::<6>("wx", (place.x - x).nm().saturating_mul(2));
+            json.decimal::<6>("wz", (place.z - z).nm());
+        }
+        None => {
+            json.null("wx");
+            json.null("wz");
+        }
+    }
+    json.decimal::<6>("mx", place.x.nm().saturating_mul(2));
+    json.decimal::<6>("mz", place.z.nm());
+    json.decimal::<6>("mc", place.c.udeg());
+    json.text("referenced", &names(record.referenced));
+    json.text("unreferenced", &names(record.unreferenced));
+}
+
+fn in_both(entry: &Logged) -> Option<[Told; 2]> {
+    Some([told(entry, Lang::En)?, told(entry, Lang::Zh)?])
+}
+
+fn log(messages: &VecDeque<[Told; 2]>) -> String {
+    let mut json = Json::new();
+    let items: Vec<String> = messages
+        .iter()
+        .map(|told| object(|json| message(json, told)))
+        .collect();
+    json.item(&format!("[{}]", items.join(",")));
+    text(json)
+}
+
+fn message(json: &mut Json, told: &[Told; 2]) {
+    let [en, zh] = told;
+    let tone = match en.tone {
+        Tone::Bad => "bad",
+        Tone::Care => "care",
+        Tone::Plain | Tone::Good | Tone::Old => "plain",
+    };
+    json.text("tone", tone);
+    for (key, [en, zh]) in [
+        ("text", [&en.text, &zh.text]),
+        ("help", [&en.help, &zh.help]),
+    ] {
+        json.array_at(key, |json| {
+            json.text_item(en);
+            json.text_item(zh);
+        });
+    }
+}
+
+fn object(fill: impl FnOnce(&mut Json)) -> String {
+    let mut json = Json::new();
+    json.object(fill);
+    text(json)
+}
+
+fn text(json: Json) -> String {
+    // It was text before.
+    String::from_utf8_lossy(&json.into_bytes()).into_owned()
+}

@@ -1,0 +1,74 @@
+// Puts what the machine says into the page. It must not know how it came, and orders nothing.
+
+import { isChinese, word } from "./words.js";
+
+const at = (id) => document.getElementById(id);
+const fixed = (value, places) => (value === null ? "" : value.toFixed(places));
+const both = (pair) => pair[isChinese() ? 1 : 0];
+
+// Text is set where it differs, so that nothing is laid out or read aloud again for nothing.
+function put(id, text) {
+  const place = at(id);
+  if (place.textContent !== text) place.textContent = text;
+}
+
+export function hello({ bus, node }) {
+  put("whose", `${node} @ ${bus}`);
+}
+
+export function state(s) {
+  put("state", word(`state_${s.state}`) + (s.number === null ? "" : ` ${String(s.number).padStart(4, "0")}`));
+  document.body.dataset.state = s.state;
+  put("mode", s.mode === null ? "" : word(`mode_${s.mode}`));
+  put("tool", s.tool === null ? "" : `T${String(s.tool).padStart(2, "0")}`);
+  const flags = [s.hold && word("held"), s.single && word("single"), s.dry && word("dry")];
+  put("flags", flags.filter(Boolean).join(" · "));
+  put("zero", s.zero === null ? "" : s.zero);
+  for (const name of ["wx", "wz", "mx", "mz", "mc"]) put(name, fixed(s[name], 4));
+  for (const axis of ["X", "Z", "C"]) {
+    const known = s.referenced.includes(axis) ? word("referenced") : "";
+    put(`ref${axis.toLowerCase()}`, s.unreferenced.includes(axis) ? word("unreferenced") : known);
+  }
+  put("rpm", fixed(s.rpm, 0));
+  put("commanded", fixed(s.commanded, 0));
+  put("feed", fixed(s.feed, 0));
+  put("rapid", fixed(s.rapid, 0));
+  put("turn", fixed(s.turn, 0));
+  put("line", s.line === null ? word("no_line") : `N ${s.line} · ${s.move}`);
+  put("modal", s.modal === null ? word("not_said") : s.modal);
+  put("sync", s.sync_um === null ? "–" : `${fixed(s.sync_um, 3)} µm`);
+  put("late", fixed(s.late, 0));
+  const alarm = at("alarm");
+  alarm.hidden = s.alarm === null;
+  if (s.alarm) put("alarm", `▲ ${both(s.alarm.text)} — ${word("remedy")}: ${both(s.alarm.help)}`);
+}
+
+export function log(entries) {
+  at("log").replaceChildren(...entries.toReversed().map((entry) => {
+    const row = document.createElement("li");
+    row.dataset.tone = entry.tone;
+    const sign = { bad: "▲ ", care: "! " }[entry.tone] ?? "";
+    row.textContent = sign + both(entry.text);
+    const help = both(entry.help);
+    if (help) {
+      const below = document.createElement("small");
+      below.textContent = `${word("remedy")}: ${help}`;
+      row.append(below);
+    }
+    return row;
+  }));
+}
+
+// How old the values are, in milliseconds.
+export function age(ms) {
+  const old = ms > 250;
+  document.body.classList.toggle("old", old);
+  put("age", old && Number.isFinite(ms) ? `${(ms / 1000).toFixed(1)} ${word("old")}` : "");
+  if (ms > 2000) banner(word("lost"));
+  else banner("");
+}
+
+export function banner(text) {
+  put("banner", text);
+  at("banner").hidden = text === "";
+}

@@ -1,0 +1,18 @@
+//! The page: its files as they are in `page`, none of them made by a tool. Knows nothing of requests.
+
+/// A file by its path: what it is, and its text.
+pub fn find(path: &str) -> Option<(&'static str, &'static str)> {
+    const SCRIPT: &str = "text/javascript; charset=utf-8";
+    Some(match path {
+        "/" => (
+            "text/html; charset=utf-8",
+            include_str!("../page/index.html"),
+        ),
+        "/style.css" => ("text/css; charset=utf-8", include_str!("../page/style.css")),
+        "/panel.js" => (SCRIPT, include_str!("../page/panel.js")),
+        "/show.js" => (SCRIPT, include_str!("../page/show.js")),
+        "/transport.js" => (SCRIPT, include_str!("../page/transport.js")),
+        "/words.js" => (SCRIPT, include_str!("../page/words.js")),
+        _ => return None,
+    })
+}

@@ -1,0 +1,138 @@
+//! Why a request is not answered: its name, its HTTP status, and what helps. Knows nothing of how it is found.
+
+/// One reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// The request is no HTTP that this server reads.
+    Malformed,
+    /// It was not complete in time.
+    Slow,
+    /// Its head, or what follows it, is too long.
+    TooLong,
+    /// It names a host that this server is not.
+    Host,
+    /// A page from elsewhere has sent it.
+    Origin,
+    /// It is not sent by this page: its header or its type is missing.
+    NotThePage,
+    /// Nobody has logged in.
+    Login,
+    /// The token is not that of this server.
+    Token,
+    /// There is nothing of this name.
+    NotFound,
+    /// It is there, but not to be asked in this way.
+    Method,
+    /// Too many connections, or too many that watch.
+    Busy,
+}
+
+impl Refusal {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Malformed,
+        Self::Slow,
+        Self::TooLong,
+        Self::Host,
+        Self::Origin,
+        Self::NotThePage,
+        Self::Login,
+        Self::Token,
+        Self::NotFound,
+        Self::Method,
+        Self::Busy,
+    ];
+
+    /// The name that programs go by.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Malformed => "malformed",
+            Self::Slow => "slow",
+            Self::TooLong => "too_long",
+            Self::Host => "host",
+            Self::Origin => "origin",
+            Self::NotThePage => "not_the_page",
+            Self::Login => "login",
+            Self::Token => "token",
+            Self::NotFound => "not_found",
+            Self::Method => "method",
+            Self::Busy => "busy",
+        }
+    }
+
+    /// The status line.
+    #[must_use]
+    pub const fn status(self) -> &'static str {
+        match self {
+            Self::Malformed => "400 Bad Request",
+            Self::Slow => "408 Request Timeout",
+            Self::TooLong => "413 Content Too Large",
+            Self::Host => "421 Misdirected Request",
+            Self::Origin => "403 Forbidden",
+            Self::NotThePage => "415 Unsupported Media Type",
+            Self::Login | Self::Token => "401 Unauthorized",
+            Self::NotFound => "404 Not Found",
+            Self::Method => "405 Method Not Allowed",
+            Self::Busy => "503 Service Unavailable",
+        }
+    }
+
+    /// Cause and remedy: English, Chinese.
+    #[must_use]
+    pub const fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::Malformed => [
+                "this is no request that the panel reads; use the page",
+                "请求格式无效；请使用本页面",
+            ],
+            Self::Slow => [
+                "the request was not complete within 5 s; look at the network, then load the page again",
+                "请求未在 5 秒内完成；请检查网络后重新加载页面",
+            ],
+            Self::TooLong => [
+                "the request is longer than the panel reads; use the page",
+                "请求过长；请使用本页面",
+            ],
+            Self::Host => [
+                "the panel is not known by this name; open the link that it has printed, or start it with --host NAME",
+                "面板没有这个主机名；请打开启动时显示的链接，或用 --host 名称 启动",
+            ],
+            Self::Origin => [
+                "another page has sent this; open the link that the panel has printed",
+                "请求来自其他网页；请打开面板启动时显示的链接",
+            ],
+            Self::NotThePage => [
+                "a page of the panel sends JSON and names itself; load the page again",
+                "请求不是由面板页面发出的；请重新加载页面",
+            ],
+            Self::Login => [
+                "nobody has logged in here; open the link that the panel has printed",
+                "尚未登录；请打开面板启动时显示的链接",
+            ],
+            Self::Token => [
+                "this link is of a panel that was started before; open the link of this one",
+                "该链接属于以前启动的面板；请打开本次启动的链接",
+            ],
+            Self::NotFound => [
+                "there is nothing of this name; open the link that the panel has printed",
+                "没有该页面；请打开面板启动时显示的链接",
+            ],
+            Self::Method => [
+                "this is not asked in this way; load the page again",
+                "请求方法不对；请重新加载页面",
+            ],
+            Self::Busy => [
+                "too many pages are open; close some of them",
+                "打开的页面太多；请关闭一些",
+            ],
+        }
+    }
+
+    /// All of it, as an answer.
+    #[must_use]
+    pub fn json(self) -> String {
+        let [en, zh] = self.words();
+        serde_json::json!({"refused": self.name(), "en": en, "zh": zh}).to_string()
+    }
+}

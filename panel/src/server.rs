@@ -1,0 +1,261 @@
+//! The server: a thread for each connection, and few of them.
+//!
+//! It must not know a bus: what it shows comes from [`Feed`], and nothing that a client does keeps the side of the bus
+//! waiting.
+
+use std::io::{self, ErrorKind, Write as _};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use nix::sys::socket::{setsockopt, sockopt};
+
+use crate::assets;
+use crate::feed::Feed;
+use crate::guard::Place;
+use crate::http::{self, Request};
+use crate::refusal::Refusal;
+use crate::session::{Sessions, Token};
+
+/// Connections at a time.
+pub const CONNECTIONS: usize = 32;
+/// Those of them that watch. Others always find room.
+pub const STREAMS: usize = 16;
+/// Between two messages to one who watches: 30 Hz.
+const PERIOD: Duration = Duration::from_millis(33);
+/// A stream with no news says so often that it is there, and so finds out who has gone.
+const ALIVE: Duration = Duration::from_secs(1);
+/// What the kernel keeps for one who does not read, in bytes: a few messages, so that nobody is shown old ones for long.
+const KEPT: usize = 4096;
+/// After a failure to accept; out of descriptors, it would come back at once.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// A token that nobody can guess.
+///
+/// # Errors
+/// The computer gives no random numbers.
+pub fn fresh_token() -> io::Result<Token> {
+    let mut chance = [0; 16];
+    getrandom::fill(&mut chance).map_err(io::Error::other)?;
+    Ok(Token::new(chance))
+}
+
+struct Shared {
+    place: Place,
+    sessions: Mutex<Sessions>,
+    feed: Arc<Feed>,
+    connections: AtomicUsize,
+    streams: AtomicUsize,
+    over: AtomicBool,
+}
+
+/// A server at work. It ends with the process, or when it is dropped.
+pub struct Server {
+    /// Where it listens.
+    pub address: SocketAddr,
+    shared: Arc<Shared>,
+}
+
+impl Server {
+    /// Listens.
+    ///
+    /// # Errors
+    /// The address is not to be had.
+    pub fn start(
+        listen: SocketAddr,
+        names: &[String],
+        token: Token,
+        feed: Arc<Feed>,
+    ) -> io::Result<Self> {
+        let listener = TcpListener::bind(listen)?;
+        let address = listener.local_addr()?;
+        let shared = Arc::new(Shared {
+            place: Place::new(address, names),
+            sessions: Mutex::new(Sessions::new(token)),
+            feed,
+            connections: AtomicUsize::new(0),
+            streams: AtomicUsize::new(0),
+            over: AtomicBool::new(false),
+        });
+        let accepts = Arc::clone(&shared);
+        thread::Builder::new().spawn(move || accept(&listener, &accepts))?;
+        Ok(Self { address, shared })
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.shared.over.store(true, Ordering::Relaxed);
+        self.shared.feed.end();
+        // The thread that accepts looks at it once somebody connects.
+        let _ = TcpStream::connect(self.address);
+    }
+}
+
+/// A place among few; free again when it is dropped.
+struct Seat<'a>(&'a AtomicUsize);
+
+impl<'a> Seat<'a> {
+    fn take(taken: &'a AtomicUsize, limit: usize) -> Option<Self> {
+        let one_more = |count| (count < limit).then_some(count + 1);
+        let free = taken.fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_more);
+        free.ok().map(|_| Self(taken))
+    }
+}
+
+impl Drop for Seat<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
+    for connection in listener.incoming() {
+        if shared.over.load(Ordering::Relaxed) {
+            return;
+        }
+        let Ok(stream) = connection else {
+            thread::sleep(PAUSE);
+            continue;
+        };
+        if shared.connections.load(Ordering::Relaxed) >= CONNECTIONS {
+            turn_away(stream);
+            continue;
+        }
+        // This thread alone adds, so the count cannot pass the limit.
+        shared.connections.fetch_add(1, Ordering::Relaxed);
+        let own = Arc::clone(shared);
+        let spawned = thread::Builder::new().spawn(move || {
+            let _seat = Seat(&own.connections);
+            serve(stream, &own);
+        });
+        if spawned.is_err() {
+            shared.connections.fetch_sub(1, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Says that there is no room, without waiting for anything.
+fn turn_away(mut stream: TcpStream) {
+    let body = Refusal::Busy.json();
+    let status = Refusal::Busy.status();
+    let text = format!(
+        "HTTP/1.1 {status}\r\nContent-Type: application/json\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{body}",
+        body.len()
+    );
+    if stream.set_nonblocking(true).is_ok() {
+        // Who does not get it sees the connection end.
+        let _ = stream.write(text.as_bytes());
+        let _ = stream.shutdown(std::net::Shutdown::Write);
+    }
+}
+
+fn serve(mut stream: TcpStream, shared: &Shared) {
+    match http::read(&mut stream) {
+        Ok(None) => {}
+        Err(refusal) => http::refuse(stream, refusal),
+        Ok(Some(request)) => {
+            if let Err((stream, refusal)) = route(stream, &request, shared) {
+                http::refuse(stream, refusal);
+            }
+        }
+    }
+}
+
+/// Answers, or gives the connection back with the reason why not.
+fn route(
+    stream: TcpStream,
+    request: &Request,
+    shared: &Shared,
+) -> Result<(), (TcpStream, Refusal)> {
+    if let Err(refusal) = shared.place.check(request) {
+        return Err((stream, refusal));
+    }
+    match (request.method.as_str(), request.path.as_str()) {
+        ("GET", "/state") => watch(stream, request, shared),
+        ("POST", "/login") => match login(request, shared) {
+            Ok(cookie) => {
+                http::answer(stream, "200 OK", "application/json", &cookie, b"{}");
+                Ok(())
+            }
+            Err(refusal) => Err((stream, refusal)),
+        },
+        (method, path) => match assets::find(path) {
+            Some((kind, text)) if method == "GET" => {
+                http::answer(stream, "200 OK", kind, "", text.as_bytes());
+                Ok(())
+            }
+            Some(_) => Err((stream, Refusal::Method)),
+            None if matches!(path, "/state" | "/login") => Err((stream, Refusal::Method)),
+            None => Err((stream, Refusal::NotFound)),
+        },
+    }
+}
+
+/// The header that sets the cookie.
+fn login(request: &Request, shared: &Shared) -> Result<String, Refusal> {
+    let body: serde_json::Value =
+        serde_json::from_slice(&request.body).map_err(|_| Refusal::Malformed)?;
+    let token = body["token"].as_str().ok_or(Refusal::Malformed)?;
+    let fresh = fresh_token().map_err(|_| Refusal::Busy)?;
+    let mut sessions = shared
+        .sessions
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner);
+    let cookie = sessions.login(token, fresh)?.text();
+    let by_tls = request
+        .header("origin")
+        .is_some_and(|origin| origin.starts_with("https:"));
+    let secure = if by_tls { "; Secure" } else { "" };
+    let name = shared.place.cookie();
+    Ok(format!(
+        "Set-Cookie: {name}={cookie}; Path=/; HttpOnly; SameSite=Strict{secure}\r\n"
+    ))
+}
+
+/// Tells one who watches what the machine says, until one of both is gone.
+fn watch(
+    mut stream: TcpStream,
+    request: &Request,
+    shared: &Shared,
+) -> Result<(), (TcpStream, Refusal)> {
+    let cookie = request.cookie(shared.place.cookie());
+    let admitted = shared
+        .sessions
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .admit(cookie);
+    if let Err(refusal) = admitted {
+        return Err((stream, refusal));
+    }
+    let Some(_seat) = Seat::take(&shared.streams, STREAMS) else {
+        return Err((stream, Refusal::Busy));
+    };
+    // It ends with the first error, of which there is nobody left to be told.
+    let _ = setsockopt(&stream, sockopt::SndBuf, &KEPT)
+        .map_err(io::Error::from)
+        .and_then(|()| stream.set_nodelay(true))
+        .and_then(|()| http::begin(&mut stream, "200 OK", "text/event-stream", ""))
+        .and_then(|()| pass_on(&mut stream, &shared.feed));
+    Ok(())
+}
+
+fn pass_on(stream: &mut TcpStream, feed: &Feed) -> io::Result<()> {
+    let mut last = 0;
+    while let Some(news) = feed.behind(last, ALIVE) {
+        let mut text = String::new();
+        for (number, kind, json) in news {
+            last = number;
+            text.push_str(&format!("event: {kind}\ndata: {json}\n\n"));
+        }
+        if text.is_empty() {
+            text.push_str(":\n\n");
+        }
+        http::send(stream, text.as_bytes())?;
+        // What is told meanwhile takes the place of what was told before.
+        thread::sleep(PERIOD);
+    }
+    Err(ErrorKind::UnexpectedEof.into())
+}
