@@ -563,7 +563,7 @@ impl Checker<'_> {
         debug_assert_eq!(counted, Ok(()));
         self.keep(CycleReport {
             line: span.line,
-            cycle: "G75",
+            cycle: groove.code(),
             passes: u32::try_from(groove.totals().columns).unwrap_or(u32::MAX),
             tap_speed: None,
             tap_lead_in_nm: None,

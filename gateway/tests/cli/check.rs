@@ -92,6 +92,17 @@ fn cycles_are_reported_with_what_they_need() {
 }
 
 #[test]
+fn a_groove_in_the_face_has_its_own_name() {
+    let folder = Folder::new("face-groove");
+    let program = folder.file("p.nc");
+    let text = "G98\nM3 S500\nG0 X40 Z2\nG74 R1\nG74 X20 Z-5 P6000 Q2000 F50\nM30\n";
+    std::fs::write(&program, text).unwrap();
+    let output = leadscrew(&["check", "--json", &program]);
+    let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(result["files"][0]["cycles"][0]["cycle"], "G74");
+}
+
+#[test]
 fn a_retract_longer_than_an_infeed_is_a_warning_and_no_more() {
     let folder = Folder::new("retract");
     let program = folder.file("p.nc");

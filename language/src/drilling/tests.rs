@@ -91,6 +91,17 @@ fn holes_one_after_the_other() {
     );
 }
 
+/// A cycle may keep its words and drill at a later place; one that never does has lost a word.
+#[test]
+fn a_cycle_without_a_hole_is_refused() {
+    let text = "G98 G0 X0 Z5;G83 R-3 F100;Z-5;G80";
+    assert_eq!(moves(&[], Control::FanucA, text), "R0,5 R0,2 F0,-5 R0,5");
+    for end in ["G80", "G0 X10", "M30", "G87 X30 R-5"] {
+        let text = format!("G98 G0 X50 Z5;G83 R-3 Q3000 F100;{end}");
+        assert_eq!(refused(Control::FanucA, &text), 4062, "{end}");
+    }
+}
+
 #[test]
 fn holes_from_the_side_and_clamps() {
     let text = "G98 G0 X50 Z-10;G87 C45. X30 R-5 Q6000 F80 M77;G80";

@@ -1,6 +1,6 @@
 //! The words of a drilling block.
 
-use leadscrew_core::alarm::{Alarm, At, Code, Span};
+use leadscrew_core::alarm::{Alarm, Arg, At, Code, Span};
 use leadscrew_core::units::{Decimal, Diameter, Length};
 
 use crate::dialect::Control;
@@ -99,6 +99,8 @@ pub struct Drill {
     pub peck: Option<At<Length>>,
     /// P.
     pub dwell: u32,
+    /// A block has asked for a hole.
+    pub drills: bool,
 }
 
 /// The words of a block, divided.
@@ -129,7 +131,22 @@ impl Drill {
             bottom: None,
             peck: None,
             dwell: 0,
+            drills: false,
         }
+    }
+
+    /// A cycle is over. One that has only kept its words has lost the word that asks for the hole.
+    ///
+    /// # Errors
+    /// [`Code::TapBottomMissing`].
+    pub fn end(&self) -> Result<(), Alarm> {
+        if self.drills {
+            return Ok(());
+        }
+        let [letter, _] = self.kind.axis();
+        let code = if self.kind == Kind::Side { 870 } else { 830 };
+        let figures = [Arg::GCode(code), Arg::Letter(letter)];
+        Err(Alarm::new(Code::TapBottomMissing, self.code).with(figures))
     }
 
     /// Reads a block: the cycle keeps its own words, and the others are divided. `counts`: Q counts increments.
@@ -195,6 +212,7 @@ impl Drill {
                 _ => return Err(word.alarm(Code::WordWithoutUse)),
             }
         }
+        self.drills |= parts.drills;
         Ok(parts)
     }
 }

@@ -24,6 +24,11 @@ fn ends(word: &Word) -> bool {
         )
 }
 
+/// True for M02 and M30.
+fn ends_program(word: &Word) -> bool {
+    matches!(word.value().whole(), Some(2 | 30))
+}
+
 impl Acting<'_, '_> {
     /// Carries out a block of a drilling cycle; `None` where it is none.
     pub(super) fn drill(&mut self, line: u32, words: &[Word]) -> Result<Option<Done>, Alarm> {
@@ -42,9 +47,10 @@ impl Acting<'_, '_> {
                     Some((drill, initial)) if drill.kind.axis() == kind.axis() => *initial,
                     _ => self.core.interpreter.position(),
                 };
+                self.end_drilling()?;
                 self.core.drill = Some((Drill::new(kind, word.span), level));
             }
-            None if words.iter().any(ends) => self.core.drill = None,
+            None if words.iter().any(ends) => self.end_drilling()?,
             None => {}
         }
         let Some((mut drill, initial)) = self.core.drill else {
@@ -64,12 +70,21 @@ impl Acting<'_, '_> {
             self.holes(line, &drill, initial, &parts)?;
             done.moved = true;
         }
+        if parts.after.iter().any(ends_program) {
+            drill.end()?;
+        }
         if !parts.after.is_empty() {
             let moved = done.moved;
             done = self.plain_words(line, &parts.after)?;
             done.moved |= moved;
         }
         Ok(Some(done))
+    }
+
+    /// The cycle in force is over, if there is one.
+    fn end_drilling(&mut self) -> Result<(), Alarm> {
+        let ended = self.core.drill.take();
+        ended.map_or(Ok(()), |(drill, _)| drill.end())
     }
 
     /// Drills the holes of a block.

@@ -221,8 +221,8 @@ codes! {
         "槽底退刀量 R 为负", "请写不带符号的 R，或省略";
     /// A step of a groove is missing or zero where one is needed.
     GrooveStepMissing = 319, "the groove needs a step here and has none",
-        "write P (peck along X), and Q (step along Z) where Z differs from the start",
-        "切槽缺少进刀量或进刀量为零", "请写 P（X 向每次进刀量）；Z 与起点不同时还要写 Q（Z 向进刀量）";
+        "write the infeed (P of G75, Q of G74), and the step along the other axis (Q of G75, P of G74) where its end differs from the start",
+        "切槽缺少进刀量或进刀量为零", "请写每次进刀量（G75 为 P，G74 为 Q）；另一轴终点与起点不同时还要写其步距（G75 为 Q，G74 为 P）";
     /// A step of a groove is negative.
     GrooveStepNegative = 320, "the step {w} of the groove is negative", "write {w} without a sign",
         "切槽进刀量 {w} 为负", "请写不带符号的 {w}";
@@ -523,8 +523,8 @@ codes! {
     TooManyPasses = 4108, "the thread would take more than {0} rough passes", "write a larger Q (first depth) or a larger smallest step",
         "粗车次数将超过 {0} 次", "请增大第一刀切深 Q 或最小切削量";
     /// X_D = X_A in a groove.
-    GrooveWithoutDepth = 4109, "the groove has no depth: its bottom is at the start X", "write an X that differs from the start, or U other than 0",
-        "切槽没有深度：槽底 X 与起点相同", "请写与起点不同的 X，或不为 0 的 U";
+    GrooveWithoutDepth = 4109, "the groove has no depth: its bottom is where it starts", "write an X (G74: Z) that differs from the start, or U (W) other than 0",
+        "切槽没有深度：槽底与起点相同", "请写与起点不同的 X（G74 为 Z），或不为 0 的 U（W）";
     /// A length in a cycle is negative, zero or beyond the range of the machine arithmetic.
     CycleLengthRange = 4110, "{0} is not possible here: it must be a real length within ±4398 m",
         "correct the value", "此处不能为 {0}：必须是 ±4398 m 以内的有效长度", "请修改该值";
@@ -534,12 +534,12 @@ codes! {
         "螺纹至少有一个头", "请写 L1 至 L99，或省略 L";
     /// Infeeds of a column, columns, and the most of both together.
     TooManyGrooveInfeeds = 4112, "the groove would take {0} infeeds in each of {1} columns, and may take {2} altogether",
-        "write a larger P (infeed) or Q (step along Z); without a point and with 182.7 = 0 they count input increments, not millimetres",
-        "切槽每列进刀 {0} 次，共 {1} 列，总次数超过 {2}", "请增大 P（每次进刀量）或 Q（Z 向步距）；182.7 = 0 时它们以最小输入增量为单位，不是毫米";
+        "write a larger infeed or step (P and Q of G75, Q and P of G74); without a point and with 182.7 = 0 they count input increments, not millimetres",
+        "切槽每列进刀 {0} 次，共 {1} 列，总次数超过 {2}", "请增大每次进刀量或步距（G75 为 P 和 Q，G74 为 Q 和 P）；182.7 = 0 时它们以最小输入增量为单位，不是毫米";
     /// An infeed of a groove, its retract, and how many infeeds that may be at most; on the radius.
-    GrooveRetractTooLong = 4113, "each infeed of the groove is {0} on the radius, and each retract R(e) of {1} takes back more than {2} of them",
-        "write a larger P (with 182.7 = 0 it counts input increments, not millimetres), or a smaller R in the block before",
-        "切槽每次进刀 {0}（半径值），而每次退刀 R(e) 为 {1}，超过进刀量的 {2} 倍", "请增大 P（182.7 = 0 时以最小输入增量为单位，不是毫米），或减小前一段的 R";
+    GrooveRetractTooLong = 4113, "each infeed of the groove is {0} on the radius (G74: along Z), and each retract R(e) of {1} takes back more than {2} of them",
+        "write a larger infeed, P of G75, Q of G74 (with 182.7 = 0 it counts input increments, not millimetres), or a smaller R in the block before",
+        "切槽每次进刀 {0}（G75 为半径值），而每次退刀 R(e) 为 {1}，超过进刀量的 {2} 倍", "请增大进刀量，G75 为 P，G74 为 Q（182.7 = 0 时以最小输入增量为单位，不是毫米），或减小前一段的 R";
     /// The lead of G34 outside 0.0001–500 mm; at the start, at the end.
     LeadLeavesRange = 4114, "the lead goes from {0} at the start to {1} at the end, and must stay between 0.0001 mm and 500 mm",
         "correct F or K, or write a shorter stroke", "导程从起点的 {0} 变到终点的 {1}，必须在 0.0001 mm 至 500 mm 之间", "请修改 F 或 K，或缩短行程";
@@ -1312,9 +1312,9 @@ codes! {
         "leave R out of the block with X, unless the material beside the first column is gone",
         "槽底退刀 {0}：第一列没有退刀空间", "请在含 X 的程序段中省略 R，除非第一列旁边已无材料";
     /// An infeed of a groove, and its retract; on the radius.
-    GrooveRetractLong = 4921, "each infeed of the groove is {0} on the radius, and each retract R(e) takes back {1}: more than it",
-        "write a larger P, or a smaller R in the block before (without one: parameter 056)",
-        "切槽每次进刀 {0}（半径值），而每次退刀 R(e) 为 {1}，大于进刀量", "请增大 P，或减小前一段的 R（未写 R 时为参数 056）";
+    GrooveRetractLong = 4921, "each infeed of the groove is {0} on the radius (G74: along Z), and each retract R(e) takes back {1}: more than it",
+        "write a larger infeed (P of G75, Q of G74), or a smaller R in the block before (without one: parameter 056)",
+        "切槽每次进刀 {0}（G75 为半径值），而每次退刀 R(e) 为 {1}，大于进刀量", "请增大进刀量（G75 为 P，G74 为 Q），或减小前一段的 R（未写 R 时为参数 056）";
 
     // -- 4940–4959 warnings: feasible/, motion/, spindle/ --------------------------------------------------------------
     /// The tool has to start far away to be on the lead at the material.

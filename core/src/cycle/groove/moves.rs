@@ -57,6 +57,15 @@ impl GrooveMoves {
         Ok(Self::of(call, span))
     }
 
+    /// The code of the cycle.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self.call.axis {
+            TapAxis::X => "G75",
+            TapAxis::Z => "G74",
+        }
+    }
+
     /// The moves of a call that [`refuse_groove`] has accepted.
     pub(crate) fn of(call: &GrooveCall, span: Span) -> Self {
         let infeed = (call.bottom().value - call.level()).signum();
