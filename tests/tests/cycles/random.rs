@@ -240,7 +240,11 @@ fn threads_equal_the_reference() {
                 (Err(alarm), Err(refusal)) => {
                     assert_eq!(alarm.number(), refusal.number, "{call:?}");
                     if refusal.pass != 0 {
-                        assert_eq!(alarm.args[0], Arg::Int(refusal.pass.into()));
+                        assert_eq!(
+                            alarm.args[0],
+                            Arg::Int(refusal.pass.into()),
+                            "{refusal:?} {alarm:?} {call:?}"
+                        );
                     }
                     refused += 1;
                 }
