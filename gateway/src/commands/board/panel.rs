@@ -3,6 +3,7 @@
 //! It orders nothing, and must not know who watches: sockets, tokens and refusals are those of `leadscrew_panel`.
 
 use std::collections::VecDeque;
+use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -62,6 +63,14 @@ pub fn panel(global: &Global, listen: SocketAddr, hosts: &[String]) -> Outcome {
 
 /// The links to open.
 fn tell_links(global: &Global, address: SocketAddr, hosts: &[String], token: Token) -> Outcome {
+    if !address.ip().is_loopback() {
+        let text = both!(
+            "warning: the page goes over the network without TLS, and its token with it; listen at 127.0.0.1 behind a proxy\n",
+            "警告：页面及其令牌未经 TLS 在网络上传输；请监听 127.0.0.1 并使用代理\n"
+        );
+        // Who reads the links by program is warned too.
+        let _ = io::stderr().write_all(text.get(global.lang()).as_bytes());
+    }
     let token = token.text();
     let here = std::iter::once(format!("http://{address}/#{token}"));
     let links: Vec<String> = here
@@ -80,15 +89,7 @@ fn tell_links(global: &Global, address: SocketAddr, hosts: &[String], token: Tok
         "the panel is at\n{list}\nWho has the link sees the machine; Ctrl-C ends it.\n",
         "面板地址：\n{list}\n持有该链接者可以查看机床；按 Ctrl-C 结束。\n"
     );
-    output::write(text.get(global.lang()).as_bytes())?;
-    if !address.ip().is_loopback() {
-        let text = both!(
-            "warning: the page goes over the network without TLS, and its token with it; listen at 127.0.0.1 behind a proxy\n",
-            "警告：页面及其令牌未经 TLS 在网络上传输；请监听 127.0.0.1 并使用代理\n"
-        );
-        output::write(text.get(global.lang()).as_bytes())?;
-    }
-    Ok(())
+    output::write(text.get(global.lang()).as_bytes())
 }
 
 /// The side of the bus at work.
