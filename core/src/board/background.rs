@@ -32,11 +32,8 @@ use crate::journal::TapRecord;
 use crate::link::Event;
 use crate::motion::Limits;
 use crate::params::Params;
-use crate::tick::BackgroundEnds;
-use crate::tick::Measured;
-use crate::tick::Snapshot;
-use crate::tick::State;
 use crate::tick::queue::{Calls, drop_oldest, take};
+use crate::tick::{BackgroundEnds, Measured, Snapshot, State};
 
 /// The state of the background side.
 #[derive(Debug)]

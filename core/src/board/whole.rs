@@ -26,13 +26,10 @@ use crate::motion::{Helix, Law, Limits, Setpoint, TapLine};
 use crate::params::Params;
 use crate::signals::Signals;
 use crate::spindle::EncoderSample;
-use crate::tick::Command;
-use crate::tick::Queues;
-use crate::tick::StoreError;
 use crate::tick::queue::EVENTS;
-use crate::tick::{Contacts, Snapshot};
-use crate::tick::{Inputs, Tick, TickSide};
-use crate::tick::{Output, Setup, Ticker};
+use crate::tick::{
+    Command, Contacts, Inputs, Output, Queues, Setup, Snapshot, StoreError, Tick, TickSide, Ticker,
+};
 
 /// A motion board with both contexts.
 #[derive(Debug)]

@@ -4,10 +4,8 @@ use super::BackgroundSide;
 use super::orders::has_room;
 use super::press::plan_press;
 use crate::motion::Limits;
-use crate::tick::Command;
-use crate::tick::Order;
-use crate::tick::Setup;
 use crate::tick::queue::{put, room};
+use crate::tick::{Command, Order, Setup};
 
 impl BackgroundSide<'_> {
     /// Carries out the device's requests. Where there is no room for an order, they wait in the device.

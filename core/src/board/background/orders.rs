@@ -2,9 +2,8 @@
 
 use crate::call::Call;
 use crate::motion::Epoch;
-use crate::tick::BackgroundEnds;
-use crate::tick::Order;
 use crate::tick::queue::{Calls, put, room};
+use crate::tick::{BackgroundEnds, Order};
 
 /// The most orders that one piece of work asks for.
 const SPARE: usize = 3;

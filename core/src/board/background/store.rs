@@ -5,8 +5,7 @@ use super::{Background, BackgroundSide};
 use crate::board::kept::Held;
 use crate::board::request::{Content, StoreRequest};
 use crate::board::store::Region;
-use crate::tick::Order;
-use crate::tick::StoreError;
+use crate::tick::{Order, StoreError};
 
 impl Background {
     /// The next write for the storage; the owner answers it with [`stored`](BackgroundSide::stored). `None` where nothing

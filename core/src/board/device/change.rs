@@ -15,8 +15,7 @@ use crate::bus::Abort;
 use crate::link::Event;
 use crate::link::{ImageError, ImageWriter, identity};
 use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
-use crate::tick::DriveNodes;
-use crate::tick::StoreError;
+use crate::tick::{DriveNodes, StoreError};
 
 impl ObjectValues {
     /// True while a change of the set is under way. No call goes to the planner in this time.

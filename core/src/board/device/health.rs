@@ -5,10 +5,7 @@ use super::Device;
 use crate::bus::CobId;
 use crate::bus::{Controller, Periods};
 use crate::params::Params;
-use crate::tick::Command;
-use crate::tick::DriveNodes;
-use crate::tick::State;
-use crate::tick::{BusTrouble, Intrusion};
+use crate::tick::{BusTrouble, Command, DriveNodes, Intrusion, State};
 
 /// Late setpoints within this time count against their limit.
 const LATE_MS: u32 = 1000;

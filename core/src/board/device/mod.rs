@@ -50,7 +50,7 @@ pub use program_buffer::PROGRAM_BYTES;
 pub use shelf::CommitState;
 pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 
-use crate::tick::Found;
+use crate::tick::{Command, DriveNodes, Found, Intrusion, Measured, Snapshot, StoreError};
 use heapless::Deque;
 
 pub use self::operating::Asked;
@@ -74,12 +74,6 @@ use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
-use crate::tick::Command;
-use crate::tick::DriveNodes;
-use crate::tick::Intrusion;
-use crate::tick::Measured;
-use crate::tick::Snapshot;
-use crate::tick::StoreError;
 use crate::units::{Axis, Length};
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.

@@ -4,8 +4,7 @@
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::operating::OperatingMode;
-use crate::tick::Snapshot;
-use crate::tick::{Outcome, State};
+use crate::tick::{Outcome, Snapshot, State};
 
 /// What somebody asks of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

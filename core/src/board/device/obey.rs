@@ -11,8 +11,7 @@ use crate::bus::{
     StepRequest, WheelRequest,
 };
 use crate::params::Params;
-use crate::tick::Command;
-use crate::tick::State;
+use crate::tick::{Command, State};
 
 /// The reaction of a running program to the loss of the gateway.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,8 +16,7 @@ use crate::board::store::{Region, copy};
 use crate::bus::Abort;
 use crate::offsets::Revision;
 use crate::offsets::image::{self, BYTES, Image, ImageFault, check};
-use crate::tick::Found;
-use crate::tick::StoreError;
+use crate::tick::{Found, StoreError};
 use crate::units::{Axes, Axis};
 
 /// A position that nobody has marked.

@@ -23,9 +23,7 @@ use crate::link::Event;
 use crate::offsets::image::tip_of;
 use crate::operating::{Interlock, Led, OperatingMode, PressState, Towards};
 use crate::params::Params;
-use crate::tick::Command;
-use crate::tick::State;
-use crate::tick::interlocked;
+use crate::tick::{Command, State, interlocked};
 use crate::units::{Axes, Axis, Length};
 use crate::zones::Zones;
 

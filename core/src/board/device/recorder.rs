@@ -4,8 +4,7 @@ use super::threads::Threads;
 use crate::bus::{BoardState, Periods};
 use crate::link::Event;
 use crate::link::{Certificate, LinkError, SetpointHash, Tally, VERSION};
-use crate::tick::Measured;
-use crate::tick::Snapshot;
+use crate::tick::{Measured, Snapshot};
 
 /// The record since the program was started, and of its threads.
 #[derive(Debug)]

@@ -17,8 +17,7 @@ use crate::alarm::{Alarm, Code};
 use crate::board::kept::{Kept, Mark, Shelved, Slot};
 use crate::board::store::Region;
 use crate::bus::Abort;
-use crate::tick::Found;
-use crate::tick::StoreError;
+use crate::tick::{Found, StoreError};
 
 /// The result of the last change: 5010h:02 and 5011h:02.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

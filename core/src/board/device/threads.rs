@@ -16,8 +16,7 @@ use crate::link::{
     ThreadState, encode_certificates,
 };
 use crate::motion::Cut;
-use crate::tick::Measured;
-use crate::tick::Snapshot;
+use crate::tick::{Measured, Snapshot};
 
 /// Certificates kept. The newest may be under way.
 const KEPT: usize = 8;

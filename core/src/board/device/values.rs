@@ -25,9 +25,7 @@ use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
 use crate::offsets::InPlace;
 use crate::params::Params;
 use crate::signals::Signals;
-use crate::tick::Command;
-use crate::tick::Measured;
-use crate::tick::Snapshot;
+use crate::tick::{Command, Measured, Snapshot};
 use crate::units::{Axes, Length, TurnRate};
 
 /// Commands on their way to the tick.
