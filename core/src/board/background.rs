@@ -22,7 +22,7 @@ mod store;
 use self::orders::Orders;
 use super::device::Device;
 use super::kept::PowerUp;
-use super::planner::{Planner, Settings};
+use super::planner::{Calls, Planner, Settings};
 use super::store::Region;
 use crate::alarm::Alarm;
 use crate::bus::FdFrame;
@@ -32,7 +32,7 @@ use crate::journal::TapRecord;
 use crate::link::Event;
 use crate::motion::Limits;
 use crate::params::Params;
-use crate::tick::queue::{Calls, drop_oldest, take};
+use crate::tick::queue::{drop_oldest, take};
 use crate::tick::{BackgroundEnds, Measured, Snapshot, State};
 
 /// The state of the background side.

@@ -13,6 +13,7 @@ mod pass;
 mod route;
 
 use heapless::Vec;
+use heapless::spsc::{Consumer, Queue};
 
 use self::chain::Chained;
 use self::hole::{ends_hole, is_tap};
@@ -21,7 +22,7 @@ use self::open::before;
 use self::route::plan_route;
 use super::guard::Guard;
 use crate::alarm::{Alarm, Code, Span};
-use crate::call::{Aux, CallKind, ChainPart, Position, SpindleCall, SpindleMode, TapNotes};
+use crate::call::{Aux, Call, CallKind, ChainPart, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::cycle::Moves;
 use crate::journal::TapRecord;
 use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
@@ -31,8 +32,13 @@ use crate::offsets::image::Image;
 use crate::params::{FunctionRow, Params};
 use crate::signals::Signals;
 use crate::tick::Notice;
-use crate::tick::queue::{CallOut, DetourIn, SegmentIn, take};
+use crate::tick::queue::{DetourIn, SegmentIn, take};
 use crate::units::CentiRpm;
+
+/// Calls on their way to the planner. One place of a ring stays empty.
+pub(super) type Calls = Queue<Call, 4>;
+/// The planner's end of them.
+pub(super) type CallOut<'a> = Consumer<'a, Call>;
 
 /// The inputs of planning in addition to the program.
 #[derive(Clone, Copy, Debug)]

@@ -10,12 +10,9 @@
 
 use heapless::spsc::{Consumer, Producer, Queue};
 
-use crate::call::Call;
 use crate::motion::{Action, CUTS_AHEAD, Plan, STRETCHES_OF_A_CUT, Segment, Stretch, Task};
 use crate::tick::Event;
 
-/// Calls in the queue of a board. One place of a ring stays empty.
-pub const CALLS: usize = 4;
 /// Segments: those planned ahead, the one under way, and the place that stays empty. Where many short cuts are joined, all
 /// those between the profile's input and the tool are here.
 pub const SEGMENTS: usize = 32;
@@ -36,15 +33,11 @@ pub const DETOURS: usize = 7;
 /// other places are for a stop.
 pub const EVENTS: usize = 2 * (SEGMENTS - 1) + 4;
 
-/// Calls on their way to the planner.
-pub type Calls = Queue<Call, CALLS>;
 /// Segments of a detour on their way to the tick. None of them has a plan.
 pub type Detours = Queue<Segment, DETOURS>;
 /// Events on their way to the owner.
 pub type Events = Queue<Event, EVENTS>;
 
-/// The background's end of the calls.
-pub type CallOut<'a> = Consumer<'a, Call>;
 /// The background's end of the detours.
 pub type DetourIn<'a> = Producer<'a, Segment>;
 /// The tick's end of the detours.

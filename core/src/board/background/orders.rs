@@ -1,8 +1,9 @@
 //! The background's orders to the tick, from their queue to the report that they are carried out.
 
+use crate::board::planner::Calls;
 use crate::call::Call;
 use crate::motion::Epoch;
-use crate::tick::queue::{Calls, put, room};
+use crate::tick::queue::{put, room};
 use crate::tick::{BackgroundEnds, Order};
 
 /// The most orders that one piece of work asks for.
