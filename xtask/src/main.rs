@@ -17,6 +17,7 @@ mod dist;
 mod docs;
 mod emulated;
 mod emulator;
+mod files;
 mod held;
 mod image;
 mod licences;

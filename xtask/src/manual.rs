@@ -11,7 +11,7 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use pulldown_cmark::{Event, LinkType, Options, Parser, Tag};
 
-use crate::{pages, run, tools};
+use crate::{files, pages, run, tools};
 
 const DOCS: &str = "docs";
 /// The order of the pages.
@@ -105,15 +105,9 @@ fn lost() -> Result<Vec<String>> {
 }
 
 fn programs() -> Result<Vec<String>> {
-    let mut all = Vec::new();
-    for entry in fs::read_dir(run::root().join(PROGRAMS)).context(PROGRAMS)? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
-        if name.ends_with(".nc") {
-            all.push(format!("{PROGRAMS}/{name}"));
-        }
-    }
-    all.sort();
-    Ok(all)
+    let names = files::of_kind(&run::root().join(PROGRAMS), "nc")?;
+    let path = |name: String| format!("{PROGRAMS}/{name}.nc");
+    Ok(names.into_iter().map(path).collect())
 }
 
 /// Draws each program as anybody does.
@@ -143,33 +137,21 @@ fn pictures(to: &Path) -> Result<()> {
 /// Copies docs/ and README.md, with links as the book needs them, and what they lead to.
 fn copy(to: &Path) -> Result<()> {
     let root = run::root();
-    let mut folders = vec![PathBuf::from(DOCS)];
-    let mut files = vec![PathBuf::from("README.md")];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(root.join(&folder))? {
-            let entry = entry?;
-            let path = folder.join(entry.file_name());
-            if entry.file_type()?.is_dir() {
-                folders.push(path);
-            } else {
-                files.push(path);
-            }
-        }
-    }
+    let docs = files::below(&root.join(DOCS))?;
+    let docs = docs.iter().map(|file| Path::new(DOCS).join(file));
+    let files = docs.chain([PathBuf::from("README.md")]);
     for file in files {
         let into = to.join(in_book(&file));
-        fs::create_dir_all(into.parent().unwrap_or(to))?;
         if file.extension().is_none_or(|ending| ending != "md") {
-            fs::copy(root.join(&file), &into)?;
+            files::copy_file(&root.join(&file), &into)?;
             continue;
         }
+        fs::create_dir_all(into.parent().unwrap_or(to))?;
         let text = fs::read_to_string(root.join(&file))?;
         let (text, outside) = with_links(&file, &text, |path| root.join(path).is_dir());
         fs::write(&into, text)?;
         for path in outside {
-            let into = to.join(in_book(&path));
-            fs::create_dir_all(into.parent().unwrap_or(to))?;
-            fs::copy(root.join(&path), &into)
+            files::copy_file(&root.join(&path), &to.join(in_book(&path)))
                 .with_context(|| format!("{} links to {}", file.display(), path.display()))?;
         }
     }
@@ -255,20 +237,17 @@ fn relative(from: &Path, to: &Path) -> String {
 /// The links of the built pages that lead nowhere.
 fn dead(book: &Path) -> Result<Vec<String>> {
     let mut dead = Vec::new();
-    let mut folders = vec![book.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder)? {
-            let path = entry?.path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|ending| ending == "html") {
-                let text = fs::read_to_string(&path)?;
-                for link in targets(&text) {
-                    // The index is the first page once more, and the page of what is not found is seen anywhere.
-                    if !leads(&folder, link) && !path.ends_with("404.html") {
-                        dead.push(format!("{}: {link} leads nowhere", path.display()));
-                    }
-                }
+    for file in files::below(book)? {
+        let path = book.join(file);
+        // The page of what is not found is seen anywhere.
+        let is_page = path.extension().is_some_and(|ending| ending == "html");
+        if !is_page || path.ends_with("404.html") {
+            continue;
+        }
+        let text = fs::read_to_string(&path)?;
+        for link in targets(&text) {
+            if !leads(path.parent().unwrap_or(book), link) {
+                dead.push(format!("{}: {link} leads nowhere", path.display()));
             }
         }
     }

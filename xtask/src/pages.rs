@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use pulldown_cmark::{Event, LinkType, Options, Parser, Tag, TagEnd};
 
-use crate::run;
+use crate::{files, run};
 
 /// The list of decisions, one in a row.
 const DECISIONS: &str = "docs/decisions.md";
@@ -56,19 +56,12 @@ fn is_made(root: &Path, path: &Path) -> bool {
 
 /// README.md and the pages below docs/, relative to the root.
 pub fn paths(root: &Path) -> Result<Vec<PathBuf>> {
+    let docs = files::below(&root.join("docs"))?;
+    let pages = docs
+        .iter()
+        .filter(|file| file.extension().is_some_and(|ending| ending == "md"));
     let mut found = vec![PathBuf::from("README.md")];
-    let mut folders = vec![PathBuf::from("docs")];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(root.join(&folder))? {
-            let entry = entry?;
-            let path = folder.join(entry.file_name());
-            if entry.file_type()?.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|ending| ending == "md") {
-                found.push(path);
-            }
-        }
-    }
+    found.extend(pages.map(|page| Path::new("docs").join(page)));
     found.sort();
     Ok(found)
 }

@@ -5,11 +5,10 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-use crate::run;
+use crate::{files, run};
 
 const PROGRAMS: &str = "examples/shop";
 const PICTURES: &str = "docs/pictures/shop";
@@ -63,7 +62,7 @@ pub fn write() -> Result<()> {
     let folder = root.join(PICTURES);
     fs::create_dir_all(&folder).with_context(|| format!("cannot make {PICTURES}"))?;
     let made = made()?;
-    for name in of_kind(&folder, "svg")? {
+    for name in files::of_kind(&folder, "svg")? {
         if !made.contains_key(&picture(&name)) {
             fs::remove_file(folder.join(format!("{name}.svg")))?;
         }
@@ -80,7 +79,7 @@ pub fn write() -> Result<()> {
 pub fn check() -> Result<()> {
     let root = run::root();
     let kept = |path: &str| fs::read_to_string(root.join(path)).ok();
-    let there = of_kind(&root.join(PICTURES), "svg")?;
+    let there = files::of_kind(&root.join(PICTURES), "svg")?;
     let there: Vec<String> = there.iter().map(|name| picture(name)).collect();
     let stale = stale(&made()?, &there, kept);
     if stale.is_empty() {
@@ -109,7 +108,7 @@ fn stale(
 /// The page and the pictures, by their paths.
 fn made() -> Result<BTreeMap<String, String>> {
     let root = run::root();
-    let programs = of_kind(&root.join(PROGRAMS), "nc")?;
+    let programs = files::of_kind(&root.join(PROGRAMS), "nc")?;
     let mut made = BTreeMap::from([(PAGE.to_owned(), page(SHOP, &programs)?)]);
     let leadscrew = run::programs(&["--bin", "leadscrew"])?.join("leadscrew");
     let scratch = run::scratch("pictures")?.join("picture.svg");
@@ -150,24 +149,6 @@ fn page(rows: &[(&str, &str, &str)], programs: &[String]) -> Result<String> {
         ));
     }
     Ok(text)
-}
-
-/// The names of the files with this ending, without it, in order.
-fn of_kind(folder: &Path, ending: &str) -> Result<Vec<String>> {
-    let mut names = Vec::new();
-    if !folder.exists() {
-        return Ok(names);
-    }
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.extension().is_some_and(|found| found == ending)
-            && let Some(name) = path.file_stem()
-        {
-            names.push(name.to_string_lossy().into_owned());
-        }
-    }
-    names.sort();
-    Ok(names)
 }
 
 #[cfg(test)]

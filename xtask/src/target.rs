@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, bail};
 
-use crate::run;
+use crate::{files, run};
 
 /// Cortex-M4F, with hardware floating point registers.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
@@ -50,9 +50,7 @@ pub fn ensure() -> Result<()> {
         return Ok(());
     }
     let compiler = run::read(run::command(&run::root(), "rustc", &["--version"]))?;
-    println!("the target {TARGET} is missing: trying rustup");
-    let rustup = run::command(&run::root(), "rustup", &["target", "add", TARGET]);
-    if run::try_quietly(rustup, Duration::from_secs(180)) && works() {
+    if by_rustup(TARGET) && works() {
         return Ok(());
     }
     if compiler.split_whitespace().nth(1) != Some(COMPILER) {
@@ -76,6 +74,13 @@ pub fn ensure() -> Result<()> {
          - archive: {archive:#}\n\
          - library source: {source:#}"
     )
+}
+
+/// Has rustup add a target. False where it cannot.
+pub fn by_rustup(triple: &str) -> bool {
+    println!("the target {triple} is missing: trying rustup");
+    let rustup = run::command(&run::root(), "rustup", &["target", "add", triple]);
+    run::try_quietly(rustup, Duration::from_secs(180))
 }
 
 /// True where the compiler accepts the target's `core` and can optimise it together with the program.
@@ -190,7 +195,7 @@ fn from_source() -> Result<()> {
     let library = rustlib.join("src").join("rust").join("library");
     if !library.join("core").join("Cargo.toml").is_file() {
         let unpacked = debian_source()?;
-        copy_tree(&unpacked, &library)
+        files::copy(&unpacked, &library)
             .context("cannot put the library source into the compiler's folder")?;
         fs::remove_dir_all(run::scratch("rust-src")?)?;
     }
@@ -343,21 +348,6 @@ fn debian_mirror() -> Result<String> {
                 "this machine's apt knows no Debian mirror (is `apt-get update` still to be done?)"
             )
         })
-}
-
-fn copy_tree(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to)?;
-    for entry in fs::read_dir(from)? {
-        let path = entry?.path();
-        let target = to.join(path.file_name().unwrap_or_default());
-        // Follows links: the package links to folders that it shares with other packages.
-        if path.is_dir() {
-            copy_tree(&path, &target)?;
-        } else if path.is_file() {
-            fs::copy(&path, &target)?;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,22 +1,16 @@
 //! The WebAssembly target of the compiler, for the page.
 
 use std::fs;
-use std::time::Duration;
 
 use anyhow::{Result, bail};
 
-use crate::{run, target};
+use crate::target;
 
 pub const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Makes sure that the compiler has WebAssembly.
 pub fn ensure() -> Result<()> {
-    if is_there()? {
-        return Ok(());
-    }
-    println!("the target {TARGET} is missing: trying rustup");
-    let rustup = run::command(&run::root(), "rustup", &["target", "add", TARGET]);
-    if run::try_quietly(rustup, Duration::from_secs(180)) && is_there()? {
+    if is_there()? || target::by_rustup(TARGET) && is_there()? {
         return Ok(());
     }
     bail!(

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
@@ -108,12 +107,7 @@ fn ensure(triple: &str) -> Result<()> {
         let lib = target::rustlib()?.join(triple).join("lib");
         Ok(lib.join("self-contained").is_dir())
     };
-    if there()? {
-        return Ok(());
-    }
-    println!("the target {triple} is missing: trying rustup");
-    let rustup = run::command(&run::root(), "rustup", &["target", "add", triple]);
-    if run::try_quietly(rustup, Duration::from_secs(180)) && there()? {
+    if there()? || target::by_rustup(triple) && there()? {
         return Ok(());
     }
     bail!(

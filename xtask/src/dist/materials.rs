@@ -15,10 +15,10 @@ pub fn make(to: &Path) -> Result<()> {
     fs::create_dir_all(to).with_context(|| format!("cannot make {}", to.display()))?;
     let host = linux::TARGETS.iter().map(|target| target.triple);
     let host: Vec<&str> = host.collect();
+    let of_host = metadata(&run::root(), &host)?;
     for (program, package) in linux::PROGRAMS {
-        let metadata = metadata(&run::root(), &host)?;
         write(
-            &bill(&metadata, package)?,
+            &bill(&of_host, package)?,
             &to.join(format!("{program}.cdx.json")),
         )?;
     }

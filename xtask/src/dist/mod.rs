@@ -15,7 +15,7 @@ use anyhow::{Context, Result, bail};
 
 pub use check::check;
 
-use crate::{image, manual, page, run};
+use crate::{files, image, manual, page, run};
 
 /// The version of all that is made.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -70,25 +70,10 @@ fn firmware(to: &Path) -> Result<()> {
 
 fn the_page(to: &Path) -> Result<()> {
     page::write()?;
-    copy(&page::out(), to)
+    files::copy(&page::out(), to)
 }
 
 fn the_manual(to: &Path) -> Result<()> {
     manual::write()?;
-    copy(&manual::out(), to)
-}
-
-/// Copies the files of a folder, and those of the folders in it.
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to).with_context(|| format!("cannot make {}", to.display()))?;
-    for entry in fs::read_dir(from).with_context(|| format!("there is no {}", from.display()))? {
-        let entry = entry?;
-        let (path, into) = (entry.path(), to.join(entry.file_name()));
-        if entry.file_type()?.is_dir() {
-            copy(&path, &into)?;
-        } else {
-            fs::copy(&path, &into).with_context(|| format!("cannot copy {}", path.display()))?;
-        }
-    }
-    Ok(())
+    files::copy(&manual::out(), to)
 }

@@ -1,10 +1,12 @@
 //! SHA-256 of each file, as `sha256sum -c` reads them.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use sha2::{Digest, Sha256};
+
+use crate::files;
 
 /// The file with the sums, at the top of the folder.
 const NAME: &str = "SHA256SUMS";
@@ -36,11 +38,11 @@ pub fn check(folder: &Path) -> Result<()> {
 }
 
 fn of(folder: &Path) -> Result<String> {
-    let mut files = Vec::new();
-    list(folder, Path::new(""), &mut files)?;
-    files.sort();
     let mut lines = String::new();
-    for file in files.iter().filter(|file| *file != Path::new(NAME)) {
+    for file in files::below(folder)?
+        .iter()
+        .filter(|file| *file != Path::new(NAME))
+    {
         let bytes = fs::read(folder.join(file))?;
         for byte in Sha256::digest(&bytes) {
             lines.push_str(&format!("{byte:02x}"));
@@ -48,19 +50,6 @@ fn of(folder: &Path) -> Result<String> {
         lines.push_str(&format!("  {}\n", file.display()));
     }
     Ok(lines)
-}
-
-fn list(folder: &Path, below: &Path, into: &mut Vec<PathBuf>) -> Result<()> {
-    for entry in fs::read_dir(folder.join(below))? {
-        let entry = entry?;
-        let path = below.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            list(folder, &path, into)?;
-        } else {
-            into.push(path);
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
