@@ -25,6 +25,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
 use crate::json::Json;
 use crate::length;
+use crate::movelist::cycle_name;
 use crate::number;
 use crate::place::SourceLine;
 use crate::plausible::Plausible;
@@ -563,7 +564,7 @@ impl Checker<'_> {
         debug_assert_eq!(counted, Ok(()));
         self.keep(CycleReport {
             line: span.line,
-            cycle: groove.code(),
+            cycle: cycle_name(groove.cycle()),
             passes: u32::try_from(groove.totals().columns).unwrap_or(u32::MAX),
             tap_speed: None,
             tap_lead_in_nm: None,

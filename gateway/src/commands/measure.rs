@@ -1,6 +1,6 @@
 //! `measure`: what a program cuts, measured as an inspector does.
 
-use super::picture::{self, Format};
+use super::picture::{self, Format, PictureFormat};
 use crate::cli::Measure;
 use crate::diagnostics;
 use crate::execution::Execution;
@@ -64,9 +64,9 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
                 bytes.push(b'\n');
                 picture::write(path, bytes)?;
             }
-            Format::Svg => picture::write(path, svg())?,
-            Format::Png => picture::write_png(setup.global, path, &svg())?,
-            Format::Html => {
+            Format::Picture(PictureFormat::Svg) => picture::write(path, svg())?,
+            Format::Picture(PictureFormat::Png) => picture::write_png(setup.global, path, &svg())?,
+            Format::Picture(PictureFormat::Html) => {
                 let text =
                     sheet::text(&cuts, setup.lang) + &turned::sheet::text(&turned, setup.lang);
                 picture::write(path, page::sheet(&title, &svg(), &text, setup.lang))?;

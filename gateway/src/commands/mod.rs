@@ -61,17 +61,17 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             )
         }
         Command::Plot(args) => {
-            let format = picture::Format::of_picture(&args.output)?;
+            let format = picture::PictureFormat::of(&args.output)?;
             let program = SourceFile::new(&args.program);
             plot::run(
                 &Setup::with_drive(&cli.global, &args.drive, &program)?,
                 args,
-                &format,
+                format,
             )
         }
         Command::Measure(args) => {
             let output = args.output.as_deref();
-            let format = output.map(picture::Format::of_result).transpose()?;
+            let format = output.map(picture::Format::of).transpose()?;
             let program = SourceFile::new(&args.program);
             measure::run(
                 &Setup::with_drive(&cli.global, &args.drive, &program)?,

@@ -1,4 +1,4 @@
-//! What `plot` and `measure` write, and how: the ending of the file chooses. A format that there is none of, or that this
+//! What `plot`, `measure` and `tune` write, and how: the ending of the file chooses. A format that there is none of, or that this
 //! machine cannot make, is refused before anything is computed.
 
 use std::path::Path;
@@ -9,32 +9,52 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::pixels;
 use crate::words::{self, both};
 
-/// A format.
+/// A format of pictures.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Format {
+pub(super) enum PictureFormat {
     Svg,
     Html,
     Png,
-    /// Figures, of `measure` alone.
+}
+
+/// A format of results: a picture, or figures.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Format {
+    Picture(PictureFormat),
     Json,
 }
 
-impl Format {
-    /// That of a picture.
-    pub(super) fn of_picture(output: &Path) -> Outcome<Self> {
-        match Self::by_ending(output)? {
-            Some(Self::Json) | None => Err(Failure::Usage(both!(
+impl PictureFormat {
+    /// The one that the ending of a file chooses.
+    pub(super) fn of(output: &Path) -> Outcome<Self> {
+        Self::by_ending(&ending(output)).ok_or_else(|| {
+            Failure::Usage(both!(
                 "`{output}`: the ending of the file chooses the format: `.svg`, `.png` or `.html`",
                 "`{output}`：文件的扩展名决定格式：`.svg`、`.png` 或 `.html`",
                 output = words::path(output)
-            ))),
-            Some(format) => Ok(format),
-        }
+            ))
+        })
     }
 
-    /// That of a result: a picture or figures.
-    pub(super) fn of_result(output: &Path) -> Outcome<Self> {
-        Self::by_ending(output)?.ok_or_else(|| {
+    fn by_ending(ending: &str) -> Option<Self> {
+        match ending {
+            "svg" => Some(Self::Svg),
+            "html" => Some(Self::Html),
+            "png" => Some(Self::Png),
+            _ => None,
+        }
+    }
+}
+
+impl Format {
+    /// The one that the ending of a file chooses.
+    pub(super) fn of(output: &Path) -> Outcome<Self> {
+        let ending = ending(output);
+        if ending == "json" {
+            return Ok(Self::Json);
+        }
+        let picture = PictureFormat::by_ending(&ending).map(Self::Picture);
+        picture.ok_or_else(|| {
             Failure::Usage(both!(
                 "`{output}`: the ending of the file chooses the format: `.svg`, `.png`, `.html` or `.json`",
                 "`{output}`：文件的扩展名决定格式：`.svg`、`.png`、`.html` 或 `.json`",
@@ -42,18 +62,12 @@ impl Format {
             ))
         })
     }
+}
 
-    fn by_ending(output: &Path) -> Outcome<Option<Self>> {
-        let ending = output.extension().and_then(|ending| ending.to_str());
-        let ending = ending.unwrap_or_default().to_ascii_lowercase();
-        Ok(match ending.as_str() {
-            "svg" => Some(Self::Svg),
-            "html" => Some(Self::Html),
-            "png" => Some(Self::Png),
-            "json" => Some(Self::Json),
-            _ => None,
-        })
-    }
+/// The ending of a file, in small letters.
+fn ending(output: &Path) -> String {
+    let ending = output.extension().and_then(|ending| ending.to_str());
+    ending.unwrap_or_default().to_ascii_lowercase()
 }
 
 /// Writes a file.

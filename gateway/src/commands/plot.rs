@@ -4,7 +4,7 @@ use std::path::Path;
 
 use leadscrew_core::alarm::Code;
 
-use super::picture::{self, Format};
+use super::picture::{self, PictureFormat};
 use crate::checking::{self, Report};
 use crate::cli::Plot;
 use crate::diagnostics;
@@ -25,7 +25,7 @@ use crate::walk::Walk;
 use crate::words::{self, both};
 
 /// Draws a program.
-pub(super) fn run(setup: &Setup, args: &Plot, format: &Format) -> Outcome {
+pub(super) fn run(setup: &Setup, args: &Plot, format: PictureFormat) -> Outcome {
     let source = SourceFile::new(&args.program);
     source.protect(&args.output)?;
     if args.path {
@@ -82,7 +82,7 @@ pub(super) fn run(setup: &Setup, args: &Plot, format: &Format) -> Outcome {
 }
 
 /// Draws a program that has been checked and is not run.
-fn without_time(setup: &Setup, source: &SourceFile, args: &Plot, format: &Format) -> Outcome {
+fn without_time(setup: &Setup, source: &SourceFile, args: &Plot, format: PictureFormat) -> Outcome {
     let report = execution::tell_report(setup, source)?;
     let ok = report.alarms.is_empty();
     if ok {
@@ -123,13 +123,13 @@ fn write(
     setup: &Setup,
     source: &SourceFile,
     args: &Plot,
-    format: &Format,
+    format: PictureFormat,
     picture: &Picture,
     way: Option<Way>,
 ) -> Outcome {
     match format {
-        Format::Png => picture::write_png(setup.global, &args.output, &picture.svg())?,
-        Format::Html => {
+        PictureFormat::Png => picture::write_png(setup.global, &args.output, &picture.svg())?,
+        PictureFormat::Html => {
             let page = Page {
                 title: &picture.title,
                 subtitle: &picture.subtitle,
@@ -142,7 +142,7 @@ fn write(
             };
             picture::write(&args.output, page.html())?;
         }
-        Format::Svg | Format::Json => picture::write(&args.output, picture.svg())?,
+        PictureFormat::Svg => picture::write(&args.output, picture.svg())?,
     }
     if !setup.global.json {
         let (output, line) = (words::path(&args.output), &picture.subtitle);

@@ -46,6 +46,13 @@ enum Next {
     Done,
 }
 
+const fn cycle_of(call: &GrooveCall) -> Cycle {
+    match call.axis {
+        TapAxis::X => Cycle::G75,
+        TapAxis::Z => Cycle::G74,
+    }
+}
+
 impl GrooveMoves {
     /// The moves of `call`, whose G word stands at `span`.
     ///
@@ -57,13 +64,10 @@ impl GrooveMoves {
         Ok(Self::of(call, span))
     }
 
-    /// The code of the cycle.
+    /// Which cycle.
     #[must_use]
-    pub const fn code(&self) -> &'static str {
-        match self.call.axis {
-            TapAxis::X => "G75",
-            TapAxis::Z => "G74",
-        }
+    pub const fn cycle(&self) -> Cycle {
+        cycle_of(&self.call)
     }
 
     /// The moves of a call that [`refuse_groove`] has accepted.
@@ -89,10 +93,7 @@ impl GrooveMoves {
                 to: call.start,
                 kind: MoveKind::Rapid,
                 tag: Some(Tag {
-                    cycle: match call.axis {
-                        TapAxis::X => Cycle::G75,
-                        TapAxis::Z => Cycle::G74,
-                    },
+                    cycle: cycle_of(call),
                     pass: 1,
                     start: 0,
                     peck: 0,

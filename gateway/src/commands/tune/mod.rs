@@ -20,7 +20,7 @@ use crate::words::both;
 /// Moves, finds, tells, and writes where that was asked.
 pub fn run(global: &Global, args: &Tune) -> Outcome {
     let output = args.output.as_deref();
-    let format = output.map(Format::of_result).transpose()?;
+    let format = output.map(Format::of).transpose()?;
     let axis = if args.way.on_z { Axis::Z } else { Axis::X };
     let mut machine = Greeted::meet(global)?.read()?;
     let params = &machine.params;

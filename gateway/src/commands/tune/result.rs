@@ -7,7 +7,7 @@ use svg::Document;
 use svg::node::element::{Line, Text};
 
 use crate::cli::Global;
-use crate::commands::picture::{self, Format};
+use crate::commands::picture::{self, Format, PictureFormat};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::page;
@@ -173,14 +173,16 @@ impl Told {
                 json.object(|json| self.fields(json));
                 picture::write(path, json.into_bytes())
             }
-            Format::Html => {
+            Format::Picture(PictureFormat::Html) => {
                 let title = format!("tune {}", self.before.letter);
                 let words = self.words();
                 let page = page::sheet(&title, &self.picture(lang), words.get(lang), lang);
                 picture::write(path, page)
             }
-            Format::Svg => picture::write(path, self.picture(lang)),
-            Format::Png => picture::write_png(global, path, &self.picture(lang)),
+            Format::Picture(PictureFormat::Svg) => picture::write(path, self.picture(lang)),
+            Format::Picture(PictureFormat::Png) => {
+                picture::write_png(global, path, &self.picture(lang))
+            }
         }
     }
 

@@ -43,6 +43,14 @@ pub struct Groove {
 }
 
 impl Groove {
+    /// The code of its cycle.
+    pub const fn code(&self) -> &'static str {
+        match self.across {
+            Across::X => "G75",
+            Across::Z => "G74",
+        }
+    }
+
     /// Its walls as they are programmed.
     pub fn walls(&self) -> Option<[Mm; 2]> {
         Some([self.corners.0, self.corners.1 + self.width?])

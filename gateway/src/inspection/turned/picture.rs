@@ -36,9 +36,10 @@ fn groove(cut: &CutGroove, lang: Lang) -> Option<Sheet> {
         (high, top),
         (stock.face.0, top),
     ];
-    let (name, size) = match groove.across {
-        Across::X => ("G75", "⌀"),
-        Across::Z => ("G74", "Z"),
+    let name = groove.code();
+    let size = match groove.across {
+        Across::X => "⌀",
+        Across::Z => "Z",
     };
     let line = SourceLine(groove.line);
     let floor = fixed(across(groove.across, Mm(found.floor.mean)), 4);

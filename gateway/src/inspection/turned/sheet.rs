@@ -71,10 +71,7 @@ fn row(text: &mut String, name: &str, programmed: f64, found: &Spread) {
 
 fn one_groove(text: &mut String, n: usize, cut: &CutGroove, lang: Lang) {
     let groove = &cut.groove;
-    let cycle = match groove.across {
-        Across::X => "G75",
-        Across::Z => "G74",
-    };
+    let cycle = groove.code();
     let tool = tool(groove.tool);
     let told = both!(
         "groove {n}, line {line}{tool}: {cycle}",
