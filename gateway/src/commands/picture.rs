@@ -1,5 +1,5 @@
-//! What `plot`, `measure` and `tune` write, and how: the ending of the file chooses. A format that there is none of, or that this
-//! machine cannot make, is refused before anything is computed.
+//! What `plot`, `measure` and `tune` write, and how: the ending of the file chooses. A format that there is none of, or
+//! that this machine cannot make, is refused before anything is computed.
 
 use std::path::Path;
 

@@ -11,6 +11,7 @@ mod panel;
 mod resume;
 mod run;
 mod status;
+mod watch;
 mod wheel;
 
 use leadscrew_core::alarm::Lang;

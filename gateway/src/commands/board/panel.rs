@@ -16,7 +16,7 @@ use leadscrew_panel::{Feed, Server, Token, fresh_token};
 
 use super::monitor::told::{Told, of_alarm, told};
 use super::monitor::view::Tone;
-use super::monitor::zeros::Zeros;
+use super::watch::{Every, LOG, STATUS, Watch};
 use super::{mdi, names, open, state_name};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
@@ -29,14 +29,8 @@ use crate::words::both;
 
 /// Between two messages of state: 30 Hz.
 const PERIOD: Duration = Duration::from_millis(33);
-/// Between two readings of the status record, which has the position.
-const STATUS: Duration = Duration::from_millis(100);
-/// Between two readings of the event log, and of what else changes seldom.
-const LOG: Duration = Duration::from_secs(1);
 /// Messages of the log that are kept for the page.
 const KEPT: usize = 60;
-/// Entries of the log that are older than the page and shown all the same.
-const BEFORE: u32 = 8;
 
 /// Gives out the page until it is interrupted.
 pub fn panel(global: &Global, listen: SocketAddr, hosts: &[String]) -> Outcome {
@@ -97,18 +91,17 @@ struct Side<'a> {
     global: &'a Global,
     link: Link,
     feed: Arc<Feed>,
-    zeros: Zeros,
+    watch: Watch,
     record: Option<(Status, Instant)>,
     /// The number of the last status, and when it came.
     status: (u64, Instant),
-    last_event: u32,
     /// In English, in Chinese.
     messages: VecDeque<[Told; 2]>,
 }
 
 impl<'a> Side<'a> {
     fn new(global: &'a Global, mut link: Link, feed: Arc<Feed>) -> Outcome<Self> {
-        let last_event = link.newest_event()?.saturating_sub(BEFORE);
+        let watch = Watch::new(&mut link)?;
         feed.tell(
             "hello",
             object(|json| {
@@ -121,9 +114,8 @@ impl<'a> Side<'a> {
             status: (link.seen.statuses, Instant::now()),
             link,
             feed,
-            zeros: Zeros::default(),
+            watch,
             record: None,
-            last_event,
             messages: VecDeque::new(),
         })
     }
@@ -137,16 +129,13 @@ impl<'a> Side<'a> {
     }
 
     fn carry_out(mut self) -> Outcome {
-        let mut boots = self.link.seen.boots;
-        let (mut status_due, mut log_due) = (Instant::now(), Instant::now());
+        let (mut status, mut log) = (Every::new(STATUS), Every::new(LOG));
         loop {
             let now = Instant::now();
-            if now >= log_due {
-                log_due = now + LOG;
+            if log.is_due(now) {
                 self.read_log()?;
             }
-            if now >= status_due {
-                status_due = now + STATUS;
+            if status.is_due(now) {
                 let read = self.link.status();
                 if let Some(status) = self.tolerate(read)? {
                     self.record = Some((status, Instant::now()));
@@ -154,12 +143,7 @@ impl<'a> Side<'a> {
             }
             self.tell_state()?;
             self.link.listen(Instant::now() + PERIOD, &mut |_| false)?;
-            self.link.check_alive()?;
-            if self.link.seen.boots != boots {
-                // It says no process data before somebody has started it.
-                boots = self.link.seen.boots;
-                self.link.start_node()?;
-            }
+            self.watch.attend(&mut self.link)?;
             if interrupt::requested() {
                 return Ok(());
             }
@@ -167,10 +151,9 @@ impl<'a> Side<'a> {
     }
 
     fn read_log(&mut self) -> Outcome {
-        let read = self.link.events_behind(self.last_event);
+        let read = self.watch.log(&mut self.link);
         let entries = self.tolerate(read)?.unwrap_or_default();
         for entry in &entries {
-            self.last_event = self.last_event.max(entry.number);
             if let Some(told) = in_both(entry) {
                 if self.messages.len() == KEPT {
                     self.messages.pop_front();
@@ -182,8 +165,7 @@ impl<'a> Side<'a> {
             self.feed.tell("log", log(&self.messages));
         }
         if let Some((status, _)) = self.record {
-            self.zeros.note(mdi::in_force(self.global, &status));
-            let read = self.zeros.follow(&mut self.link, &status);
+            let read = self.watch.follow(self.global, &mut self.link, &status);
             self.tolerate(read)?;
         }
         Ok(())
@@ -203,8 +185,8 @@ impl<'a> Side<'a> {
         // The older of both counts.
         let age = now.saturating_duration_since(read.min(self.status.1));
         let status = seen.status.unwrap_or_default();
-        let zero = self.zeros.zero();
-        let modal = self.zeros.carried.as_ref().map(mdi::modal_words);
+        let zero = self.watch.zeros.zero();
+        let modal = self.watch.zeros.carried.as_ref().map(mdi::modal_words);
         let text = object(|json| {
             json.integer("age_ms", i64::try_from(age.as_millis()).unwrap_or(i64::MAX));
             match mode {

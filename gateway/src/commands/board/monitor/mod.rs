@@ -27,14 +27,13 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::board::device::objects::BEAT;
 use leadscrew_core::bus::{Beat, BoardSpindle, Frame, NodeId, Object};
-use leadscrew_core::link::Status;
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{Event as Input, KeyCode, KeyEventKind};
 
 use self::panel::{Ask, Open, Panel};
 use self::typed::Typed;
 use self::view::{Tone, View};
-use self::zeros::Zeros;
+use super::watch::{Every, LOG, STATUS, Watch};
 use super::{mdi, open};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
@@ -45,10 +44,6 @@ use crate::words::{Both, both};
 
 /// Between two pictures.
 const PICTURE: Duration = Duration::from_millis(50);
-/// Between two readings of the status record.
-const STATUS: Duration = Duration::from_millis(100);
-/// Between two readings of the event log, and of what else changes seldom.
-const LOG: Duration = Duration::from_secs(1);
 /// Over which the load of the bus is measured.
 const LOAD: Duration = Duration::from_millis(500);
 /// Parameter with the bit rate of the bus in kbit/s.
@@ -57,8 +52,6 @@ const BUS_KBIT: Object = Object::new(0x2000 + 9020, 0);
 const FD_KBIT: Object = Object::new(0x2000 + 9032, 0);
 /// Errors and messages kept for the picture.
 const KEPT: usize = 240;
-/// Entries of the log that are older than the panel and shown all the same.
-const BEFORE: u32 = 8;
 
 /// Shows the board, and lets keys operate it unless `watch`, until a key ends it.
 pub fn monitor(global: &Global, watch: bool) -> Outcome {
@@ -130,26 +123,6 @@ fn ends(input: &Input) -> bool {
         && (matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) || keys::is_control(*key, 'c'))
 }
 
-/// Work that comes again after a time.
-struct Every {
-    time: Duration,
-    last: Option<Instant>,
-}
-
-impl Every {
-    const fn new(time: Duration) -> Self {
-        Self { time, last: None }
-    }
-
-    fn is_due(&mut self, now: Instant) -> bool {
-        let due = self.last.is_none_or(|last| now >= last + self.time);
-        if due {
-            self.last = Some(now);
-        }
-        due
-    }
-}
-
 /// One panel at work.
 struct Session<'a> {
     global: &'a Global,
@@ -157,10 +130,9 @@ struct Session<'a> {
     shared: Arc<Mutex<Shared>>,
     keys: bool,
     view: View,
-    zeros: Zeros,
+    watch: Watch,
     typed: Option<Typed>,
     rates: [u64; 2],
-    last_event: u32,
     record_read: Option<Instant>,
 }
 
@@ -168,7 +140,7 @@ impl<'a> Session<'a> {
     fn new(global: &'a Global, mut link: Link, keys: bool, tells_release: bool) -> Outcome<Self> {
         let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
         let rates = [kbit, link.read_number(FD_KBIT).unwrap_or(kbit)];
-        let last_event = link.newest_event()?.saturating_sub(BEFORE);
+        let watch = Watch::new(&mut link)?;
         let node = link.node();
         // A session of this process.
         let session = (std::process::id() % 255 + 1) as u8;
@@ -188,10 +160,9 @@ impl<'a> Session<'a> {
             view: View::new(&global.bus.to_string(), node.get(), global.lang()),
             link,
             shared,
-            zeros: Zeros::default(),
+            watch,
             typed: None,
             rates,
-            last_event,
             record_read: None,
         })
     }
@@ -222,7 +193,6 @@ impl<'a> Session<'a> {
         let (mut status, mut log, mut load) =
             (Every::new(STATUS), Every::new(LOG), Every::new(LOAD));
         let mut loaded = Instant::now();
-        let mut boots = self.link.seen.boots;
         self.read_log()?;
         self.read_status()?;
         // What was typed before anything could be seen was not meant for a machine.
@@ -236,12 +206,7 @@ impl<'a> Session<'a> {
                 note_error(errors, frame, node);
                 false
             })?;
-            self.link.check_alive()?;
-            if self.link.seen.boots != boots {
-                // It says no process data before somebody has started it.
-                boots = self.link.seen.boots;
-                self.link.start_node()?;
-            }
+            self.watch.attend(&mut self.link)?;
             let now = Instant::now();
             if load.is_due(now) {
                 let ms = loaded.elapsed().as_millis() as u64;
@@ -291,9 +256,8 @@ impl<'a> Session<'a> {
     }
 
     fn read_log(&mut self) -> Outcome {
-        let read = self.link.events_behind(self.last_event);
+        let read = self.watch.log(&mut self.link);
         for entry in self.tolerate(read)?.unwrap_or_default() {
-            self.last_event = self.last_event.max(entry.number);
             if let Some(told) = told::told(&entry, self.view.lang) {
                 if self.view.messages.len() == KEPT {
                     self.view.messages.pop_front();
@@ -302,15 +266,9 @@ impl<'a> Session<'a> {
             }
         }
         if let Some((status, _)) = self.view.record {
-            self.read_zeros(&status)?;
+            let read = self.watch.follow(self.global, &mut self.link, &status);
+            self.tolerate(read)?;
         }
-        Ok(())
-    }
-
-    fn read_zeros(&mut self, status: &Status) -> Outcome {
-        self.zeros.note(mdi::in_force(self.global, status));
-        let read = self.zeros.follow(&mut self.link, status);
-        self.tolerate(read)?;
         Ok(())
     }
 
@@ -340,8 +298,8 @@ impl<'a> Session<'a> {
                         self.answer(&words, tone);
                     }
                 },
-                Ask::NextSystem => self.zeros.next_system(),
-                Ask::NextTool => self.zeros.next_tool(),
+                Ask::NextSystem => self.watch.zeros.next_system(),
+                Ask::NextTool => self.watch.zeros.next_tool(),
             }
         }
         if let Some((words, tone)) = self.typed.as_ref().and_then(Typed::answer) {
@@ -365,8 +323,8 @@ impl<'a> Session<'a> {
         view.mode = panel.mode(seen);
         view.spindle = seen.spindle;
         view.place = seen.place;
-        view.zero = self.zeros.zero();
-        view.modal = self.zeros.carried.as_ref().map(mdi::modal_words);
+        view.zero = self.watch.zeros.zero();
+        view.modal = self.watch.zeros.carried.as_ref().map(mdi::modal_words);
         let mut page = Vec::new();
         if self.keys {
             view.prompt = panel.prompt();
