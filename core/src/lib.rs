@@ -18,6 +18,7 @@
 //! - [`cycle`] is a room for each family of cycles: how its words are read, what its geometry forbids, what the machine
 //!   cannot do, and its [moves](moves::Move), made lazily and in constant memory.
 //! - `feasible` asks of any moves whether the axes can do them, and how long they take.
+//! - [`lookahead`] plans how fast joined cuts are passed.
 //! - [`offsets`] are work offsets and tools: a table that a board keeps and a gateway resolves programs with.
 //! - [`link`] is what gateway and board say to each other: calls, events, status, parameter sets, as bytes.
 //! - [`board`] ties them together: calls, frames and encoder samples in; frames, events and alarms out.
@@ -98,6 +99,7 @@ pub mod board;
 pub mod cycle;
 mod feasible;
 pub mod link;
+pub mod lookahead;
 pub mod offsets;
 pub mod program;
 mod text;

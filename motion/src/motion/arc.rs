@@ -37,12 +37,12 @@ pub struct Arc {
 
 /// The curvature figures of a path that the limits need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Bend {
+pub struct Bend {
     /// Path length per radian, nm; at least 1.
-    pub(super) radius: u64,
+    pub radius: u64,
     /// The factor, in 2⁻³² and at least 1, by which a derivative of the position may exceed that of a circle of this
     /// radius.
-    pub(super) stretch: u64,
+    pub stretch: u64,
 }
 
 /// The reason why an arc is impossible.
@@ -146,7 +146,8 @@ impl Arc {
     }
 
     /// The curvature figures of this arc.
-    pub(super) fn bend(&self) -> Bend {
+    #[must_use]
+    pub fn bend(&self) -> Bend {
         let length = self.length.nm() as u64;
         // Radians in 2⁻⁵⁹: 2⁻⁶³ turns · 2⁻⁶⁰.
         let angle = mul_high(self.sweep.unsigned_abs() << 1, TAU).max(1);

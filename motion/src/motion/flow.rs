@@ -2,8 +2,8 @@
 //!
 //! The way of joined cuts is cut into [stretches](Stretch), each with the largest rate that the corners and bends near to
 //! it allow. The profile is ahead of the tool by the length of its means. So a rate that holds at the tool has to hold in
-//! the profile's input some way before and behind it; the plan of the stretches includes that
-//! ([`lookahead`](super::lookahead)). Here the input follows the stretch in force at once, and the profile makes it smooth.
+//! the profile's input some way before and behind it; the look-ahead of the background, which plans the stretches, includes
+//! that. Here the input follows the stretch in force at once, and the profile makes it smooth.
 //!
 //! This module knows rates and lengths. It knows nothing of paths, corners or axes.
 
@@ -11,21 +11,26 @@ use super::plan::Scaling;
 use super::rate::{PathRate, Rate};
 use super::segment::Epoch;
 
+/// Cuts that can be on the way from the profile's input to the tool. The queue of the tick holds some more.
+pub const CUTS_AHEAD: u64 = 28;
+/// The most stretches that one cut has.
+pub const STRETCHES_OF_A_CUT: usize = 7;
+
 /// A piece of the way of joined cuts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     /// Length, in 1/256 nm.
-    pub(super) length: u64,
+    pub length: u64,
     /// The largest rate, whatever the overrides are.
-    pub(super) top: PathRate,
+    pub top: PathRate,
     /// Rate at [`Rate::FULL`].
-    pub(super) nominal: PathRate,
+    pub nominal: PathRate,
     /// What the tick multiplies the rate by.
-    pub(super) scaling: Scaling,
+    pub scaling: Scaling,
     /// It begins after a stop.
-    pub(super) anew: bool,
+    pub anew: bool,
     /// The block ends here. The next one may follow without a stop; single block stops.
-    pub(super) ends_block: bool,
+    pub ends_block: bool,
     /// The epoch in which it was planned.
     pub epoch: Epoch,
 }

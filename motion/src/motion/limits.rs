@@ -27,13 +27,13 @@ pub enum Pace {
 /// Acceleration and jerk are in 2⁻³² nm (rotary: µ°) per tick² and per tick³. All limits are rounded down. They are
 /// also reduced by the amount that the path's resolution of 2⁻¹⁶ nm can add to a difference of setpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PathLimits {
+pub struct PathLimits {
     /// Top speed.
-    pub(super) speed: PathRate,
+    pub speed: PathRate,
     /// Top acceleration, 2⁻³² nm/tick².
-    pub(super) acceleration: u64,
+    pub acceleration: u64,
     /// Top jerk, 2⁻³² nm/tick³.
-    pub(super) jerk: u64,
+    pub jerk: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,16 +61,16 @@ pub struct Limits {
 /// count Θ as all that turns within m ticks: the means make v·Θ/m and v·Θ/m² of it at most. The distance is at most 5/4 of
 /// the one of a single corner: turns in the middle m ticks count in full, those in m/2 ticks before and after by an eighth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Corner {
+pub struct Corner {
     /// m.
-    pub(super) mean: Mean,
+    pub mean: Mean,
     /// The largest v·Δu, in 1/256 nm per tick.
-    pub(super) turning: u64,
+    pub turning: u64,
     /// What joined cuts leave for acceleration along the path, and for its jerk.
-    pub(super) along: PathLimits,
+    pub along: PathLimits,
     /// The fewest ticks of the first mean of the profile: with them, the jerk of an acceleration that is turned in a corner
     /// is a quarter of the limit at most. (Where no input is above v, the acceleration is at most v/n1.)
-    pub(super) least_ramp: u64,
+    pub least_ramp: u64,
 }
 
 impl Limits {
@@ -99,7 +99,8 @@ impl Limits {
     }
 
     /// How corners are rounded; `None` where every cut ends in an exact stop.
-    pub(super) const fn corner(&self) -> Option<&Corner> {
+    #[must_use]
+    pub const fn corner(&self) -> Option<&Corner> {
         self.corner.as_ref()
     }
 

@@ -9,8 +9,8 @@
 //! into a position. Feed hold, override and abort are rates; they need no new plan. The tick is constant work on
 //! integers, without a division.
 //!
-//! Cuts that follow one another under G64 are joined: [`Lookahead`] plans how fast each corner is passed, the profile goes
-//! on from one path to the next, and two means round the corner.
+//! Cuts that follow one another under G64 are joined: the look-ahead of the background plans how fast each corner is
+//! passed, the profile goes on from one path to the next, and two means round the corner.
 //!
 //! This module knows nothing of program text, the insides of cycles, or the bus.
 
@@ -22,7 +22,6 @@ mod jog;
 mod lead;
 mod limits;
 mod line;
-mod lookahead;
 mod path;
 pub mod plan;
 mod profile;
@@ -35,17 +34,16 @@ mod tap;
 mod thread;
 mod wide;
 
-pub use arc::{ARC_TOLERANCE, Arc, ArcError};
+pub use arc::{ARC_TOLERANCE, Arc, ArcError, Bend};
 pub use executor::{Arrival, Aside, Conditions, Executor, Law, Motion, Setpoint, programmed};
-pub use flow::Stretch;
+pub use flow::{CUTS_AHEAD, STRETCHES_OF_A_CUT, Stretch};
 pub use jog::{AxisPress, AxisTravel, Jog, JogConditions, Press, Wheel};
 pub use lead::turns_over;
-pub use limits::{Limits, Pace};
+pub use limits::{Corner, Limits, Pace, PathLimits};
 pub use line::Line;
-pub use lookahead::{CUTS_AHEAD, Due, Lookahead, STRETCHES_OF_A_CUT};
-pub use path::Path;
+pub use path::{Heading, Path};
 pub use plan::{Scaling, Timed};
-pub use profile::{CAPACITY, Profile, Progress, Ramp};
+pub use profile::{CAPACITY, Profile, Progress, Ramp, to_units};
 pub use rate::{PathRate, Rate, Travel};
 pub use rounding::Mean;
 pub use run::{Run, Step};

@@ -8,7 +8,7 @@ use crate::units::{Length, mul_div, plane, root};
 
 /// The direction of a path at one of its ends: X and Z of a vector of length 1, in 2⁻³⁰.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Heading {
+pub struct Heading {
     x: i64,
     z: i64,
     /// The most by which the true direction differs.
@@ -17,7 +17,7 @@ pub(super) struct Heading {
 
 impl Heading {
     /// No direction.
-    pub(super) const NONE: Self = Self {
+    pub const NONE: Self = Self {
         x: 0,
         z: 0,
         doubt: 0,
@@ -39,7 +39,8 @@ impl Heading {
     }
 
     /// The length of the difference between both directions, in 2⁻³⁰, rounded up.
-    pub(super) fn turn_from(&self, before: &Self) -> u64 {
+    #[must_use]
+    pub fn turn_from(&self, before: &Self) -> u64 {
         let (x, z) = (self.x.abs_diff(before.x), self.z.abs_diff(before.z));
         // Both are at most 2³¹.
         let square = x.wrapping_mul(x).wrapping_add(z.wrapping_mul(z));
@@ -70,7 +71,8 @@ impl Path {
     }
 
     /// The directions of X and Z at its beginning and its end.
-    pub(super) fn headings(&self) -> [Heading; 2] {
+    #[must_use]
+    pub fn headings(&self) -> [Heading; 2] {
         match self {
             Self::Line(line) => {
                 let (from, to) = (line.start(), line.end());

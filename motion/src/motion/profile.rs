@@ -416,7 +416,8 @@ impl<const N: usize> Profile<N> {
 }
 
 /// Converts nanometres to the unit of the input.
-pub(super) const fn to_units(length: Length) -> u64 {
+#[must_use]
+pub const fn to_units(length: Length) -> u64 {
     if length.nm() < 0 {
         0
     } else {

@@ -1,7 +1,7 @@
 //! Rounds the corners between joined cuts: two running means over the position.
 //!
 //! A path with a corner has a velocity with a step. Each mean takes the same number of ticks, so that the step is spread
-//! over twice that number, in the shape of a triangle. [`lookahead`](super::lookahead) plans how fast a corner may be
+//! over twice that number, in the shape of a triangle. The look-ahead of the background plans how fast a corner may be
 //! passed so that the tool stays within the tolerance and the axes within their limits.
 //!
 //! This module knows positions and ticks. It knows nothing of paths, speeds or limits.
@@ -39,7 +39,8 @@ impl Mean {
     }
 
     /// Its ticks.
-    pub(super) const fn ticks(self) -> u16 {
+    #[must_use]
+    pub const fn ticks(self) -> u16 {
         self.ticks
     }
 

@@ -5,9 +5,10 @@ use crate::operator::Operator;
 use crate::random::Random;
 use leadscrew_core::alarm::Span;
 use leadscrew_core::call::{FeedRate, Position};
+use leadscrew_core::lookahead::{Due, Lookahead};
 use leadscrew_core::motion::{
-    Action, Arrival, Conditions, Cut, Due, Epoch, Executor, Limits, Lookahead, Pace, Rate, Segment,
-    Setpoint, Stops, Stretch, Task, Timed, plan,
+    Action, Arrival, Conditions, Cut, Epoch, Executor, Limits, Pace, Rate, Segment, Setpoint,
+    Stops, Stretch, Task, Timed, plan,
 };
 use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::params::{Entry, Params};

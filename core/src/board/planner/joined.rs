@@ -5,7 +5,8 @@
 
 use super::Settings;
 use crate::call::{Call, CallKind};
-use crate::motion::{Due, Lookahead, Segment, Timed};
+use crate::lookahead::{Due, Lookahead};
+use crate::motion::{Segment, Timed};
 use crate::tick::queue::SegmentIn;
 
 /// With fewer segments than these, the tick soon has nothing to do.

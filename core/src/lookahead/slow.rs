@@ -5,14 +5,13 @@
 use heapless::Vec;
 
 use super::Piece;
-use crate::motion::flow::Stretch;
-use crate::motion::rate::PathRate;
-use crate::motion::segment::Action;
+use crate::motion::Action;
+use crate::motion::PathRate;
+use crate::motion::{STRETCHES_OF_A_CUT, Stretch};
 
-/// Slow places before or after a cut that are kept apart; more are taken together.
-const BOUNDS: usize = 3;
-/// The most stretches of a cut: the slow places before it and after it, and what is between.
-pub const STRETCHES_OF_A_CUT: usize = 2 * BOUNDS + 1;
+/// Slow places before or after a cut that are kept apart; more are taken together. A cut has the stretches of those before
+/// it and after it, and what is between.
+const BOUNDS: usize = (STRETCHES_OF_A_CUT - 1) / 2;
 
 /// A rate on the next part of the way, as long as `reach`. In a slow place no input is above it; where a cut has left, an
 /// input up to it may be there.

@@ -7,7 +7,7 @@ use super::*;
 use crate::alarm::Span;
 use crate::call::{FeedRate, Position};
 use crate::motion::plan;
-use crate::motion::segment::{Cut, Epoch, Stops};
+use crate::motion::{Cut, Epoch, Stops};
 use crate::moves::{Move, MoveKind};
 use crate::params::Params;
 use crate::units::{Feed, Length};

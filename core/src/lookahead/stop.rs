@@ -3,8 +3,8 @@
 //! This module knows the way, the feed and the time of single cuts. It knows nothing of corners, windows or limits.
 
 use super::turning::per;
-use crate::motion::plan::Timed;
-use crate::motion::profile::to_units;
+use crate::motion::Timed;
+use crate::motion::to_units;
 use crate::units::mul_div;
 
 /// A cut on one side of a stop.

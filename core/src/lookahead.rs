@@ -43,17 +43,14 @@ mod turning;
 
 use heapless::{Deque, Vec};
 
-pub use self::slow::STRETCHES_OF_A_CUT;
 use self::slow::{Bound, Bounds, cut_up, hold};
 use self::stop::Side;
 use self::turning::{allowed, per, ramp, turn_of_arc, window};
 
-use super::flow::Stretch;
-use super::limits::{Corner, Limits};
-use super::path::{Heading, Path};
-use super::plan::{Scaling, Timed};
-use super::profile::{Ramp, to_units};
-use super::segment::{Action, Segment};
+use crate::motion::{
+    Action, CUTS_AHEAD, Corner, Heading, Limits, Path, Ramp, STRETCHES_OF_A_CUT, Scaling, Segment,
+};
+use crate::motion::{Stretch, Timed, to_units};
 use crate::units::{div_wide, mul_div, product, root_wide};
 
 /// Cuts in the window.
@@ -64,9 +61,6 @@ const WINDOW: usize = 24;
 const EXPECTED: u64 = 7;
 /// Cuts after which a slow place is mostly forgotten.
 const MEMORY: u64 = 64;
-
-/// Cuts that can be on the way from the profile's input to the tool. The queue of the tick holds some more.
-pub const CUTS_AHEAD: u64 = 28;
 
 /// A cut that waits.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,9 @@
 //! Rates are in 1/256 nm per tick, ways in 1/256 nm, turns in 2⁻³⁰. This module knows figures of one corner or one cut. It
 //! knows nothing of the window.
 
-use crate::motion::limits::Corner;
-use crate::motion::profile::Ramp;
-use crate::motion::rate::PathRate;
+use crate::motion::Corner;
+use crate::motion::PathRate;
+use crate::motion::Ramp;
 use crate::units::{mul_div, root};
 
 /// Binary digits of a turn.
