@@ -26,8 +26,8 @@ pub use machine::{Doctor, DrivesCommand, IoCommand, Record, SimCommand, Up};
 pub use params::{Diff, Migrate, ParamsCommand, Pull, Push, Restore, Write};
 pub use programs::{Check, Drive, Drives, Expand, Format, Measure, Plot, Run, Simulate};
 pub use tools::{
-    Assign, AxisName, DiffTools, OffsetsCommand, PullTools, PushTools, SystemName, ToolsCommand,
-    Touch,
+    Assign, AxisName, DiffTools, OffsetsCommand, Pickup, PullTools, PushTools, SystemName,
+    ToolsCommand, Touch,
 };
 
 use crate::failure::{Failure, Outcome};
@@ -349,6 +349,14 @@ pub enum Command {
     /// Touch off: a tool stands where the work has a known coordinate, and its geometry or the work offset follows
     #[command(after_help = examples::TOUCH)]
     Touch(Touch),
+    /// Pick a thread up: the tip stands in a groove that was cut before, and all threads follow this groove
+    ///
+    /// The spindle stands, after at least one turn since power-up. What is kept is the place of the tip and the angle of
+    /// the spindle there, in the table of offsets, over a loss of power. G32, G76, G78 and G92 begin so that their last
+    /// pass runs in that groove, from wherever they start and with any tool; G34 is refused. Without an option it tells
+    /// what is picked up.
+    #[command(after_help = examples::PICKUP)]
+    Pickup(Pickup),
     /// Check and run a line that is typed, behind the lines typed before (not with `--bus sim`)
     ///
     /// What the lines before have set holds on: modes, coordinate system, tool offset, F and S. It is told before the line

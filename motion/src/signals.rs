@@ -94,8 +94,11 @@ impl Signals {
     /// The same: emergency stop.
     pub const STOP: u16 = 1 << 14;
 
+    /// The same: the spindle's angle counts from its index.
+    pub const INDEXED: u16 = 1 << 15;
+
     /// All that is mirrored.
-    pub const MIRRORED: u16 = Self::HOLD | Self::SINGLE_BLOCK | Self::STOP;
+    pub const MIRRORED: u16 = Self::HOLD | Self::SINGLE_BLOCK | Self::STOP | Self::INDEXED;
 
     const SPINDLES: u8 = 0x0F;
 
@@ -308,10 +311,10 @@ mod tests {
                     known += 1;
                     assert_eq!(signals.bits(), bits & !Signals::MIRRORED);
                 }
-                None => assert!(bits & 0x8008 != 0 || bits & 0b110 == 0b010),
+                None => assert!(bits & 0x0008 != 0 || bits & 0b110 == 0b010),
             }
         }
-        // Each with every value of the three bits that are mirrored.
-        assert_eq!(known, 2 * 3 * 16 * 16 * 8);
+        // Each with every value of the four bits that are mirrored.
+        assert_eq!(known, 2 * 3 * 16 * 16 * 16);
     }
 }

@@ -67,6 +67,7 @@ pub fn fields(json: &mut Json, changes: &[Change]) {
 pub fn value(json: &mut Json, name: &str, key: Key, raw: Raw) {
     match key {
         Key::Tool(_, super::Field::Measured) => json.text(name, &key.shown(raw)),
+        Key::Thread(super::Groove::Angle) if raw < 0 => json.text(name, &key.shown(raw)),
         _ => json.number(name, key.shown(raw)),
     }
 }

@@ -3,6 +3,7 @@
 //! ```toml
 //! shift = { X = 0, Z = 0 }
 //! G54 = { X = 0, Z = -400 }
+//! thread = { X = 0, Z = 0, angle = "off" }
 //! T1 = { X = -250.76, Z = 94.875, wear = { X = -0.02, Z = 0 }, radius = 0.4, tip = 3, station = 1, measured = "XZ" }
 //! ```
 //!
@@ -16,7 +17,7 @@ use leadscrew_core::offsets::{Offsets, TOOLS};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{Field, Key, unknown};
+use super::{Field, Groove, Key, unknown};
 use crate::failure::{Failure, Outcome};
 use crate::params;
 use crate::words::{Both, both, path as shown_path};
@@ -112,6 +113,12 @@ pub fn whole(table: &Offsets, origin: &str, lang: Lang) -> String {
     for code in 54..=59 {
         pair(&format!("G{code}"), axes.map(|axis| Key::Work(code, axis)));
     }
+    let [x, z, angle] = Groove::ALL.map(|field| value(Key::Thread(field)));
+    let angle = match table.thread.angle {
+        Some(_) => angle,
+        None => format!("\"{angle}\""),
+    };
+    let _ = writeln!(out, "thread = {{ X = {x}, Z = {z}, angle = {angle} }}");
     out.push('\n');
     for number in 1..=TOOLS as u8 {
         let of = |field| value(Key::Tool(number, field));

@@ -14,7 +14,7 @@ use std::fmt;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::offsets::{Offset, Offsets, TOOLS, Tool};
 use leadscrew_core::params::{Unit, Writing};
-use leadscrew_core::units::{Axis, Diameter, Length};
+use leadscrew_core::units::{Angle, Axis, Diameter, Length};
 
 use crate::number;
 use crate::words::{Both, both, one_line};
@@ -65,6 +65,20 @@ impl Field {
     }
 }
 
+/// A value of the thread that was picked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Groove {
+    /// Where the tip was, by the machine.
+    Tip(Axis),
+    /// The angle of the spindle there.
+    Angle,
+}
+
+impl Groove {
+    /// All of them, in the order of files.
+    pub const ALL: [Self; 3] = [Self::Tip(Axis::X), Self::Tip(Axis::Z), Self::Angle];
+}
+
 /// One value of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Key {
@@ -74,6 +88,8 @@ pub enum Key {
     Work(u8, Axis),
     /// A tool.
     Tool(u8, Field),
+    /// The thread that was picked up.
+    Thread(Groove),
 }
 
 /// `T1.wear.X`
@@ -84,24 +100,32 @@ impl fmt::Display for Key {
             Self::Shift(axis) => write!(f, "shift.{}", letter(axis)),
             Self::Work(code, axis) => write!(f, "G{code}.{}", letter(axis)),
             Self::Tool(number, field) => write!(f, "T{number}.{}", field.name()),
+            Self::Thread(Groove::Tip(axis)) => write!(f, "thread.{}", letter(axis)),
+            Self::Thread(Groove::Angle) => f.write_str("thread.angle"),
         }
     }
 }
 
-/// A value as it is kept: 0.1 µm, a count, or bits.
+/// A value as it is kept: 0.1 µm, 0.0001°, a count, or bits.
 pub type Raw = i64;
+
+/// The angle of a thread where none was picked up.
+const OFF: Raw = -1;
+/// As it is written.
+const OFF_TEXT: &str = "off";
 
 /// Steps of 0.1 µm in a nanometre.
 const STEP_NM: i64 = 100;
 
 impl Key {
-    /// All keys in the order of files: shift, work offsets, tools.
+    /// All keys in the order of files: shift, work offsets, thread, tools.
     pub fn all() -> impl Iterator<Item = Self> {
         let axes = [Axis::X, Axis::Z];
         let shift = axes.map(Self::Shift);
         let work = (54..=59).flat_map(move |code| axes.map(|axis| Self::Work(code, axis)));
         let tools = (1..=TOOLS as u8).flat_map(|n| Field::ALL.map(|field| Self::Tool(n, field)));
-        shift.into_iter().chain(work).chain(tools)
+        let thread = Groove::ALL.map(Self::Thread);
+        shift.into_iter().chain(work).chain(thread).chain(tools)
     }
 
     /// The keys that a text means: one, or all of its record (`T1`, `G54`). A tool may be written without its T.
@@ -130,7 +154,8 @@ impl Key {
     /// The largest magnitude of a length; `None` for what is no length.
     const fn most(self) -> Option<Length> {
         match self {
-            Self::Shift(_) | Self::Work(..) => Some(Offsets::WORK),
+            Self::Shift(_) | Self::Work(..) | Self::Thread(Groove::Tip(_)) => Some(Offsets::WORK),
+            Self::Thread(Groove::Angle) => None,
             Self::Tool(_, Field::Geometry(_)) => Some(Offsets::GEOMETRY),
             Self::Tool(_, Field::Wear(_)) => Some(Offsets::WEAR),
             Self::Tool(_, Field::Radius) => Some(Offsets::RADIUS),
@@ -145,6 +170,7 @@ impl Key {
             (_, Some(most)) => (-most.nm() / STEP_NM, most.nm() / STEP_NM),
             (Self::Tool(_, Field::Tip), None) => (0, Offsets::TIP as Raw),
             (Self::Tool(_, Field::Station), None) => (0, TOOLS as Raw),
+            (Self::Thread(_), None) => (OFF, Offsets::ANGLE_STEPS as Raw - 1),
             (_, None) => (0, 3),
         }
     }
@@ -161,6 +187,11 @@ impl Key {
             Self::Work(code, axis) => {
                 let place = usize::from(code.saturating_sub(54));
                 of(table.work.get(place).copied().unwrap_or_default(), axis)
+            }
+            Self::Thread(Groove::Tip(axis)) => of(table.thread.tip, axis),
+            Self::Thread(Groove::Angle) => {
+                let steps = |angle: Angle| angle.udeg() / Offsets::ANGLE_STEP_UDEG;
+                table.thread.angle.map_or(OFF, steps)
             }
             Self::Tool(number, field) => {
                 let tool = table.tool(number).copied().unwrap_or_default();
@@ -198,6 +229,11 @@ impl Key {
                     put(work, axis);
                 }
             }
+            Self::Thread(Groove::Tip(axis)) => put(&mut table.thread.tip, axis),
+            Self::Thread(Groove::Angle) => {
+                let angle = Angle::from_udeg(raw * Offsets::ANGLE_STEP_UDEG);
+                table.thread.angle = (raw != OFF).then_some(angle);
+            }
             Self::Tool(number, field) => {
                 let Some(tool) = table.tool_mut(number) else {
                     return Ok(());
@@ -220,6 +256,8 @@ impl Key {
                 );
                 letters.concat()
             }
+            Self::Thread(Groove::Angle) if raw == OFF => OFF_TEXT.into(),
+            Self::Thread(_) => number::text::<4>(raw),
             _ if self.most().is_some() => number::text::<4>(raw),
             _ => raw.to_string(),
         }
@@ -239,6 +277,9 @@ impl Key {
             }
             return Ok(Raw::from(is('X')) | Raw::from(is('Z')) << 1);
         }
+        if let Self::Thread(Groove::Angle) = self {
+            return self.parse_angle(text);
+        }
         if self.most().is_none() {
             return text.parse().map_err(|_| self.no_value(text));
         }
@@ -246,6 +287,19 @@ impl Key {
         match nm.map_err(|_| self.no_value(text))? {
             nm if nm % STEP_NM == 0 => Ok(nm / STEP_NM),
             _ => Err(self.out_of_range(text)),
+        }
+    }
+
+    fn parse_angle(self, text: &str) -> Result<Raw, Both> {
+        if text.eq_ignore_ascii_case(OFF_TEXT) {
+            return Ok(OFF);
+        }
+        let udeg = Unit::Degree.parse(text, Writing::UnitOptional);
+        match udeg.map_err(|_| self.no_value(text))? {
+            udeg if udeg < 0 || udeg % Offsets::ANGLE_STEP_UDEG != 0 => {
+                Err(self.out_of_range(text))
+            }
+            udeg => Ok(udeg / Offsets::ANGLE_STEP_UDEG),
         }
     }
 
@@ -261,10 +315,19 @@ impl Key {
         let (number, text) = (Code::OffsetsOutOfRange.number(), one_line(text));
         let (min, max) = self.range();
         let (min, max) = (self.shown(min), self.shown(max));
-        let unit = if self.most().is_some() { " mm" } else { "" };
+        let (min, max, unit) = match self {
+            Self::Thread(Groove::Angle) => (self.shown(0), max, "°"),
+            _ if self.most().is_some() => (min, max, " mm"),
+            _ => (min, max, ""),
+        };
+        let fine = if unit == "°" {
+            "0.0001°"
+        } else {
+            "0.0001 mm"
+        };
         both!(
-            "{number}: {self}: `{text}` is outside {min} to {max}{unit}, or finer than 0.0001 mm; nothing has been written",
-            "{number}：{self}：`{text}` 超出 {min} 至 {max}{unit}，或小于最小单位 0.0001 mm；未写入任何内容"
+            "{number}: {self}: `{text}` is outside {min} to {max}{unit}, or finer than {fine}; nothing has been written",
+            "{number}：{self}：`{text}` 超出 {min} 至 {max}{unit}，或小于最小单位 {fine}；未写入任何内容"
         )
     }
 }
@@ -288,8 +351,8 @@ pub fn unknown(key: &str) -> Both {
     let key = one_line(key);
     both!(
         "there is no `{key}` in a tool table: T1 to T32 have X, Z, wear.X, wear.Z, radius, tip, station and measured; G54 to G59 \
-         and shift have X and Z",
-        "刀具表中没有 `{key}`：T1 至 T32 有 X、Z、wear.X、wear.Z、radius、tip、station、measured；G54 至 G59 和 shift 有 X、Z"
+         and shift have X and Z; thread has X, Z and angle",
+        "刀具表中没有 `{key}`：T1 至 T32 有 X、Z、wear.X、wear.Z、radius、tip、station、measured；G54 至 G59 和 shift 有 X、Z；thread 有 X、Z、angle"
     )
 }
 

@@ -16,7 +16,7 @@ fn set(texts: &[&str]) -> Offsets {
 #[test]
 fn every_key_names_itself_alone() {
     let keys: Vec<_> = Key::all().collect();
-    assert_eq!(keys.len(), 2 + 6 * 2 + 32 * 8);
+    assert_eq!(keys.len(), 2 + 6 * 2 + 3 + 32 * 8);
     for key in keys {
         assert_eq!(Key::find(&key.to_string()), [key]);
         let (min, max) = key.range();

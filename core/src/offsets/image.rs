@@ -4,25 +4,29 @@
 //! schema (u16) · 0 (u16) · revision (u32) · shift X Z
 //! 6 × ( X Z · 0 (u64) )                                                        G54 to G59
 //! 32 × ( geometry X Z · wear X Z · radius · tip · station · measured · 0 )     lengths i32, the rest bytes
+//! X Z · angle (u32) · 0 (u32)                                                  the picked-up thread
 //! CRC-32 of all before
 //! ```
 //!
-//! All is little-endian; a length is in 0.1 µm, of X in diameter. `measured`: bit 0 X, bit 1 Z. A board [checks](check) the
+//! All is little-endian; a length is in 0.1 µm, of X in diameter. `measured`: bit 0 X, bit 1 Z. The
+//! angle of a picked-up thread is in 0.0001° and one more than it is, 0 where there is none. A board [checks](check) the
 //! bytes, and reads of them their head and the tool in place.
 
-use super::{Offset, Offsets, Record, Revision, STEP_NM, SYSTEMS, Source, TOOLS, Tool};
+use super::{Offset, Offsets, PickedUp, Record, Revision, STEP_NM, SYSTEMS, Source, TOOLS, Tool};
 use crate::checksum::crc32;
 use crate::params::Params;
-use crate::units::{Diameter, Length};
+use crate::units::{Angle, Diameter, Length};
 
 /// Layout of these bytes.
-const SCHEMA: u16 = 1;
+const SCHEMA: u16 = 2;
 
 const HEAD: usize = 16;
 const WORK: usize = 16;
 const TOOL: usize = 24;
+const THREAD: usize = 16;
 const SUM: usize = 4;
-const END: usize = HEAD + SYSTEMS * WORK + TOOLS * TOOL;
+const TOOLS_END: usize = HEAD + SYSTEMS * WORK + TOOLS * TOOL;
+const END: usize = TOOLS_END + THREAD;
 
 /// Bytes of an image.
 pub const BYTES: usize = END + SUM;
@@ -83,6 +87,7 @@ pub fn check(bytes: &[u8]) -> Result<Head, ImageFault> {
             return beyond(Record::Work(code));
         }
     }
+    let (tools, thread) = tools.split_at_checked(TOOLS * TOOL).unwrap_or_default();
     for (number, record) in (1..).zip(tools.as_chunks::<TOOL>().0) {
         let (geometry, rest) = record.split_at_checked(8).unwrap_or_default();
         let (wear, rest) = rest.split_at_checked(8).unwrap_or_default();
@@ -96,6 +101,11 @@ pub fn check(bytes: &[u8]) -> Result<Head, ImageFault> {
         if !good {
             return beyond(Record::Tool(number));
         }
+    }
+    let good = matches!(thread, [tip @ .., a, b, c, d, 0, 0, 0, 0]
+        if are_within(tip, Offsets::WORK) && u32::from_le_bytes([*a, *b, *c, *d]) <= Offsets::ANGLE_STEPS);
+    if !good {
+        return beyond(Record::Thread);
     }
     Ok(Head { revision, sum })
 }
@@ -120,7 +130,7 @@ pub fn empty() -> Image {
 #[must_use]
 pub fn tool(image: &Image, number: u8) -> Option<Tool> {
     let index = usize::from(number).checked_sub(1)?;
-    let tools = image.get(HEAD.saturating_add(SYSTEMS.saturating_mul(WORK))..END)?;
+    let tools = image.get(HEAD.saturating_add(SYSTEMS.saturating_mul(WORK))..TOOLS_END)?;
     let record = tools.as_chunks::<TOOL>().0.get(index)?;
     Some(Reader(record).tool())
 }
@@ -189,6 +199,12 @@ impl Offsets {
             let measured = u8::from(tool.measured_x) | u8::from(tool.measured_z) << 1;
             at.put(&[tool.tip, tool.station, measured, 0]);
         }
+        let PickedUp { tip, angle } = self.thread;
+        at.offset(tip);
+        let steps = angle.map_or(0, |angle| {
+            ((angle.udeg() / Self::ANGLE_STEP_UDEG) as u32).saturating_add(1)
+        });
+        at.put(&steps.to_le_bytes());
         seal(&mut image);
         Ok(image)
     }
@@ -212,6 +228,14 @@ impl Offsets {
         for tool in &mut table.tools {
             *tool = from.tool();
         }
+        let tip = from.offset();
+        let steps = u32::from_le_bytes(from.take()).checked_sub(1);
+        let angle =
+            |steps| Angle::from_udeg(i64::from(steps).saturating_mul(Self::ANGLE_STEP_UDEG));
+        table.thread = PickedUp {
+            tip,
+            angle: steps.map(angle),
+        };
         Ok(table)
     }
 }

@@ -17,7 +17,7 @@ pub use source::{Nose, Source};
 pub use tip::InPlace;
 
 use crate::params::Params;
-use crate::units::{Diameter, Length};
+use crate::units::{Angle, Diameter, Length};
 
 /// Work coordinate systems: G54 to G59.
 pub const SYSTEMS: usize = 6;
@@ -91,6 +91,16 @@ pub struct Tool {
     pub measured_z: bool,
 }
 
+/// A thread that was picked up: a place in the groove of a part that was cut before. All threads follow it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PickedUp {
+    /// Where the tip of the tool stood in the groove, by the machine: its slide less geometry and wear of the tool.
+    pub tip: Offset,
+    /// The angle of the spindle from its index there, 0 to 359.9999°, positive in the direction of M03. `None`: no thread
+    /// was picked up.
+    pub angle: Option<Angle>,
+}
+
 /// The table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offsets {
@@ -102,6 +112,8 @@ pub struct Offsets {
     pub work: [Offset; SYSTEMS],
     /// The tools, from number 1.
     pub tools: [Tool; TOOLS],
+    /// The groove that threads follow.
+    pub thread: PickedUp,
 }
 
 impl Default for Offsets {
@@ -111,6 +123,7 @@ impl Default for Offsets {
             shift: Offset::default(),
             work: [Offset::default(); SYSTEMS],
             tools: [Tool::default(); TOOLS],
+            thread: PickedUp::default(),
         }
     }
 }
@@ -124,14 +137,18 @@ pub enum Record {
     Tool(u8),
     /// A work coordinate system, by its G code.
     Work(u8),
+    /// The groove that threads follow.
+    Thread,
 }
 
 impl Record {
-    /// The number of the record in an alarm: 0 the shift, 1 to 32 a tool, 54 to 59 a work offset.
+    /// The number of the record in an alarm: 0 the shift, 1 to 32 a tool, 33 the picked-up thread, 54 to
+    /// 59 a work offset.
     #[must_use]
     pub const fn number(self) -> u8 {
         match self {
             Self::Shift => 0,
+            Self::Thread => 33,
             Self::Tool(number) | Self::Work(number) => number,
         }
     }
@@ -148,6 +165,17 @@ impl Offsets {
     pub const RADIUS: Length = Length::from_nm(99_999_900);
     /// Largest tip direction.
     pub const TIP: u8 = 9;
+
+    /// One step of the angle of a picked-up thread, in µ°.
+    pub const ANGLE_STEP_UDEG: i64 = 100;
+    /// Such steps in a turn.
+    pub const ANGLE_STEPS: u32 = 3_600_000;
+
+    /// True for an angle within a turn, in whole steps.
+    fn is_angle(angle: Angle) -> bool {
+        let udeg = angle.udeg();
+        (0..360_000_000).contains(&udeg) && udeg % Self::ANGLE_STEP_UDEG == 0
+    }
 
     /// The tool with this number; `None` for 0 and for numbers that no tool has.
     #[must_use]
@@ -170,6 +198,10 @@ impl Offsets {
         let mut far = work.filter(|(_, offset)| !offset.is_within(Self::WORK));
         if let Some((code, _)) = far.next() {
             return Some(Record::Work(code));
+        }
+        let PickedUp { tip, angle } = &self.thread;
+        if !tip.is_within(Self::WORK) || angle.is_some_and(|angle| !Self::is_angle(angle)) {
+            return Some(Record::Thread);
         }
         let mut tools = (1..).zip(&self.tools);
         let (number, _) = tools.find(|(_, tool)| {

@@ -27,6 +27,10 @@ fn full() -> Offsets {
         shift: offset(-12_345, 67_891),
         ..Offsets::default()
     };
+    table.thread = PickedUp {
+        tip: offset(771_234, -654_321),
+        angle: Some(Angle::from_udeg(123_456_700)),
+    };
     for (at, work) in (1..).zip(&mut table.work) {
         *work = offset(-1_000_000 * at, -4_000_000 - at);
     }
@@ -65,19 +69,23 @@ fn a_table_comes_back_from_its_bytes() {
         );
     }
     assert_eq!(Offsets::default().encode(), Ok(empty()));
-    assert_eq!(BYTES, 884);
+    assert_eq!(BYTES, 900);
 }
 
 #[test]
 fn the_bytes_lie_where_the_page_says() {
     let image = full().encode().unwrap();
-    assert_eq!(image[..8], [1, 0, 0, 0, 4, 3, 2, 1]);
+    assert_eq!(image[..8], [2, 0, 0, 0, 4, 3, 2, 1]);
     assert_eq!(image[8..12], (-12_345_i32).to_le_bytes());
     assert_eq!(image[16..20], (-1_000_000_i32).to_le_bytes());
     let second = 16 + 6 * 16 + 24;
     assert_eq!(image[second..second + 4], (-2_507_602_i32).to_le_bytes());
     assert_eq!(image[second + 16..second + 20], 4002_u32.to_le_bytes());
     assert_eq!(image[second + 20..second + 24], [2, 2, 1, 0]);
+    let thread = 16 + 6 * 16 + 32 * 24;
+    assert_eq!(image[thread..thread + 4], 771_234_i32.to_le_bytes());
+    assert_eq!(image[thread + 8..thread + 12], 1_234_568_u32.to_le_bytes());
+    assert_eq!(image[thread + 12..thread + 16], [0; 4]);
 }
 
 #[test]
@@ -95,15 +103,15 @@ fn every_damaged_bit_and_every_other_length_is_noticed() {
     long.push(0);
     assert_eq!(check(&sealed(long)), Err(ImageFault::Damaged));
     let mut other = image.to_vec();
-    other[0] = 2;
-    let schema = ImageFault::Schema(2, Revision(0x0102_0304));
+    other[0] = 1;
+    let schema = ImageFault::Schema(1, Revision(0x0102_0304));
     assert_eq!(check(&sealed(other)), Err(schema));
 }
 
 #[test]
 fn a_value_at_its_limit_is_taken_and_one_step_further_is_not() {
     type Change = fn(&mut Offsets, i64);
-    let cases: [(Change, Length, Record); 8] = [
+    let cases: [(Change, Length, Record); 10] = [
         (
             |t, n| t.shift.x = Diameter::from_nm(n),
             Offsets::WORK,
@@ -133,6 +141,16 @@ fn a_value_at_its_limit_is_taken_and_one_step_further_is_not() {
             |t, n| t.tools[1].radius = Length::from_nm(n),
             Offsets::RADIUS,
             Record::Tool(2),
+        ),
+        (
+            |t, n| t.thread.tip.z = Length::from_nm(n),
+            Offsets::WORK,
+            Record::Thread,
+        ),
+        (
+            |t, n| t.thread.angle = Some(Angle::from_udeg(n)),
+            mm(3_599_999),
+            Record::Thread,
         ),
         (
             |t, n| t.tools[6].tip = (n / 100) as u8,
@@ -182,6 +200,9 @@ fn bytes_beyond_a_range_are_refused_with_their_record() {
         (tool(8) + 21, &[33], Record::Tool(8)),
         (tool(32) + 22, &[4], Record::Tool(32)),
         (tool(32) + 23, &[1], Record::Tool(32)),
+        (tool(33) + 4, &i32::MIN.to_le_bytes(), Record::Thread),
+        (tool(33) + 8, &3_600_001_u32.to_le_bytes(), Record::Thread),
+        (tool(33) + 15, &[1], Record::Thread),
     ] {
         let mut changed = image.to_vec();
         changed[at..at + bytes.len()].copy_from_slice(bytes);

@@ -26,6 +26,8 @@ const WARNINGS: usize = 2;
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pending: u32,
+    /// The warning that threads follow a groove was given.
+    told_of_pickup: bool,
     origin: Position,
     warnings: [Alarm; WARNINGS],
     gear: (Span, u16),
@@ -157,6 +159,7 @@ impl Plan {
         const NONE: Alarm = Alarm::new(crate::alarm::Code::CutInMode, NOWHERE);
         Self {
             pending: 0,
+            told_of_pickup: false,
             origin: Position::ZERO,
             warnings: [NONE; WARNINGS],
             gear: (NOWHERE, 0),
@@ -186,6 +189,14 @@ impl Plan {
     #[inline]
     pub(crate) fn set_origin(&mut self, origin: Position) {
         self.origin = origin;
+    }
+
+    /// The warning that threads follow a groove: of a program's first thread.
+    pub(crate) fn warn_of_pickup(&mut self, alarm: Alarm) {
+        if !self.told_of_pickup {
+            self.told_of_pickup = true;
+            self.warn(alarm);
+        }
     }
 
     pub(crate) fn warn(&mut self, alarm: Alarm) {

@@ -287,6 +287,12 @@ Examples:
   leadscrew touch Z 0 --tool 1 --bus can0           the tool stands at the face
   leadscrew touch Z 0 --work G54 --tool 1 --bus can0";
 
+pub(super) const PICKUP: &str = "\
+Examples:
+  leadscrew pickup --tool 3 --bus can0              the tip of tool 3 sits in the groove, the spindle stands
+  leadscrew check repair.nc --bus can0              tells at which angle its first thread begins
+  leadscrew pickup --clear --bus can0               behind the repair";
+
 pub(super) const COMPLETIONS: &str = "\
 Examples:
   leadscrew completions bash > ~/.local/share/bash-completion/completions/leadscrew

@@ -113,6 +113,17 @@ pub struct Touch {
     pub mark: bool,
 }
 
+/// `pickup`.
+#[derive(Args, Debug)]
+pub struct Pickup {
+    /// Offset number of the tool whose tip stands in the groove
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=32))]
+    pub tool: Option<u8>,
+    /// Threads begin at their own start angle again
+    #[arg(long, conflicts_with = "tool")]
+    pub clear: bool,
+}
+
 /// An axis that is touched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum AxisName {

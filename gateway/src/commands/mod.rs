@@ -44,6 +44,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Drives { command } => drives::run(&cli.global, command),
         Command::Offsets { command } => tools::offsets(&cli.global, command),
         Command::Touch(args) => tools::touch(&cli.global, args),
+        Command::Pickup(args) => tools::pickup(&cli.global, args),
         Command::Check(args) => check::run(&cli.global, args),
         Command::Expand(args) => {
             let jsonl = args.format == Some(Format::Jsonl);

@@ -66,6 +66,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Drives { .. } => "drives",
         Command::Offsets { .. } => "offsets",
         Command::Touch(_) => "touch",
+        Command::Pickup(_) => "pickup",
         Command::Status => "status",
         Command::Monitor { .. } => "monitor",
         Command::Panel { .. } => "panel",

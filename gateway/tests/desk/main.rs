@@ -8,6 +8,7 @@ mod life;
 mod mdi;
 mod page;
 mod panel;
+mod pickup;
 mod tune;
 mod tutorial;
 mod typed;

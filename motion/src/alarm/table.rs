@@ -1062,10 +1062,10 @@ codes! {
     OffsetsOtherRevision = 4581, "this was made with revision {0} of the tool table, and the board has revision {1}", "somebody has changed offsets or tools meanwhile: look at them, then begin again",
         "此操作基于刀具表修订号 {0}，而控制板的修订号为 {1}", "期间有人修改了偏置或刀具数据：请查看后重新开始";
     /// A value out of its range, or finer than 0.1 µm; {0} its record.
-    OffsetsOutOfRange = 4582, "record {0} of the tool table (1 to 32 tools, 54 to 59 work offsets, 0 the shift) has a value out of its range; nothing has been written",
-        "geometry up to 9999.9999 mm, wear up to 99.9999 mm, radius 0 to 99.9999 mm, work offsets up to 99999.9999 mm, tip 0 to 9, station 0 to 32; in steps of 0.0001 mm",
-        "刀具表记录 {0}（1 至 32 为刀具，54 至 59 为工件零点，0 为平移）的值超出范围；未写入任何内容",
-        "几何值不超过 9999.9999 mm，磨损不超过 99.9999 mm，半径 0 至 99.9999 mm，工件零点不超过 99999.9999 mm，刀尖方向 0 至 9，刀位 0 至 32；最小单位 0.0001 mm";
+    OffsetsOutOfRange = 4582, "record {0} of the tool table (1 to 32 tools, 33 the picked-up thread, 54 to 59 work offsets, 0 the shift) has a value out of its range; nothing has been written",
+        "geometry up to 9999.9999 mm, wear up to 99.9999 mm, radius 0 to 99.9999 mm, work offsets up to 99999.9999 mm, tip 0 to 9, station 0 to 32, an angle below 360°; in steps of 0.0001 mm and 0.0001°",
+        "刀具表记录 {0}（1 至 32 为刀具，33 为已拾取的螺纹，54 至 59 为工件零点，0 为平移）的值超出范围；未写入任何内容",
+        "几何值不超过 9999.9999 mm，磨损不超过 99.9999 mm，半径 0 至 99.9999 mm，工件零点不超过 99999.9999 mm，刀尖方向 0 至 9，刀位 0 至 32，角度小于 360°；最小单位 0.0001 mm 和 0.0001°";
     /// The newest stored table is damaged, or of another layout; {0} the revision that is in force instead.
     OffsetsDamaged = 4583, "the newest tool table that the board has stored cannot be read; revision {0} is in force, and no program runs with it",
         "look at the table (`leadscrew tools list`), correct it, and write it again (`leadscrew tools push FILE`)",
@@ -1076,6 +1076,15 @@ codes! {
     /// Bytes that are no table, or a commit of a table that is not staged.
     OffsetsIncomplete = 4585, "this is no whole tool table, or not the one that was staged: it has not been taken", "send it again; use the program and the board of one release",
         "刀具表不完整，或与暂存的不同：未采用", "请重新发送；程序与控制板应为同一版本";
+    /// A lead that changes, while threads follow a groove that was picked up.
+    PickedUpVariable = 4586, "G34 cannot follow the groove that was picked up: its lead changes", "`leadscrew pickup --clear`, then start again; a groove of one lead is followed by G32, G76, G78 and G92",
+        "G34 不能沿已拾取的牙槽切削：其螺距是变化的", "请先 `leadscrew pickup --clear`，再重新开始；G32、G76、G78、G92 可沿定螺距的牙槽切削";
+    /// A thread that is picked up while the spindle turns; {0} its speed.
+    PickupTurning = 4587, "the spindle turns at {0}, and a thread is picked up with the spindle standing", "stop the spindle (M05), turn it by hand until the tip sits in the groove, then try again",
+        "主轴正以 {0} 旋转，拾取螺纹时主轴必须静止", "请停止主轴（M05），用手转动使刀尖落入牙槽，然后重试";
+    /// A thread that is picked up before the index of the spindle has come.
+    PickupNoIndex = 4588, "the spindle has not passed its index, so its angle is not known", "let the spindle turn once or twice (M03 with S, or by hand), stop it, then try again",
+        "主轴尚未经过零位标记，角度未知", "请让主轴转一两圈（M03 与 S，或用手转动），停止后重试";
     // -- 4500–4599 operating: board/ ---------------------------------------------------------------------------------
     /// A request that the present mode does not let in: the mode that is needed, and the present one.
     WrongMode = 4501, "this needs the machine in mode {0}, and it is in mode {1}", "change the mode first (`leadscrew mode {0}`), while the machine stands",
@@ -1292,6 +1301,11 @@ codes! {
     /// Q in a stroke that goes on with the one before.
     StartAngleJoined = 4904, "{w} has no effect: this stroke goes on with the thread of the stroke before", "leave Q out",
         "{w} 不起作用：本段与前一段的螺纹相连", "请省略 Q";
+    /// Threads follow a groove that was picked up: {0} and {1} axis and place, {2} the angle there,
+    /// {3} the start angle of this thread.
+    PickedUp = 4905, "threads follow the groove that the tip touched at {0} {1} and the spindle at {2}: this one begins at {3}",
+        "`leadscrew pickup --clear` ends that. The cut is in the groove where the lag of its axis is compensated (9070): else it lies beside it by the speed over the gain",
+        "螺纹将沿刀尖在 {0} {1}、主轴 {2} 处所碰的牙槽切削：本螺纹从 {3} 开始", "`leadscrew pickup --clear` 可取消。须已补偿该轴滞后（9070），否则切削将偏离牙槽（速度除以增益）";
     /// J in ordinary tapping.
     TapExtractionNotRigid = 4909, "J has no effect in ordinary tapping: the tap comes out at S", "leave J out, or tap in rigid mode",
         "普通攻丝中 J 不起作用：退刀转速为 S", "请省略 J，或使用刚性攻丝";

@@ -37,6 +37,8 @@ pub struct Snapshot {
     pub done: Cut,
     /// Angle of the spindle at the last SYNC.
     pub spindle: Turns,
+    /// That angle counts from the index: the last one is no more than two turns away.
+    pub indexed: bool,
     /// Measured speed of the spindle.
     pub speed: TurnRate,
     /// Commanded speed of the spindle, override included.
@@ -80,6 +82,7 @@ impl Snapshot {
             has_left: ticker.has_left(),
             done: ticker.done(),
             spindle: ticker.observer().angle(),
+            indexed: ticker.observer().indexed(),
             speed: ticker.observer().speed(),
             command: ticker.spindle_command(),
             needs_spindle: ticker.needs_spindle(),
@@ -128,7 +131,7 @@ impl Snapshot {
 
     /// Object 5060h: the [bits](Signals::bits) of the inputs, and mirrored bits after them [D164]. Feed hold and emergency
     /// stop are 1 while their contact is active or while they act: the hold until resume or reset, the stop until the reset
-    /// of its alarm.
+    /// of its alarm. The last bit says that the spindle's angle counts from its index.
     // Two functions call it.
     #[inline(never)]
     #[must_use]
@@ -144,6 +147,9 @@ impl Snapshot {
         let stands = |alarm: &Alarm| alarm.code == Code::EmergencyStop;
         if self.contacts.stop || self.alarm().is_some_and(stands) {
             bits |= Signals::STOP;
+        }
+        if self.indexed {
+            bits |= Signals::INDEXED;
         }
         bits
     }

@@ -10,7 +10,7 @@ use leadscrew_core::bus::{
 };
 use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::Gateway;
-use leadscrew_tests::machine::machine;
+use leadscrew_tests::machine::{calls, machine};
 use leadscrew_tests::params::with;
 
 fn refused(abort: Abort) -> SdoError {
@@ -269,7 +269,7 @@ fn signals_are_inputs_and_undefined_bits_are_refused() {
     };
     assert_eq!(write(&mut sim, 0x0021), Ok(()));
     assert_eq!(write(&mut sim, 0x0008), Err(refused(Abort::Value)));
-    assert_eq!(write(&mut sim, 0x8000), Err(refused(Abort::TooHigh)));
+    assert_eq!(write(&mut sim, 0x8008), Err(refused(Abort::Value)));
     sim.step();
     let signals = sim.board().ticker().operator().signals;
     assert!(signals.g61_2);
@@ -315,6 +315,22 @@ fn hold_single_block_and_emergency_stop_are_told_behind_the_signals() {
     assert_eq!(signals(&mut gateway, &mut sim), Ok(0));
 }
 
+/// Bit 15 of 5060h: no index has passed before the spindle has turned.
+#[test]
+fn that_the_angle_counts_from_the_index_is_told_behind_the_signals() {
+    let mut sim = machine(&Params::sheets(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0));
+    for call in calls("M3 S300\nG4 X1\nM5\nM30\n", &Params::sheets()) {
+        assert!(sim.offer(&call));
+    }
+    // The spindle turns for a second, and comes to a stop.
+    for _ in 0..10_000 {
+        sim.step();
+    }
+    assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0x8000));
+}
+
 /// [D164]
 #[test]
 fn who_writes_signals_back_neither_sets_nor_ends_what_is_mirrored() {
@@ -324,8 +340,8 @@ fn who_writes_signals_back_neither_sets_nor_ends_what_is_mirrored() {
         let object = Object::new(0x5060, 0);
         gateway.write(sim, object, &value.to_le_bytes(), SdoProtocol::Short)
     };
-    // All three, with SWS1: the signal counts, nothing is held or stopped.
-    assert_eq!(write(&mut gateway, &mut sim, 0x7010), Ok(()));
+    // All four, with SWS1: the signal counts, nothing is held or stopped, no index has passed.
+    assert_eq!(write(&mut gateway, &mut sim, 0xF010), Ok(()));
     sim.step();
     let operator = *sim.board().ticker().operator();
     assert!(!operator.hold && !operator.single_block);
@@ -349,10 +365,6 @@ fn who_writes_signals_back_neither_sets_nor_ends_what_is_mirrored() {
     assert_eq!(
         write(&mut gateway, &mut sim, 0x3002),
         Err(refused(Abort::Value))
-    );
-    assert_eq!(
-        write(&mut gateway, &mut sim, 0xB020),
-        Err(refused(Abort::TooHigh))
     );
     sim.step();
     assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0x3020));

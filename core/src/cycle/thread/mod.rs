@@ -2,12 +2,14 @@
 //!
 //! `words` reads the words of G76 and G78, `single` those of G92, `stroke` those of G32, `run_out` what J and K leave out.
 //! `refuse` has what geometry forbids. `depth` divides the height into passes; `shape`, `slope` and `taper` place a pass;
-//! `helix` gives its start angle; `moves` makes the moves. `feasible` asks what the machine can do at the commanded speed.
+//! `helix` gives its start angle, `pickup` that of a groove which is there; `moves` makes the moves. `feasible` asks what
+//! the machine can do at the commanded speed.
 
 mod depth;
 mod feasible;
 mod helix;
 mod moves;
+mod pickup;
 mod refuse;
 mod run_out;
 mod shape;

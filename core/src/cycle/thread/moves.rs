@@ -274,6 +274,13 @@ impl ThreadMoves {
         self.walk(|_, _| {})
     }
 
+    /// Where the synchronous motion of the last pass begins, its first start. A call without a pass has none; its start.
+    pub(super) fn last_begin(&self) -> MachinePoint {
+        let mut begin = self.shape.place(&self.shape.line().begin);
+        self.walk(|_, corners| begin = self.shape.place(&corners.begin));
+        begin
+    }
+
     /// Shows every pass with its corners. Stops at the first rough pass above the limit.
     fn walk(&self, mut show: impl FnMut(&Pass, &Corners)) -> ThreadSummary {
         let mut summary = ThreadSummary {

@@ -257,7 +257,7 @@ impl Shape {
     }
 
     /// The corners of a stroke.
-    fn line(&self) -> Corners {
+    pub(super) fn line(&self) -> Corners {
         let (begin, bottom) = (self.home(), self.bottom());
         let (leave, end) = match &self.run_out {
             None => (bottom, bottom),

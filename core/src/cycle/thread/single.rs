@@ -1,5 +1,6 @@
 //! The words of G92, kept from block to block: one pass at D. It is a thread of no height, whose only pass finishes it.
 
+use super::pickup::follow;
 use super::run_out::Chamfer;
 use super::words::{Extras, ThreadWords, parameter, starts};
 use crate::alarm::{Alarm, Arg, At, Code, Span};
@@ -102,6 +103,7 @@ impl ThreadWords {
             increment: modal.scale.increment(),
             rpm: modal.rpm(),
         };
+        let call = follow(call, modal, span, plan)?;
         plan.motion(span, CallKind::Thread(call));
         Ok(())
     }

@@ -8,6 +8,7 @@
 //! the run-out from those that go on.
 
 use super::helix::{Helix, TURN_UDEG};
+use super::pickup::follow;
 use super::refuse::refuse_thread;
 use super::shape::{Shape, long_way};
 use super::words::{ThreadWords, parameter};
@@ -85,6 +86,9 @@ impl ThreadWords {
             return Ok(None);
         };
         call.run_out = self.run_out.of_stroke(span)?;
+        if before.is_none() {
+            call = follow(call, modal, span, plan)?;
+        }
         let mut angle = call.first_angle.mdeg().wrapping_mul(1000);
         if let Some(before) = before {
             angle = before.angle;
@@ -128,7 +132,7 @@ impl ThreadWords {
         let Some(change) = self.change else {
             return Err(Alarm::new(Code::LeadChangeMissing, span));
         };
-        let call = ThreadCall { change, ..call };
+        let call = follow(ThreadCall { change, ..call }, modal, span, plan)?;
         plan.motion(span, CallKind::Thread(call));
         let end = stroke_end(&call, span);
         Ok(Some(Stroked {

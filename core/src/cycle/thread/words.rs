@@ -2,6 +2,7 @@
 //! every word resolved or its parameter taken. G76 and G78 have one reading; [`Rules`] says what differs. The words of
 //! G92 are those of `single`.
 
+use super::pickup::follow;
 use super::run_out::{Chamfer, KeptRunOut};
 use super::single::Single;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
@@ -326,6 +327,7 @@ impl ThreadWords {
             increment: modal.scale.increment(),
             rpm: modal.rpm(),
         };
+        let call = follow(call, modal, word.span, plan)?;
         plan.motion(word.span, CallKind::Thread(call));
         Ok(())
     }

@@ -14,6 +14,7 @@ mod gears;
 mod in_phase;
 mod ordinary_taps;
 mod parameters;
+mod pickup;
 mod random;
 mod returns;
 mod rigid;

@@ -8,7 +8,7 @@ use crate::cli::Global;
 use crate::failure::Outcome;
 use crate::json::Json;
 use crate::output;
-use crate::tools::{Field, Key, value};
+use crate::tools::{Field, Groove, Key, value};
 use crate::words::both;
 
 /// Prints the tools that have any value.
@@ -56,6 +56,16 @@ pub fn offsets(global: &Global) -> Outcome {
     if global.json {
         return output::json(|o| {
             head(o, &home);
+            if table.thread.angle.is_some() {
+                o.object_at("thread", |o| {
+                    for (name, key) in ["x", "z", "angle"]
+                        .into_iter()
+                        .zip(Groove::ALL.map(Key::Thread))
+                    {
+                        value(o, name, key, key.get(table));
+                    }
+                });
+            }
             for (name, [x, z]) in &records {
                 o.object_at(name, |o| {
                     value(o, "x", *x, x.get(table));
@@ -65,6 +75,10 @@ pub fn offsets(global: &Global) -> Outcome {
         });
     }
     let mut rows = vec![["", "X", "Z"].map(String::from).to_vec()];
+    if table.thread.angle.is_some() {
+        let [x, z, angle] = Groove::ALL.map(|field| shown(Key::Thread(field), table));
+        rows.push(vec!["thread".into(), x, z, format!("spindle {angle}°")]);
+    }
     for (name, keys) in records {
         rows.push([vec![name], keys.map(|key| shown(key, table)).to_vec()].concat());
     }

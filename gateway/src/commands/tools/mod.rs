@@ -1,11 +1,13 @@
-//! `tools`, `offsets` and `touch`: the table that a board keeps; one file a verb.
+//! `tools`, `offsets`, `touch` and `pickup`: the table that a board keeps; one file a verb.
 
 mod file;
 mod home;
 mod list;
+mod pickup;
 mod set;
 mod touch;
 
+pub use pickup::pickup;
 pub use touch::touch;
 
 use crate::cli::{Global, OffsetsCommand, ToolsCommand};

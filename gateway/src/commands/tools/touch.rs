@@ -119,7 +119,7 @@ impl Touched {
 }
 
 /// Refuses a machine that moves or is about to.
-fn stands(status: &Status) -> Outcome {
+pub fn stands(status: &Status) -> Outcome {
     let at_rest = match status.state {
         BoardState::Idle | BoardState::Alarm | BoardState::Starting => !status.in_program,
         _ => false,
@@ -132,7 +132,7 @@ fn stands(status: &Status) -> Outcome {
 }
 
 /// Refuses an axis without the reference that a program would need: what follows from its place would be wrong.
-fn knows_where(status: &Status, axis: Axis) -> Outcome {
+pub fn knows_where(status: &Status, axis: Axis) -> Outcome {
     if !status.unreferenced.contains(axis) {
         return Ok(());
     }
