@@ -25,6 +25,7 @@ pub mod plant;
 mod sim;
 mod storage;
 mod turret;
+mod wheel;
 
 pub use around::Around;
 pub use sim::{CutPoint, Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};

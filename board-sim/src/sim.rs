@@ -29,6 +29,7 @@ use crate::around::Around;
 use crate::line::{Line, Way};
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
 use crate::storage::{keep, stored_params, stored_tap};
+use crate::wheel::Wheel;
 
 /// The most frames that the drives send in one period.
 const ANSWERS: usize = 24;
@@ -91,6 +92,7 @@ pub struct Sim {
     /// The pins, as they were set.
     pins: Inputs,
     around: Around,
+    wheel: Wheel,
     /// Frames on their way to other nodes on the bus.
     out: Deque<Frame, OUT>,
 }
@@ -193,6 +195,7 @@ impl Sim {
             wire: Line::default(),
             pins: Inputs::default(),
             around: Around::default(),
+            wheel: Wheel::default(),
             out: Deque::new(),
         };
         let withheld = sim.start(up.found.alarm())?;
@@ -343,6 +346,17 @@ impl Sim {
         self.pins = inputs;
     }
 
+    /// Turns the handwheel at the board's own input by so many detents, as fast as a hand does.
+    pub const fn turn_wheel(&mut self, counts: i32) {
+        self.wheel.turn(counts);
+    }
+
+    /// The handwheel is being turned.
+    #[must_use]
+    pub const fn wheel_turns(&self) -> bool {
+        self.wheel.is_turning()
+    }
+
     /// What is around the machine, as far as the pins do not say it.
     pub const fn around(&mut self) -> &mut Around {
         &mut self.around
@@ -443,6 +457,8 @@ impl Sim {
         self.exchange(&output.frames, wire);
         self.tell_together(&output);
         self.keep();
+        let wheel = self.wheel.tick(self.tick_us);
+        self.board.own_wheel(wheel);
         if self.board.device().has_joined() {
             self.serve();
         } else {

@@ -48,6 +48,11 @@ pub enum Request {
         /// How it is then.
         to: Level,
     },
+    /// Turns the handwheel at the board's own input.
+    Wheel {
+        /// By so many detents.
+        counts: i32,
+    },
     /// Spoils the turret, or mends it.
     Turret {
         /// How it is then.

@@ -181,6 +181,13 @@ impl Machine {
         self.show_around();
     }
 
+    /// Somebody turns the handwheel at the board's own input. Without power nobody counts.
+    pub fn turn_wheel(&mut self, counts: i32) {
+        if let Power::On(sim) = &mut self.power {
+            sim.turn_wheel(counts);
+        }
+    }
+
     fn show_around(&mut self) {
         if let Power::On(sim) = &mut self.power {
             sim.around().be_as(&self.around);

@@ -310,6 +310,10 @@ impl Server {
                 self.machine.set_input(input, on);
                 Ok(())
             }
+            Request::Wheel { counts } => {
+                self.machine.turn_wheel(counts);
+                Ok(())
+            }
             Request::Turret { to } => {
                 self.machine.spoil_turret(match to {
                     Turret::Well => TurretFault::None,

@@ -161,6 +161,11 @@ impl Board {
         self.side().receive(frame)
     }
 
+    /// The handwheel at the board's own input stands at `count`, which wraps.
+    pub fn own_wheel(&mut self, count: u16) {
+        self.side().own_wheel(count);
+    }
+
     /// Takes a frame of CAN FD from the bus.
     pub fn receive_fd(&mut self, frame: &FdFrame) {
         self.side().receive_fd(frame);

@@ -13,6 +13,8 @@ pub trait Machine {
     fn has_room(&self) -> bool;
     /// Sends a frame. There is room.
     fn send(&mut self, frame: &Frame);
+    /// The detent that the handwheel at the board's own input is in, which wraps; always the same where there is none.
+    fn handwheel(&mut self) -> u16;
     /// Begins to store: the board copies the bytes into a buffer of its own. The previous request is done.
     fn store(&mut self, request: &StoreRequest<'_>);
     /// Continues to store. Gives the result once the request is done.
@@ -43,6 +45,9 @@ pub fn step(side: &mut BackgroundSide<'_>, machine: &mut impl Machine) -> bool {
     }
     let mut worked = heard;
     worked |= receive(side, machine);
+    if heard {
+        side.own_wheel(machine.handwheel());
+    }
     if heard && side.set_controller(machine.controller()) {
         machine.rejoin();
     }

@@ -73,6 +73,7 @@ pub fn start() -> Peripherals {
         w.set_tim6en(true);
         w.set_fdcanen(true);
     });
+    pac::RCC.apb2enr().modify(|w| w.set_tim1en(true));
     // The watchdog stops while a debugger has stopped the program.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
     parts

@@ -27,6 +27,7 @@ mod clock;
 mod encoder;
 mod fault;
 mod flash;
+mod handwheel;
 mod log;
 mod manual;
 mod owned;
@@ -55,6 +56,7 @@ use leadscrew_store::{BUFFER, Store};
 
 use crate::encoder::Encoder;
 use crate::flash::Bank;
+use crate::handwheel::Handwheel;
 use crate::owned::{Once, Owned};
 use crate::pins::{Clamp, Contacts, Switches};
 use crate::watchdog::Watchdog;
@@ -134,6 +136,7 @@ struct BackgroundParts {
     storage: Storage,
     stored: Option<Result<(), StoreError>>,
     switches: Switches,
+    handwheel: Handwheel,
 }
 
 /// The entry of the tap journal. `None` also where it cannot be read; then `trouble` gets the alarm. Before the read,
@@ -166,6 +169,10 @@ impl Machine for BackgroundParts {
 
     fn send(&mut self, frame: &Frame) {
         self.wire.send(frame, &Registers);
+    }
+
+    fn handwheel(&mut self) -> u16 {
+        self.handwheel.detent()
     }
 
     fn store(&mut self, request: &StoreRequest<'_>) {
@@ -278,6 +285,7 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
         storage,
         stored: None,
         switches: pins::switches(),
+        handwheel: Handwheel::start(),
     };
     (background, PARTS.put(parts))
 }

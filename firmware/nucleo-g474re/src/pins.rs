@@ -7,6 +7,8 @@
 //! | PA0 | CN7-28, A0 | encoder A | pull-up |
 //! | PA1 | CN7-30, A1 | encoder B | pull-up |
 //! | PB10 | CN10-25, D6 | encoder index | pull-up, pulse high |
+//! | PA8 | CN10-23, D7 | handwheel A | pull-up |
+//! | PA9 | CN10-21, D8 | handwheel B | pull-up |
 //! | PC0 | CN7-38, A5 | emergency stop circuit | closed to ground; open: stop |
 //! | PC1 | CN7-36, A4 | feed hold circuit | closed to ground; open: hold |
 //! | PC2 | CN7-35 | clamp feedback | closed to ground: clamped |
@@ -46,6 +48,7 @@ pub type Clamp = leadscrew_parts::Clamp<Output, Input>;
 pub type Switches = leadscrew_parts::Switches<Output, Output>;
 
 /// The alternate functions of the pins.
+const TIM1: u8 = 6;
 const TIM2: u8 = 1;
 const FDCAN: u8 = 9;
 
@@ -74,12 +77,16 @@ pub fn start() {
         w.set_afr(1, TIM2);
     });
     GPIOA.afr(1).modify(|w| {
+        w.set_afr(0, TIM1);
+        w.set_afr(1, TIM1);
         w.set_afr(11 - 8, FDCAN);
         w.set_afr(12 - 8, FDCAN);
     });
     GPIOA.pupdr().modify(|w| {
         w.set_pupdr(0, Pupdr::PULL_UP);
         w.set_pupdr(1, Pupdr::PULL_UP);
+        w.set_pupdr(8, Pupdr::PULL_UP);
+        w.set_pupdr(9, Pupdr::PULL_UP);
         w.set_pupdr(11, Pupdr::PULL_UP);
     });
     GPIOA
@@ -88,6 +95,8 @@ pub fn start() {
     GPIOA.moder().modify(|w| {
         w.set_moder(0, Moder::ALTERNATE);
         w.set_moder(1, Moder::ALTERNATE);
+        w.set_moder(8, Moder::ALTERNATE);
+        w.set_moder(9, Moder::ALTERNATE);
         w.set_moder(11, Moder::ALTERNATE);
         w.set_moder(12, Moder::ALTERNATE);
     });

@@ -9,11 +9,13 @@
 //! | [`Rings`], [`Chip`] | frames between tick, background and the interrupt of the CAN controller, in any order |
 //! | [`Gate`] | which frame may go into the CAN controller next |
 //! | [`EdgeClock`] | a sample from counter, capture and index of an encoder |
+//! | [`Detents`] | detents from the counter of a handwheel |
 //! | [`WordFlash`] | the traits of storage on a flash of words with error correction |
 //! | [`Contacts`], [`Clamp`], [`Switches`] | emergency stop, feed hold, clamp, spindle enable, through the traits of pins |
 //!
 //! This crate knows no chip and no register; constants of a chip are arguments. It does not wait and does not allocate.
 
+mod detents;
 mod edges;
 mod flash;
 mod gate;
@@ -23,6 +25,7 @@ mod shared;
 mod timing;
 mod wire;
 
+pub use detents::Detents;
 pub use edges::{EdgeClock, Reading};
 pub use flash::{WordDevice, WordError, WordFlash};
 pub use gate::{Gate, Turn};

@@ -12,11 +12,13 @@ const TAKEN: [&str; 8] = ["PA2", "PA3", "PA13", "PA14", "PB3", "PB8", "PF0", "PF
 
 /// The alternate functions of the pins, by the data sheet's table: channels 1 to 3 of TIM2, and receive and transmit of
 /// FDCAN1.
-const CONNECTED: [(&str, &str); 5] = [
+const CONNECTED: [(&str, &str); 7] = [
     ("PA0", "TIM2"),
     ("PA1", "TIM2"),
     ("PA11", "FDCAN"),
     ("PA12", "FDCAN"),
+    ("PA8", "TIM1"),
+    ("PA9", "TIM1"),
     ("PB10", "TIM2"),
 ];
 
@@ -110,7 +112,11 @@ fn given(text: &str, setter: &str) -> Vec<(String, String)> {
 fn pins_are_connected_as_the_data_sheet_has_it() {
     let expected = CONNECTED.map(|(pin, to)| (pin.to_owned(), to.to_owned()));
     assert_eq!(given(PINS, "set_afr("), expected);
-    for number in ["const TIM2: u8 = 1;", "const FDCAN: u8 = 9;"] {
+    for number in [
+        "const TIM1: u8 = 6;",
+        "const TIM2: u8 = 1;",
+        "const FDCAN: u8 = 9;",
+    ] {
         assert!(PINS.contains(number), "{number}");
     }
 }
@@ -136,7 +142,7 @@ fn what_may_be_open_is_pulled_up_and_nothing_else() {
 #[test]
 fn the_page_and_the_image_have_one_table() {
     assert_eq!(rows(PINS), rows(PAGE));
-    assert_eq!(rows(PINS).len(), 24);
+    assert_eq!(rows(PINS).len(), 26);
 }
 
 #[test]

@@ -343,6 +343,11 @@ Examples:
   leadscrew sim input 3 off       until it is set otherwise
   leadscrew sim input 3 auto";
 
+pub(super) const SIM_WHEEL: &str = "\
+Examples:
+  leadscrew sim input 6 on; leadscrew sim input 7 on     with 9048 = 5: Z, a detent is ten increments
+  leadscrew sim wheel -250";
+
 pub(super) const SIM_TURRET: &str = "\
 Examples:
   leadscrew sim turret stuck     it does not turn: 4570 at the next T

@@ -143,6 +143,13 @@ pub enum SimCommand {
         #[arg(value_enum)]
         to: Level,
     },
+    /// Turn the handwheel at the board's own input; 9048 says which inputs choose what it leads
+    #[command(after_help = examples::SIM_WHEEL)]
+    Wheel {
+        /// Detents, at two in ten milliseconds
+        #[arg(value_name = "COUNTS", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-10_000..=10_000))]
+        counts: i32,
+    },
     /// Spoil the turret, or mend it
     #[command(after_help = examples::SIM_TURRET)]
     Turret {

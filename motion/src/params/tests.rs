@@ -372,6 +372,8 @@ const TABLES: &[(u16, u32)] = &[
     // Numbers without a point: 3401.0. Drives as they are: 9070 to 9074. Zones: 9091 to 9097. Gears and tool changes: 9431
     // to 9459.
     (2, 0xBD8A_319D),
+    // A handwheel at the board: 9048.
+    (2, 0x2143_2CC7),
 ];
 
 #[test]

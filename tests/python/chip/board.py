@@ -13,7 +13,7 @@ from nvic import Nvic
 from pwr import Pwr
 from rcc import BORRSTF, IWDGRSTF, PINRSTF, SFTRSTF, Rcc
 from registers import ManualError, Plain
-from timers import EdgeClock, Encoder, Timer
+from timers import EdgeClock, Encoder, Handwheel, Timer
 from watchdog import Watchdog
 from wire import Wire
 
@@ -70,6 +70,7 @@ class Board:
         self.rcc = Rcc(self)
         self.nvic = Nvic(self)
         self.fdcan = Fdcan(self, self.wire)
+        self.tim1 = Handwheel(self, 1, None, 16)
         self.tim2 = Encoder(self, 2, 0, 32)
         self.tim3 = Timer(self, 3, 1, 16)
         self.tim5 = EdgeClock(self, 5, 3, 32)
@@ -81,6 +82,7 @@ class Board:
         self.parts = {
             0x4000_0000: self.tim2, 0x4000_0400: self.tim3, 0x4000_0C00: self.tim5, 0x4000_1000: self.tim6,
             0x4000_3000: self.watchdog, 0x4000_6400: self.fdcan, 0x4000_7000: self.pwr,
+            0x4001_2C00: self.tim1,
             0x4002_1000: self.rcc, 0x4002_2000: self.flash, 0xE004_2000: dbgmcu,
             # The crate's start switches them on, and the image uses none of them.
             0x4001_0000: Plain(self, "SYSCFG"), 0x4001_0400: Plain(self, "EXTI"),
@@ -220,7 +222,7 @@ class Board:
     def begin(self, flags, why):
         self.resets = None
         self.wire.power_off()
-        timers = (self.tim2, self.tim3, self.tim5, self.tim6)
+        timers = (self.tim1, self.tim2, self.tim3, self.tim5, self.tim6)
         for part in (self.pwr, self.flash, self.nvic, self.fdcan, *timers, self.watchdog):
             part.reset()
         for port in self.ports.values():
@@ -234,7 +236,8 @@ class Board:
 
     def contact(self, name, closed):
         """Contacts close to ground."""
-        pin = {"stop": 0, "hold": 1, "clamped": 2}[name]
+        pin = {"stop": 0, "hold": 1, "clamped": 2} | {f"input {number}": 3 + number for number in range(1, 9)}
+        pin = pin[name]
         if closed:
             self.ports["C"].outside[pin] = 0
         else:

@@ -1,4 +1,5 @@
-"""TIM2, 3, 5, 6 as far as the image uses them (RM0440, "General-purpose timers", "Basic timers (TIM6/TIM7)").
+"""TIM1, 2, 3, 5, 6 as far as the image uses them (RM0440, "General-purpose timers", "Basic timers (TIM6/TIM7)",
+"Advanced-control timers (TIM1/TIM8/TIM20)").
 
 They count by themselves: what they show is computed from the time. TIM2 counts the encoder's edges, its trigger output
 captures TIM5; TIM3 is the CAN controller's clock for its stamps; TIM6 raises the tick.
@@ -131,7 +132,7 @@ class Encoder(Timer):
 
     def count(self):
         if self.runs() and self.word[SMCR] & 0x10007 != 3:
-            raise ManualError("TIM2 counts, and not every edge of both lines (SMCR.SMS = 3)")
+            raise ManualError(f"{self.NAME} counts, and not every edge of both lines (SMCR.SMS = 3)")
         return self.word[CNT]
 
     def turn(self, count, index):
@@ -148,6 +149,21 @@ class Encoder(Timer):
         """CR2.MMS (bits 25 and 6:4) = 1000: the trigger output is the encoder's clock."""
         cr2 = self.word[CR2]
         return (cr2 >> 25 & 1) << 3 | cr2 >> 4 & 7 == 8
+
+
+class Handwheel(Encoder):
+    """TIM1 in encoder mode, of sixteen bits; its lines are PA8 and PA9 (AF6)."""
+
+    def clocked(self):
+        if not self.chip.rcc.enabled(0x60, 11):
+            raise ManualError("TIM1 has no clock (RCC_APB2ENR)")
+
+    def by(self, edges):
+        """The wheel is turned."""
+        shown = [self.chip.ports["A"].shown(pin) for pin in (8, 9)]
+        # CCMR1.CC1S = CC2S = 01: the channels are inputs of their own lines.
+        if self.runs() and shown == ["alternate 6"] * 2 and self.word[CCMR1] & 0x303 == 0x101:
+            self.word[CNT] = self.word[CNT] + edges & self.last
 
 
 class EdgeClock(Timer):

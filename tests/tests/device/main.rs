@@ -6,6 +6,7 @@ mod kept;
 mod network;
 mod objects;
 mod offsets;
+mod own_wheel;
 mod parameters;
 mod position;
 mod programs;

@@ -32,6 +32,7 @@ mod obey;
 pub mod objects;
 mod offset_store;
 mod operating;
+mod own_wheel;
 mod program_buffer;
 mod protection;
 mod recorder;
@@ -323,6 +324,11 @@ impl Device {
             _ => {}
         }
         true
+    }
+
+    /// The handwheel at the board's own input.
+    pub fn own_wheel(&mut self, count: u16, params: &Params) {
+        self.values.own_wheel(count, params);
     }
 
     /// Takes a frame of CAN FD. No such frame is for a board, but it may have setpoints of another node for the board's

@@ -8,6 +8,7 @@ use super::log::Log;
 use super::mode::Request;
 use super::offset_store::OffsetStore;
 use super::operating::Operating;
+use super::own_wheel::OwnWheel;
 use super::program_buffer::ProgramBuffer;
 use super::protection::WriteProtection;
 use super::recorder::RunRecorder;
@@ -41,6 +42,8 @@ pub struct ObjectValues {
     pub(super) echo: Option<Beat>,
     /// Mode, beat and presses.
     pub operating: Operating,
+    /// The handwheel at the board's own input.
+    pub(super) own_wheel: OwnWheel,
     /// Dry run. It is only stored and read here: the feeds of a call are resolved before it comes.
     pub dry_run: bool,
     /// A request to drop the tap journal's record.
@@ -185,6 +188,7 @@ impl ObjectValues {
             count: 0,
             echo: None,
             operating: Operating::default(),
+            own_wheel: OwnWheel::default(),
             dry_run: false,
             pdos: Pdos::new(node, ms(params.status_period_ms())),
             watch: watch(params),

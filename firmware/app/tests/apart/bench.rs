@@ -74,6 +74,10 @@ impl Machine for Bench {
         self.others.pop_front()
     }
 
+    fn handwheel(&mut self) -> u16 {
+        0
+    }
+
     fn has_room(&self) -> bool {
         true
     }

@@ -146,6 +146,10 @@ impl Machine for Outside {
         self.program_buffer.pop_front()
     }
 
+    fn handwheel(&mut self) -> u16 {
+        0
+    }
+
     fn has_room(&self) -> bool {
         OUT - self.out.len() >= 2 * LINE
     }

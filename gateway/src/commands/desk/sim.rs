@@ -26,6 +26,7 @@ pub fn sim(global: &Global, named: Option<&MachineName>, command: SimCommand) ->
                 thousandths: speed.thousandths(),
             }
         }
+        SimCommand::Wheel { counts } => Request::Wheel { counts },
         SimCommand::Turret { to } => Request::Turret { to },
         SimCommand::Input { number, to } => Request::Input { number, to },
         SimCommand::State | SimCommand::Outputs => Request::State,

@@ -63,6 +63,10 @@ impl Machine for Anything {
         any()
     }
 
+    fn handwheel(&mut self) -> u16 {
+        any()
+    }
+
     fn has_room(&self) -> bool {
         any()
     }
