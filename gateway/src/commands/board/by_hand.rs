@@ -258,9 +258,14 @@ impl Held {
     }
 }
 
+/// The session of this process; 255 is the board's own handwheel.
+pub(super) fn session() -> u8 {
+    (std::process::id() % 254 + 1) as u8
+}
+
 /// The session of this process, and a number that the board has not seen of it.
 pub(super) fn own(link: &Link) -> (u8, u8) {
-    let session = (std::process::id() % 255 + 1) as u8;
+    let session = session();
     let last = link.seen.beat.filter(|told| told.session == session);
     (session, last.map_or(1, |told| told.press.wrapping_add(1)))
 }

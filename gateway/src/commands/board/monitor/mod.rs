@@ -34,7 +34,7 @@ use self::panel::{Ask, Open, Panel};
 use self::typed::Typed;
 use self::view::{Tone, View};
 use super::watch::{Every, LOG, STATUS, Watch};
-use super::{mdi, open};
+use super::{by_hand, mdi, open};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -142,8 +142,7 @@ impl<'a> Session<'a> {
         let rates = [kbit, link.read_number(FD_KBIT).unwrap_or(kbit)];
         let watch = Watch::new(&mut link)?;
         let node = link.node();
-        // A session of this process.
-        let session = (std::process::id() % 255 + 1) as u8;
+        let session = by_hand::session();
         let shared = Arc::new(Mutex::new(Shared {
             panel: Panel::new(node, session, global.lang(), tells_release),
             keys,
