@@ -1,0 +1,21 @@
+//! What an agent tells of a machine, keeps and sends.
+//!
+//! ```text
+//! the side of the bus ── Observation ──► model ─► Record ─► store ─► the broker has it ─► removed
+//!                                                   │
+//!                                                   └─► values: what each metric is now, for births
+//! ```
+//!
+//! This crate must not know a bus or a command line: what the board says comes to it as values. Nothing here orders, and no
+//! broker can make it. What is published has been kept before; the number under which it is kept goes with it, so that a
+//! repetition is known as one [D405].
+
+pub mod keeper;
+pub mod model;
+pub mod record;
+pub mod store;
+
+pub use keeper::Keeper;
+pub use model::{Memory, Model, Observation};
+pub use record::{Body, Class, Moment, Numbered, Record};
+pub use store::{Store, StoreError};

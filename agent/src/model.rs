@@ -1,0 +1,319 @@
+//! What follows from what a board says: records, and how far it has been read.
+//!
+//! It has no clock and no board: each observation comes with its time. What it must remember beyond its own end is
+//! [`Memory`]; whoever keeps records keeps it with them, or both not.
+
+use leadscrew_core::link::{Certificate, ThreadCertificate, ThreadState};
+use serde::{Deserialize, Serialize};
+
+use crate::record::{
+    Body, Event, Gap, Identity, Missing, Moment, Presence, Record, Run, Start, State, Thread, What,
+};
+
+/// Speeds of a spindle that differ by no more are one: in turns a minute, and as a part of the speed.
+const SPEED: (u32, u32) = (5, 50);
+/// Loads of a bus that differ by less are one, in per cent.
+const LOAD: u8 = 5;
+/// Clocks of a board and a computer part by less than this: a part of the time, and always so many milliseconds.
+const DRIFT: (u64, u64) = (1000, 10_000);
+
+/// What the side of the bus has seen.
+#[derive(Clone, Debug)]
+pub enum Observation {
+    /// A board answers: at the beginning, after silence, and after a start of it.
+    Met(Met),
+    /// What the machine does, and the board's ticks since power-up.
+    State(State, u64),
+    /// Checksum of the parameters in force.
+    Parameters(u32),
+    /// Entries of the log, in order.
+    Log(Vec<Entry>),
+    /// Certificates of the run and of its threads, the newest first.
+    Certificates(Certificate, Vec<ThreadCertificate>),
+    /// The board does not answer, or the bus is not there.
+    Gone(String),
+}
+
+/// What a board is like when it is met.
+#[derive(Clone, Debug)]
+pub struct Met {
+    /// Its serial number.
+    pub serial: u32,
+    /// Its firmware.
+    pub firmware: String,
+    /// Checksum of its parameters.
+    pub parameters: u32,
+    /// Its ticks since power-up.
+    pub tick: u64,
+    /// Its tick in microseconds.
+    pub tick_us: u32,
+    /// Number of the newest entry of its log.
+    pub newest_event: u32,
+    /// Number of its newest certificate.
+    pub newest_thread: u32,
+    /// Its tick at the entry that was read last ([`Memory::last_event`]), where the log still has it.
+    pub last_event: Option<u64>,
+}
+
+/// An entry of the log; `None` for what is not told.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Its number.
+    pub number: u32,
+    /// Its tick.
+    pub tick: u64,
+    /// What it says, where that is told.
+    pub what: Option<What>,
+}
+
+/// How far a board has been read, and what was told of it last.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// The start of the board that the numbers belong to; count 0: none was met.
+    pub start: Start,
+    /// When the board had its power-up, by the computer's clock.
+    power_up: Moment,
+    /// Its last tick.
+    tick: u64,
+    /// When that was.
+    at: Moment,
+    /// Its tick in microseconds.
+    tick_us: u32,
+    /// Number and tick of the last entry of the log that was read.
+    pub last_event: u32,
+    event_tick: u64,
+    /// Number of the last certificate of a thread that was told.
+    thread: u32,
+    /// Program and ticks of the last run that was told.
+    run: Option<(u32, u64)>,
+    /// A program has ended, and its result is to be told; true: it finished.
+    ended: Option<bool>,
+    identity: Option<Identity>,
+    alive: bool,
+    state: Option<State>,
+}
+
+impl Memory {
+    fn note(&mut self, at: Moment, tick: u64) {
+        (self.tick, self.at) = (tick, at);
+        self.power_up = power_up(at, tick, self.tick_us);
+    }
+}
+
+/// The model of one board.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    memory: Memory,
+}
+
+impl Model {
+    /// Goes on from what was remembered.
+    #[must_use]
+    pub const fn new(memory: Memory) -> Self {
+        Self { memory }
+    }
+
+    /// What is to be remembered.
+    #[must_use]
+    pub const fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// What an observation tells that is new, in order.
+    pub fn take(&mut self, at: Moment, seen: &Observation) -> Vec<Record> {
+        let mut told = Vec::new();
+        match seen {
+            Observation::Met(met) => self.meet(at, met, &mut told),
+            Observation::State(state, tick) => {
+                self.memory.note(at, *tick);
+                self.state(state, &mut told);
+            }
+            Observation::Parameters(parameters) => {
+                if let Some(identity) = &self.memory.identity {
+                    let identity = Identity {
+                        parameters: *parameters,
+                        ..identity.clone()
+                    };
+                    self.identity(identity, &mut told);
+                }
+            }
+            Observation::Log(entries) => self.log(entries, &mut told),
+            Observation::Certificates(run, threads) => self.certificates(run, threads, &mut told),
+            Observation::Gone(why) => self.presence(false, why, &mut told),
+        }
+        told.into_iter().map(|body| Record { at, body }).collect()
+    }
+
+    /// Whether this is the start that was read before. A board keeps no count of its starts: its numbers and the ticks of
+    /// its log say it, and where they cannot, the clocks [D406].
+    fn is_same_start(&self, at: Moment, met: &Met) -> bool {
+        let known = &self.memory;
+        if known.start.count == 0
+            || known.start.serial != met.serial
+            || met.tick < known.tick
+            || met.newest_event < known.last_event
+            || met.newest_thread < known.thread
+        {
+            return false;
+        }
+        match met.last_event {
+            // The same entry at the same tick; no start repeats an hour of operation tick by tick.
+            Some(tick) => tick == known.event_tick,
+            None => {
+                let (part, least) = DRIFT;
+                let power_up = power_up(at, met.tick, met.tick_us);
+                let apart = power_up.0.abs_diff(known.power_up.0);
+                apart <= at.0.saturating_sub(known.at.0) / part + least
+            }
+        }
+    }
+
+    fn meet(&mut self, at: Moment, met: &Met, told: &mut Vec<Body>) {
+        if !self.is_same_start(at, met) {
+            let known = &self.memory;
+            self.memory = Memory {
+                start: Start {
+                    serial: met.serial,
+                    count: known.start.count.saturating_add(1),
+                },
+                alive: known.alive,
+                identity: known.identity.clone(),
+                ..Memory::default()
+            };
+        }
+        self.memory.tick_us = met.tick_us;
+        self.memory.note(at, met.tick);
+        self.identity(
+            Identity {
+                start: self.memory.start,
+                parameters: met.parameters,
+                firmware: met.firmware.clone(),
+            },
+            told,
+        );
+        self.presence(true, "", told);
+    }
+
+    fn identity(&mut self, identity: Identity, told: &mut Vec<Body>) {
+        if self.memory.identity.as_ref() != Some(&identity) {
+            self.memory.identity = Some(identity.clone());
+            told.push(Body::Identity(identity));
+        }
+    }
+
+    fn presence(&mut self, alive: bool, why: &str, told: &mut Vec<Body>) {
+        if self.memory.alive != alive {
+            self.memory.alive = alive;
+            // What the machine does is not known meanwhile.
+            self.memory.state = None;
+            told.push(Body::Presence(Presence {
+                alive,
+                why: why.to_owned(),
+            }));
+        }
+    }
+
+    fn state(&mut self, state: &State, told: &mut Vec<Body>) {
+        if self
+            .memory
+            .state
+            .as_ref()
+            .is_none_or(|last| differs(last, state))
+        {
+            self.memory.state = Some(state.clone());
+            told.push(Body::State(state.clone()));
+        }
+    }
+
+    fn log(&mut self, entries: &[Entry], told: &mut Vec<Body>) {
+        for entry in entries {
+            let start = self.memory.start;
+            let last = self.memory.last_event;
+            if entry.number <= last {
+                continue;
+            }
+            if let Some(gap) = gap(start, Missing::Events, last, entry.number) {
+                told.push(Body::Gap(gap));
+            }
+            (self.memory.last_event, self.memory.event_tick) = (entry.number, entry.tick);
+            let Some(what) = &entry.what else { continue };
+            match what {
+                What::Finished => self.memory.ended = Some(true),
+                What::Alarm(_) => self.memory.ended = Some(false),
+                What::Reset => {
+                    self.memory.ended.get_or_insert(false);
+                }
+                What::Warning(_) | What::Held | What::Ready => {}
+            }
+            told.push(Body::Event(Event {
+                start,
+                number: entry.number,
+                tick: entry.tick,
+                what: what.clone(),
+            }));
+        }
+    }
+
+    fn certificates(
+        &mut self,
+        run: &Certificate,
+        threads: &[ThreadCertificate],
+        told: &mut Vec<Body>,
+    ) {
+        let start = self.memory.start;
+        for thread in threads.iter().rev() {
+            let last = self.memory.thread;
+            // One that is under way is read again.
+            if thread.number <= last || thread.record.state == ThreadState::UnderWay {
+                continue;
+            }
+            if let Some(gap) = gap(start, Missing::Threads, last, thread.number) {
+                told.push(Body::Gap(gap));
+            }
+            self.memory.thread = thread.number;
+            told.push(Body::Thread(Thread::of(start, run.program, thread)));
+        }
+        if let Some(finished) = self.memory.ended.take() {
+            let this = Some((run.program, run.ticks));
+            if run.ticks > 0 && self.memory.run != this {
+                self.memory.run = this;
+                told.push(Body::Run(Run::of(start, finished, run)));
+            }
+        }
+    }
+}
+
+fn power_up(at: Moment, tick: u64, tick_us: u32) -> Moment {
+    let up_ms = tick.saturating_mul(tick_us.into()) / 1000;
+    Moment(at.0.saturating_sub(up_ms))
+}
+
+/// The numbers between the last and the next.
+fn gap(start: Start, of: Missing, last: u32, next: u32) -> Option<Gap> {
+    let first = last.saturating_add(1);
+    (next > first).then(|| Gap {
+        start,
+        of,
+        first,
+        last: next - 1,
+    })
+}
+
+/// True where what the machine does has changed by more than its noise.
+fn differs(last: &State, now: &State) -> bool {
+    let (least, part) = SPEED;
+    let speed = now.rpm.abs_diff(last.rpm) > least.max(last.rpm.unsigned_abs() / part);
+    let load = match (last.load_percent, now.load_percent) {
+        (Some(last), Some(now)) => last.abs_diff(now) >= LOAD,
+        (last, now) => last != now,
+    };
+    let same = State {
+        rpm: last.rpm,
+        load_percent: last.load_percent,
+        ..now.clone()
+    };
+    speed || load || same != *last
+}
+
+#[cfg(test)]
+mod tests;

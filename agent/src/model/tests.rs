@@ -1,0 +1,256 @@
+use leadscrew_core::link::{Tally, ThreadKind, ThreadRecord, VERSION};
+use leadscrew_core::units::Length;
+
+use super::*;
+use crate::record::Trouble;
+
+const HOUR: u64 = 3_600_000;
+
+fn met(tick: u64, newest_event: u32, last_event: Option<u64>) -> Met {
+    Met {
+        serial: 7,
+        firmware: "0.1.0".to_owned(),
+        parameters: 5,
+        tick,
+        tick_us: 1000,
+        newest_event,
+        newest_thread: 0,
+        last_event,
+    }
+}
+
+fn thread(number: u32, state: ThreadState) -> ThreadCertificate {
+    ThreadCertificate {
+        number,
+        record: ThreadRecord {
+            line: 9,
+            kind: ThreadKind::Thread,
+            state,
+            tally: Tally {
+                passes: 6,
+                late: 0,
+                measured: 4,
+                largest: Length::from_nm(3000),
+                squares: 16_000_000,
+            },
+        },
+    }
+}
+
+fn run(program: u32, ticks: u64) -> Certificate {
+    Certificate {
+        version: VERSION,
+        program,
+        ticks,
+        setpoint_hash: Some(1),
+        measured: 4,
+        largest: Length::from_nm(3000),
+        squares: 16_000_000,
+        late: 0,
+    }
+}
+
+fn entry(number: u32, what: Option<What>) -> Entry {
+    Entry {
+        number,
+        tick: u64::from(number) * 10,
+        what,
+    }
+}
+
+fn bodies(model: &mut Model, at: u64, seen: &Observation) -> Vec<Body> {
+    let told = model.take(Moment(at), seen);
+    told.into_iter().map(|record| record.body).collect()
+}
+
+/// A board that has been met at tick 5000, with a log of 20 entries that were read.
+fn known() -> Model {
+    let mut model = Model::default();
+    model.take(Moment(HOUR), &Observation::Met(met(5000, 0, None)));
+    model.take(Moment(HOUR), &Observation::Log(vec![entry(20, None)]));
+    model
+}
+
+fn starts(model: &Model, at: u64, seen: Met) -> u32 {
+    let mut model = model.clone();
+    model.take(Moment(at), &Observation::Met(seen));
+    model.memory().start.count
+}
+
+#[test]
+fn a_start_is_another_where_numbers_or_ticks_go_back() {
+    let known = known();
+    let later = HOUR + 1000;
+    assert_eq!(starts(&known, later, met(6000, 20, Some(200))), 1);
+    assert_eq!(starts(&known, later, met(4999, 20, Some(200))), 2);
+    assert_eq!(starts(&known, later, met(6000, 19, None)), 2);
+    // The same number of another entry.
+    assert_eq!(starts(&known, later, met(6000, 20, Some(201))), 2);
+    let other = Met {
+        serial: 8,
+        ..met(6000, 20, Some(200))
+    };
+    assert_eq!(starts(&known, later, other), 2);
+}
+
+#[test]
+fn where_the_log_has_gone_on_the_clocks_say_it() {
+    let known = known();
+    // A day later, with a clock that is off by a second in a thousand.
+    let day = 24 * HOUR;
+    let (part, least) = DRIFT;
+    let apart = day / part + least;
+    for (tick, count) in [
+        (5000 + day, 1),
+        (5000 + day - apart, 1),
+        (5000 + day - apart - 1, 2),
+    ] {
+        assert_eq!(
+            starts(&known, HOUR + day, met(tick, 400, None)),
+            count,
+            "{tick}"
+        );
+    }
+    // A clock that was set back changes nothing where the log still says it.
+    assert_eq!(starts(&known, 0, met(6000, 20, Some(200))), 1);
+}
+
+#[test]
+fn threads_are_told_once_they_have_ended_and_gaps_are_counted() {
+    use ThreadState::{CutShort, Finished, UnderWay};
+    let mut model = known();
+    let start = model.memory().start;
+    let tell = |number, state| Body::Thread(Thread::of(start, 3, &thread(number, state)));
+    let mut told = |threads: &[ThreadCertificate]| {
+        let seen = Observation::Certificates(run(3, 8), threads.to_vec());
+        bodies(&mut model, HOUR, &seen)
+    };
+    assert_eq!(told(&[thread(1, UnderWay)]), []);
+    assert_eq!(
+        told(&[thread(2, UnderWay), thread(1, Finished)]),
+        [tell(1, Finished)]
+    );
+    assert_eq!(told(&[thread(2, UnderWay), thread(1, Finished)]), []);
+    assert_eq!(told(&[thread(2, CutShort)]), [tell(2, CutShort)]);
+    let gap = Gap {
+        start,
+        of: Missing::Threads,
+        first: 3,
+        last: 4,
+    };
+    assert_eq!(
+        told(&[
+            thread(7, UnderWay),
+            thread(6, Finished),
+            thread(5, Finished)
+        ]),
+        [Body::Gap(gap), tell(5, Finished), tell(6, Finished)]
+    );
+}
+
+#[test]
+fn a_new_start_counts_its_threads_anew() {
+    let mut model = known();
+    let all = Observation::Certificates(run(0, 0), vec![thread(1, ThreadState::Finished)]);
+    assert_eq!(bodies(&mut model, HOUR, &all).len(), 1);
+    let before = model.memory().start;
+    let again = bodies(&mut model, HOUR, &Observation::Met(met(10, 1, None)));
+    assert!(matches!(&again[..], [Body::Identity(identity)] if identity.start.count == 2));
+    let told = bodies(&mut model, HOUR, &all);
+    let [Body::Thread(told)] = &told[..] else {
+        panic!("{told:?}");
+    };
+    assert_eq!(
+        [before.key(1), told.start.key(told.number)],
+        ["00000007/1/1", "00000007/2/1"]
+    );
+}
+
+#[test]
+fn a_run_is_told_behind_its_end_and_once() {
+    let mut model = known();
+    let read = Observation::Certificates(run(3, 800), Vec::new());
+    assert_eq!(bodies(&mut model, HOUR, &read), []);
+    let alarm = What::Alarm(Trouble {
+        number: 4036,
+        line: 3,
+        cause: "c".to_owned(),
+        remedy: "r".to_owned(),
+    });
+    let told = bodies(
+        &mut model,
+        HOUR,
+        &Observation::Log(vec![entry(21, Some(alarm.clone()))]),
+    );
+    assert!(matches!(&told[..], [Body::Event(event)] if event.what == alarm));
+    let start = model.memory().start;
+    let result = Body::Run(Run::of(start, false, &run(3, 800)));
+    assert_eq!(bodies(&mut model, HOUR, &read), [result]);
+    // The reset behind it ends nothing any more.
+    let reset = Observation::Log(vec![entry(22, Some(What::Reset))]);
+    assert_eq!(bodies(&mut model, HOUR, &reset).len(), 1);
+    assert_eq!(bodies(&mut model, HOUR, &read), []);
+    let end = Observation::Log(vec![entry(23, Some(What::Finished))]);
+    bodies(&mut model, HOUR, &end);
+    let read = Observation::Certificates(run(4, 90), Vec::new());
+    let result = Body::Run(Run::of(start, true, &run(4, 90)));
+    assert_eq!(bodies(&mut model, HOUR, &read), [result]);
+}
+
+#[test]
+fn entries_of_the_log_that_nobody_read_are_counted() {
+    let mut model = known();
+    let log = Observation::Log(vec![entry(20, None), entry(24, Some(What::Held))]);
+    let told = bodies(&mut model, HOUR, &log);
+    let [Body::Gap(gap), Body::Event(event)] = &told[..] else {
+        panic!("{told:?}");
+    };
+    assert_eq!((gap.of, gap.first, gap.last), (Missing::Events, 21, 23));
+    assert_eq!((event.number, event.tick), (24, 240));
+    assert_eq!(bodies(&mut model, HOUR, &log), []);
+}
+
+#[test]
+fn a_state_is_told_where_it_changes_by_more_than_its_noise() {
+    let mut model = known();
+    let state = |rpm, load, line| State {
+        rpm,
+        load_percent: Some(load),
+        line,
+        ..State::default()
+    };
+    let mut is_told =
+        |state| !bodies(&mut model, HOUR, &Observation::State(state, 6000)).is_empty();
+    assert!(is_told(state(1000, 30, 1)));
+    assert!(!is_told(state(1020, 34, 1)));
+    assert!(is_told(state(1021, 34, 1)));
+    assert!(is_told(state(1021, 39, 1)));
+    assert!(is_told(state(1021, 39, 2)));
+    assert!(is_told(state(0, 39, 2)));
+    assert!(!is_told(state(-5, 39, 2)));
+}
+
+#[test]
+fn a_board_that_goes_and_comes_is_told_once_each() {
+    let mut model = known();
+    let gone = Observation::Gone("silent".to_owned());
+    let [Body::Presence(told)] = &bodies(&mut model, HOUR, &gone)[..] else {
+        panic!("not told");
+    };
+    assert_eq!((told.alive, told.why.as_str()), (false, "silent"));
+    assert_eq!(bodies(&mut model, HOUR, &gone), []);
+    let back = bodies(
+        &mut model,
+        HOUR,
+        &Observation::Met(met(9000, 20, Some(200))),
+    );
+    assert!(matches!(&back[..], [Body::Presence(told)] if told.alive));
+    // Its state is told anew.
+    let state = Observation::State(State::default(), 9000);
+    assert_eq!(bodies(&mut model, HOUR, &state).len(), 1);
+    assert_eq!(bodies(&mut model, HOUR, &Observation::Parameters(5)), []);
+    assert_eq!(
+        bodies(&mut model, HOUR, &Observation::Parameters(6)).len(),
+        1
+    );
+}

@@ -1,0 +1,476 @@
+//! What is kept until the broker has it: records in the order of their numbers, and how far the board was read.
+//!
+//! One transaction keeps the records of an observation with the memory that follows from it, so a kill at any point leaves
+//! both or neither. A record goes when the broker has acknowledged it. Where room is short, the oldest states go, then the
+//! oldest events; certificates never do, and a record tells what went [D407].
+
+use std::fmt;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use redb::{
+    Database, ReadableDatabase as _, ReadableTable as _, Table, TableDefinition, WriteTransaction,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::model::Memory;
+use crate::record::{Body, Class, Loss, Moment, Numbered, Record};
+
+const STATES: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("states");
+const EVENTS: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("events");
+const CERTIFICATES: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("certificates");
+const HEAD: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("head");
+/// Entries of the head.
+const FIGURES: &str = "figures";
+const MEMORY: &str = "memory";
+/// Bytes that the record of a loss takes at most.
+const LOSS: u64 = 160;
+/// Memory for pages in bytes; a store is small, and read in order.
+const CACHE: usize = 2 << 20;
+
+const fn table(class: Class) -> TableDefinition<'static, u64, &'static [u8]> {
+    match class {
+        Class::State => STATES,
+        Class::Event => EVENTS,
+        Class::Certificate => CERTIFICATES,
+    }
+}
+
+/// Why nothing could be kept or read.
+#[derive(Debug)]
+pub enum StoreError {
+    /// Another process has the file.
+    InUse,
+    /// The file cannot be opened, read or written.
+    File(Box<redb::Error>),
+    /// What is kept cannot be understood.
+    Content(serde_json::Error),
+}
+
+impl fmt::Display for StoreError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InUse => f.write_str("another process has it open"),
+            Self::File(error) => error.fmt(f),
+            Self::Content(error) => write!(f, "what is kept is not understood: {error}"),
+        }
+    }
+}
+
+impl std::error::Error for StoreError {}
+
+impl<E: Into<redb::Error>> From<E> for StoreError {
+    fn from(error: E) -> Self {
+        match error.into() {
+            redb::Error::DatabaseAlreadyOpen => Self::InUse,
+            error => Self::File(Box::new(error)),
+        }
+    }
+}
+
+type StoreResult<T = ()> = Result<T, StoreError>;
+
+/// What is known of a store without reading its records.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Figures {
+    /// When it was made: tells its numbers apart from those of a store before.
+    pub made: Moment,
+    /// The last number given.
+    pub newest: u64,
+    /// Records in it.
+    pub records: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Records that went for want of room, in all.
+    pub lost: u64,
+    /// Connections to a broker that were begun.
+    pub connections: u64,
+    /// The record that tells of the last loss, where it may still be widened.
+    loss: Option<(u64, Loss)>,
+}
+
+/// Opens the database: at the beginning, and after an error.
+type Opener = Box<dyn Fn() -> Result<Database, redb::Error> + Send>;
+
+struct Inside {
+    opener: Opener,
+    database: Option<Database>,
+    /// Numbers up to this have been handed to a broker that has not acknowledged them all.
+    handed: u64,
+}
+
+/// A store.
+pub struct Store {
+    inside: Mutex<Inside>,
+    limit: u64,
+}
+
+impl fmt::Debug for Store {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Store(limit {})", self.limit)
+    }
+}
+
+impl Store {
+    /// Opens the file, or makes it. `limit`: bytes of records.
+    ///
+    /// # Errors
+    /// [`StoreError::InUse`], or the file cannot be used.
+    pub fn open(path: &Path, limit: u64, at: Moment) -> StoreResult<Self> {
+        let path = path.to_owned();
+        if !path.exists() {
+            make(&path, at)?;
+        }
+        let opener = move || builder().open(&path).map_err(Into::into);
+        Self::of(Box::new(opener), limit, at)
+    }
+
+    /// The same of what `opener` opens.
+    ///
+    /// # Errors
+    /// As of `opener`.
+    pub fn of(opener: Opener, limit: u64, at: Moment) -> StoreResult<Self> {
+        let store = Self {
+            inside: Mutex::new(Inside {
+                opener,
+                database: None,
+                handed: 0,
+            }),
+            limit,
+        };
+        store.write(|writing| {
+            for class in Class::ALL {
+                writing.open_table(table(class))?;
+            }
+            let mut head = writing.open_table(HEAD)?;
+            if head.get(FIGURES)?.is_none() {
+                let figures = Figures {
+                    made: at,
+                    ..Figures::default()
+                };
+                put(&mut head, FIGURES, &figures)?;
+            }
+            Ok(())
+        })?;
+        Ok(store)
+    }
+
+    fn inside(&self) -> MutexGuard<'_, Inside> {
+        self.inside.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// One transaction: all of it, or nothing.
+    fn write<T>(&self, work: impl FnOnce(&WriteTransaction) -> StoreResult<T>) -> StoreResult<T> {
+        self.inside().write(work)
+    }
+
+    /// Keeps records and what was remembered with them; gives each its number.
+    ///
+    /// # Errors
+    /// The file cannot be written. Then nothing of it is kept.
+    pub fn keep(&self, records: &[Record], memory: &Memory) -> StoreResult<Vec<Numbered>> {
+        let mut inside = self.inside();
+        let (handed, limit) = (inside.handed, self.limit);
+        inside.write(|writing| {
+            let mut head = writing.open_table(HEAD)?;
+            let mut figures: Figures = get(&head, FIGURES)?.unwrap_or_default();
+            let mut kept = Vec::new();
+            for record in records {
+                let number = figures.add(writing, record)?;
+                kept.push(Numbered {
+                    number,
+                    record: record.clone(),
+                });
+            }
+            if let Some(last) = records.last() {
+                figures.make_room(writing, limit, handed, last.at)?;
+            }
+            put(&mut head, FIGURES, &figures)?;
+            put(&mut head, MEMORY, memory)?;
+            Ok(kept)
+        })
+    }
+
+    /// What was remembered last.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn memory(&self) -> StoreResult<Memory> {
+        let memory = self.read_head(MEMORY)?;
+        Ok(memory.unwrap_or_default())
+    }
+
+    /// Its figures.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn figures(&self) -> StoreResult<Figures> {
+        let figures = self.read_head(FIGURES)?;
+        Ok(figures.unwrap_or_default())
+    }
+
+    fn read_head<T: for<'de> Deserialize<'de>>(&self, entry: &str) -> StoreResult<Option<T>> {
+        let mut inside = self.inside();
+        inside.attempt(|database| {
+            let reading = database.begin_read()?;
+            get(&reading.open_table(HEAD)?, entry)
+        })
+    }
+
+    /// The first records behind a number, in order, for a broker.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn hand(&self, behind: u64, most: usize) -> StoreResult<Vec<Numbered>> {
+        let mut inside = self.inside();
+        let next = behind.saturating_add(1);
+        let records = inside.attempt(|database| {
+            let reading = database.begin_read()?;
+            let mut records = Vec::new();
+            for class in Class::ALL {
+                for entry in reading.open_table(table(class))?.range(next..)?.take(most) {
+                    let (number, bytes) = entry?;
+                    records.push(Numbered {
+                        number: number.value(),
+                        record: parsed(bytes.value())?,
+                    });
+                }
+            }
+            records.sort_by_key(|record| record.number);
+            records.truncate(most);
+            Ok(records)
+        })?;
+        if let Some(last) = records.last() {
+            inside.handed = inside.handed.max(last.number);
+        }
+        Ok(records)
+    }
+
+    /// Removes all up to a number, which the broker has.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn acknowledge(&self, number: u64) -> StoreResult {
+        self.write(|writing| {
+            let mut head = writing.open_table(HEAD)?;
+            let mut figures: Figures = get(&head, FIGURES)?.unwrap_or_default();
+            for class in Class::ALL {
+                let mut table = writing.open_table(table(class))?;
+                while let Some(bytes) = first(&mut table, |first| first <= number)? {
+                    figures.remove(bytes.1);
+                }
+            }
+            figures.loss = figures.loss.filter(|(at, _)| *at > number);
+            put(&mut head, FIGURES, &figures)
+        })
+    }
+
+    /// A connection to a broker begins: how many there were. What was handed to one before is handed again.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn connect(&self) -> StoreResult<u64> {
+        let mut inside = self.inside();
+        inside.handed = 0;
+        inside.write(|writing| {
+            let mut head = writing.open_table(HEAD)?;
+            let mut figures: Figures = get(&head, FIGURES)?.unwrap_or_default();
+            figures.connections += 1;
+            put(&mut head, FIGURES, &figures)?;
+            Ok(figures.connections)
+        })
+    }
+}
+
+impl Inside {
+    /// After an error the database is opened anew the next time.
+    fn attempt<T>(&mut self, work: impl FnOnce(&Database) -> StoreResult<T>) -> StoreResult<T> {
+        let database = match self.database.take() {
+            Some(database) => database,
+            None => (self.opener)()?,
+        };
+        let done = work(&database)?;
+        self.database = Some(database);
+        Ok(done)
+    }
+
+    fn write<T>(
+        &mut self,
+        work: impl FnOnce(&WriteTransaction) -> StoreResult<T>,
+    ) -> StoreResult<T> {
+        self.attempt(|database| {
+            let writing = database.begin_write()?;
+            let done = work(&writing)?;
+            writing.commit()?;
+            Ok(done)
+        })
+    }
+}
+
+impl Figures {
+    fn add(&mut self, writing: &WriteTransaction, record: &Record) -> StoreResult<u64> {
+        let bytes = written(record)?;
+        self.newest += 1;
+        self.records += 1;
+        self.bytes += bytes.len() as u64;
+        let mut table = writing.open_table(table(record.body.class()))?;
+        table.insert(self.newest, &bytes[..])?;
+        Ok(self.newest)
+    }
+
+    const fn remove(&mut self, bytes: u64) {
+        self.records = self.records.saturating_sub(1);
+        self.bytes = self.bytes.saturating_sub(bytes);
+    }
+
+    /// Drops the oldest of what may go until all is within the limit. What a broker has been handed may arrive, so it
+    /// stays.
+    fn make_room(
+        &mut self,
+        writing: &WriteTransaction,
+        limit: u64,
+        handed: u64,
+        at: Moment,
+    ) -> StoreResult {
+        let mut lost: Option<Loss> = None;
+        for class in [Class::State, Class::Event] {
+            let mut table = writing.open_table(table(class))?;
+            while self.bytes + LOSS > limit {
+                let Some((number, bytes)) = oldest_behind(&mut table, handed)? else {
+                    break;
+                };
+                self.remove(bytes);
+                self.lost += 1;
+                let one = Loss {
+                    records: 1,
+                    first: number,
+                    last: number,
+                };
+                lost = Some(lost.map_or(one, |lost| lost.with(&one)));
+            }
+        }
+        match lost {
+            Some(lost) => self.tell_loss(writing, lost, handed, at),
+            None => Ok(()),
+        }
+    }
+
+    /// One record tells of all that went since the last one that was handed on.
+    fn tell_loss(
+        &mut self,
+        writing: &WriteTransaction,
+        mut lost: Loss,
+        handed: u64,
+        at: Moment,
+    ) -> StoreResult {
+        if let Some((number, before)) = self.loss.filter(|(number, _)| *number > handed) {
+            lost = before.with(&lost);
+            let mut table = writing.open_table(CERTIFICATES)?;
+            let old = table.remove(number)?.map(|old| old.value().len() as u64);
+            if let Some(bytes) = old {
+                self.remove(bytes);
+            }
+        }
+        let body = Body::Loss(lost);
+        let number = self.add(writing, &Record { at, body })?;
+        self.loss = Some((number, lost));
+        Ok(())
+    }
+}
+
+impl Loss {
+    fn with(&self, other: &Self) -> Self {
+        Self {
+            records: self.records + other.records,
+            first: self.first.min(other.first),
+            last: self.last.max(other.last),
+        }
+    }
+}
+
+/// Makes the file under another name first: one that is killed while it is made cannot be opened.
+fn make(path: &Path, at: Moment) -> StoreResult {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".new");
+    let new = PathBuf::from(name);
+    let begin = || match fs::remove_file(&new) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    };
+    begin().map_err(redb::Error::Io)?;
+    let opener = {
+        let new = new.clone();
+        move || builder().create(&new).map_err(Into::into)
+    };
+    drop(Store::of(Box::new(opener), 0, at)?);
+    fs::rename(&new, path).map_err(redb::Error::Io)?;
+    Ok(())
+}
+
+fn builder() -> redb::Builder {
+    let mut builder = Database::builder();
+    builder.set_cache_size(CACHE);
+    builder
+}
+
+/// Takes out the first record where its number is meant; its number and its bytes.
+fn first(
+    table: &mut Table<'_, u64, &'static [u8]>,
+    is_meant: impl Fn(u64) -> bool,
+) -> StoreResult<Option<(u64, u64)>> {
+    let found = table.first()?.map(|(number, _)| number.value());
+    match found.filter(|number| is_meant(*number)) {
+        Some(number) => take(table, number),
+        None => Ok(None),
+    }
+}
+
+/// The same with the first behind a number.
+fn oldest_behind(
+    table: &mut Table<'_, u64, &'static [u8]>,
+    behind: u64,
+) -> StoreResult<Option<(u64, u64)>> {
+    let next = behind.saturating_add(1);
+    let found = match table.range(next..)?.next() {
+        Some(entry) => Some(entry?.0.value()),
+        None => None,
+    };
+    match found {
+        Some(number) => take(table, number),
+        None => Ok(None),
+    }
+}
+
+fn take(table: &mut Table<'_, u64, &'static [u8]>, number: u64) -> StoreResult<Option<(u64, u64)>> {
+    let removed = table.remove(number)?;
+    Ok(removed.map(|bytes| (number, bytes.value().len() as u64)))
+}
+
+fn written(value: &impl Serialize) -> StoreResult<Vec<u8>> {
+    serde_json::to_vec(value).map_err(StoreError::Content)
+}
+
+fn parsed<T: for<'de> Deserialize<'de>>(bytes: &[u8]) -> StoreResult<T> {
+    serde_json::from_slice(bytes).map_err(StoreError::Content)
+}
+
+fn put(
+    head: &mut Table<'_, &'static str, &'static [u8]>,
+    entry: &str,
+    value: &impl Serialize,
+) -> StoreResult {
+    head.insert(entry, &written(value)?[..])?;
+    Ok(())
+}
+
+fn get<T: for<'de> Deserialize<'de>>(
+    head: &impl redb::ReadableTable<&'static str, &'static [u8]>,
+    entry: &str,
+) -> StoreResult<Option<T>> {
+    match head.get(entry)? {
+        Some(bytes) => parsed(bytes.value()).map(Some),
+        None => Ok(None),
+    }
+}
