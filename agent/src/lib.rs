@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! the side of the bus ── Observation ──► model ─► Record ─► store ─► the broker has it ─► removed
-//!                                                   │
-//!                                                   └─► values: what each metric is now, for births
+//!                                                   │          │
+//!                    values, for births  ◄──────────┘          └─► sender: sparkplug in mqtt
 //! ```
 //!
 //! This crate must not know a bus or a command line: what the board says comes to it as values. Nothing here orders, and no
@@ -12,7 +12,10 @@
 
 pub mod keeper;
 pub mod model;
+pub mod mqtt;
 pub mod record;
+pub mod sender;
+pub mod sparkplug;
 pub mod store;
 
 pub use keeper::Keeper;

@@ -107,10 +107,17 @@ pub struct Model {
 }
 
 impl Model {
-    /// Goes on from what was remembered.
+    /// Goes on from what was remembered. What holds at present is told anew: nobody knows how long ago it was remembered.
     #[must_use]
-    pub const fn new(memory: Memory) -> Self {
-        Self { memory }
+    pub fn new(memory: Memory) -> Self {
+        Self {
+            memory: Memory {
+                identity: None,
+                alive: false,
+                state: None,
+                ..memory
+            },
+        }
     }
 
     /// What is to be remembered.

@@ -1,0 +1,232 @@
+//! The client of one connection: bytes and times in, bytes and what the broker says out.
+//!
+//! Every message goes with quality of service 1: in order, and repeated by whoever keeps it until the broker has said that
+//! it has it. This client repeats nothing itself; a connection that ends is over, and the next is another client [D408].
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::time::Duration;
+
+use bytes::BytesMut;
+use mqttbytes::v4::{
+    Connect, ConnectReturnCode, LastWill, Packet, PubAck, Publish, Subscribe, SubscribeReasonCode,
+    read,
+};
+use mqttbytes::{Error, QoS};
+
+use super::wire::Login;
+use crate::sparkplug::Message;
+
+/// A broker drops a client that is silent for one and a half times this.
+const KEEP_ALIVE: Duration = Duration::from_secs(30);
+/// A client that has sent nothing for this time says that it is there.
+const PING: Duration = Duration::from_secs(15);
+/// A broker that is silent for this time is gone, whatever the network says.
+const SILENCE: Duration = Duration::from_secs(45);
+/// The largest packet that is read; orders are small.
+const LARGEST: usize = 64 << 10;
+/// `PINGREQ`, which has no content.
+const PING_REQUEST: [u8; 2] = [0xC0, 0];
+/// `DISCONNECT`.
+const DISCONNECT: [u8; 2] = [0xE0, 0];
+
+/// What the broker says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Said {
+    /// It takes this client.
+    Accepted,
+    /// It has all messages up to this one, by the number that was given with it.
+    Has(u64),
+    /// A message to this client.
+    Message {
+        /// Its topic.
+        topic: String,
+        /// Its content.
+        payload: Vec<u8>,
+    },
+}
+
+/// Why a connection is over.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// Its name or password is wrong.
+    Login,
+    /// The broker refuses this client otherwise.
+    Refused(String),
+    /// The broker does not let it hear orders.
+    Orders,
+    /// The broker says nothing any more.
+    Silent,
+    /// What it says is no MQTT.
+    Nonsense(String),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Login => f.write_str("the broker refuses user and password"),
+            Self::Refused(why) => write!(f, "the broker refuses the connection: {why}"),
+            Self::Orders => f.write_str("the broker refuses the subscription to its orders"),
+            Self::Silent => f.write_str("the broker has gone silent"),
+            Self::Nonsense(what) => write!(f, "what answers is no MQTT broker: {what}"),
+        }
+    }
+}
+
+/// A client.
+#[derive(Debug)]
+pub struct Client {
+    input: BytesMut,
+    output: BytesMut,
+    last_id: u16,
+    /// Messages that the broker has not said it has, in order, each with its number where it has one.
+    under_way: VecDeque<(u16, Option<u64>)>,
+    heard: Duration,
+    sent: Duration,
+}
+
+impl Client {
+    /// Begins a connection; the times here are those since any beginning.
+    #[must_use]
+    pub fn new(name: &str, login: Option<&Login>, will: Message, now: Duration) -> Self {
+        let mut connect = Connect::new(name);
+        connect.keep_alive = KEEP_ALIVE.as_secs() as u16;
+        connect.last_will = Some(LastWill::new(
+            will.topic,
+            will.payload,
+            QoS::AtLeastOnce,
+            false,
+        ));
+        if let Some(login) = login {
+            connect.set_login(&login.user, &login.password);
+        }
+        let mut client = Self {
+            input: BytesMut::new(),
+            output: BytesMut::new(),
+            last_id: 0,
+            under_way: VecDeque::new(),
+            heard: now,
+            sent: now,
+        };
+        // Its length is bounded by those of names and payload; the packet has room for more.
+        let _ = connect.write(&mut client.output);
+        client
+    }
+
+    /// Bytes for the broker; who has sent them removes them.
+    pub const fn output(&mut self) -> &mut BytesMut {
+        &mut self.output
+    }
+
+    /// Messages that the broker has not said it has.
+    #[must_use]
+    pub fn under_way(&self) -> usize {
+        self.under_way.len()
+    }
+
+    fn id(&mut self) -> u16 {
+        self.last_id = self.last_id.checked_add(1).unwrap_or(1);
+        self.last_id
+    }
+
+    /// Hears a topic from now on.
+    pub fn subscribe(&mut self, topic: &str, now: Duration) {
+        let mut packet = Subscribe::new(topic, QoS::AtLeastOnce);
+        packet.pkid = self.id();
+        self.put(now, |output| packet.write(output));
+    }
+
+    /// Sends a message. The broker's answer tells its number.
+    pub fn publish(&mut self, message: Message, number: Option<u64>, now: Duration) {
+        let mut packet = Publish::new(message.topic, QoS::AtLeastOnce, message.payload);
+        packet.pkid = self.id();
+        self.under_way.push_back((packet.pkid, number));
+        self.put(now, |output| packet.write(output));
+    }
+
+    /// Ends the connection without a will.
+    pub fn disconnect(&mut self) {
+        self.output.extend_from_slice(&DISCONNECT);
+    }
+
+    fn put(&mut self, now: Duration, write: impl FnOnce(&mut BytesMut) -> Result<usize, Error>) {
+        self.sent = now;
+        let whole = self.output.len();
+        if write(&mut self.output).is_err() {
+            // Beyond the 256 MiB of a packet: no record is so long. Half a packet would spoil those behind it.
+            self.output.truncate(whole);
+        }
+    }
+
+    /// Says that it is there where it has been silent.
+    ///
+    /// # Errors
+    /// The broker is.
+    pub fn attend(&mut self, now: Duration) -> Result<(), Fault> {
+        if now.saturating_sub(self.heard) > SILENCE {
+            return Err(Fault::Silent);
+        }
+        if now.saturating_sub(self.sent) > PING {
+            self.sent = now;
+            self.output.extend_from_slice(&PING_REQUEST);
+        }
+        Ok(())
+    }
+
+    /// Takes bytes of the broker.
+    ///
+    /// # Errors
+    /// The connection is over.
+    pub fn take(&mut self, bytes: &[u8], now: Duration) -> Result<Vec<Said>, Fault> {
+        self.heard = now;
+        self.input.extend_from_slice(bytes);
+        let mut said = Vec::new();
+        loop {
+            match read(&mut self.input, LARGEST) {
+                Ok(packet) => said.extend(self.packet(packet, now)?),
+                Err(Error::InsufficientBytes(_)) => return Ok(said),
+                Err(error) => return Err(Fault::Nonsense(error.to_string())),
+            }
+        }
+    }
+
+    fn packet(&mut self, packet: Packet, now: Duration) -> Result<Option<Said>, Fault> {
+        match packet {
+            Packet::ConnAck(answer) => match answer.code {
+                ConnectReturnCode::Success => Ok(Some(Said::Accepted)),
+                ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized => {
+                    Err(Fault::Login)
+                }
+                other => Err(Fault::Refused(format!("{other:?}"))),
+            },
+            Packet::PubAck(answer) => Ok(self.has(answer.pkid)),
+            Packet::SubAck(answer) => {
+                let refused = answer.return_codes.contains(&SubscribeReasonCode::Failure);
+                if refused {
+                    Err(Fault::Orders)
+                } else {
+                    Ok(None)
+                }
+            }
+            Packet::Publish(message) => {
+                if message.qos == QoS::AtLeastOnce {
+                    let answer = PubAck::new(message.pkid);
+                    self.put(now, |output| answer.write(output));
+                }
+                Ok(Some(Said::Message {
+                    topic: message.topic,
+                    payload: message.payload.to_vec(),
+                }))
+            }
+            Packet::PingResp => Ok(None),
+            other => Err(Fault::Nonsense(format!("{other:?}"))),
+        }
+    }
+
+    /// A broker answers in order. Where it has a later message, it has those before.
+    fn has(&mut self, id: u16) -> Option<Said> {
+        let place = self.under_way.iter().position(|(known, _)| *known == id)?;
+        let done = self.under_way.drain(..=place);
+        done.filter_map(|(_, number)| number).max().map(Said::Has)
+    }
+}

@@ -1,0 +1,267 @@
+//! The way to a broker: a socket, with TLS or without.
+
+use std::fmt;
+use std::fs;
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::Path;
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use rustls::pki_types::pem::PemObject as _;
+use rustls::pki_types::{CertificateDer, ServerName};
+use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
+
+/// The longest wait for a connection, and for room to write.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Ports of brokers, by the registry of ports.
+const PLAIN: u16 = 1883;
+const WITH_TLS: u16 = 8883;
+/// Bits of a file's mode that let others than its owner at it.
+const OTHERS: u32 = 0o077;
+
+/// Where a broker is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Address {
+    /// Its host.
+    pub host: String,
+    /// Its port.
+    pub port: u16,
+    /// It is reached by TLS.
+    pub tls: bool,
+}
+
+impl FromStr for Address {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (tls, rest) = match text.split_once("://") {
+            Some(("mqtt", rest)) => (false, rest),
+            Some(("mqtts", rest)) => (true, rest),
+            Some((other, _)) => return Err(format!("`{other}` is neither mqtt nor mqtts")),
+            None => (false, text),
+        };
+        let rest = rest.trim_end_matches('/');
+        // An address of IPv6 stands in brackets.
+        let end_of_host = rest.rfind(']').map_or(0, |at| at + 1);
+        let (host, port) = match rest[end_of_host..].find(':') {
+            Some(colon) => {
+                let (host, port) = rest.split_at(end_of_host + colon);
+                let port = port[1..]
+                    .parse()
+                    .map_err(|_| format!("`{port}` is no port"))?;
+                (host, port)
+            }
+            None => (rest, if tls { WITH_TLS } else { PLAIN }),
+        };
+        let host = host.trim_matches(['[', ']']);
+        if host.is_empty() || host.contains(['/', '@']) {
+            return Err("a broker is mqtt://HOST[:PORT] or mqtts://HOST[:PORT]".to_owned());
+        }
+        Ok(Self {
+            host: host.to_owned(),
+            port,
+            tls,
+        })
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scheme = if self.tls { "mqtts" } else { "mqtt" };
+        if self.host.contains(':') {
+            write!(f, "{scheme}://[{}]:{}", self.host, self.port)
+        } else {
+            write!(f, "{scheme}://{}:{}", self.host, self.port)
+        }
+    }
+}
+
+/// User and password at a broker.
+#[derive(Clone)]
+pub struct Login {
+    /// The user.
+    pub user: String,
+    /// The password.
+    pub password: String,
+}
+
+impl fmt::Debug for Login {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Login({})", self.user)
+    }
+}
+
+/// Why there is no way to a broker.
+#[derive(Debug)]
+pub enum WireError {
+    /// A file cannot be read.
+    File(io::Error),
+    /// Others may read the file of the password.
+    Open,
+    /// It does not have the two lines of user and password.
+    Lines,
+    /// It holds no certificate.
+    NoCertificate,
+    /// TLS cannot be had, or the broker's certificate is not what it has to be.
+    Tls(rustls::Error),
+    /// The broker cannot be reached, or has ended the connection.
+    Socket(io::Error),
+}
+
+impl fmt::Display for WireError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) | Self::Socket(error) => error.fmt(f),
+            Self::Open => f.write_str("others than its owner may read it"),
+            Self::Lines => f.write_str("it is not two lines, user and password"),
+            Self::NoCertificate => f.write_str("it holds no certificate"),
+            Self::Tls(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for WireError {}
+
+impl Login {
+    /// The two lines of a file that its owner alone may read.
+    ///
+    /// # Errors
+    /// [`WireError::File`], [`WireError::Open`], [`WireError::Lines`].
+    pub fn read(path: &Path) -> Result<Self, WireError> {
+        let mode = fs::metadata(path).map_err(WireError::File)?.permissions();
+        if mode.mode() & OTHERS != 0 {
+            return Err(WireError::Open);
+        }
+        let text = fs::read_to_string(path).map_err(WireError::File)?;
+        let mut lines = text.lines();
+        match (lines.next(), lines.next(), lines.next()) {
+            (Some(user), Some(password), None) if !user.is_empty() => Ok(Self {
+                user: user.to_owned(),
+                password: password.to_owned(),
+            }),
+            _ => Err(WireError::Lines),
+        }
+    }
+}
+
+/// Whose certificates are believed.
+#[derive(Clone, Debug)]
+pub struct Tls(Arc<ClientConfig>);
+
+impl Tls {
+    /// Those of the authorities in a file, and no others.
+    ///
+    /// # Errors
+    /// [`WireError::NoCertificate`], [`WireError::Tls`].
+    pub fn of(authorities: &Path) -> Result<Self, WireError> {
+        let file = fs::read(authorities).map_err(WireError::File)?;
+        let mut roots = RootCertStore::empty();
+        for certificate in CertificateDer::pem_slice_iter(&file) {
+            let certificate = certificate.map_err(|_| WireError::NoCertificate)?;
+            roots.add(certificate).map_err(WireError::Tls)?;
+        }
+        if roots.is_empty() {
+            return Err(WireError::NoCertificate);
+        }
+        let provider = Arc::new(rustls_graviola::default_provider());
+        let config = ClientConfig::builder_with_provider(provider)
+            .with_safe_default_protocol_versions()
+            .map_err(WireError::Tls)?
+            .with_root_certificates(roots)
+            .with_no_client_auth();
+        Ok(Self(Arc::new(config)))
+    }
+}
+
+trait Stream: Read + Write {}
+impl<T: Read + Write> Stream for T {}
+
+/// A connection.
+pub struct Wire {
+    stream: Box<dyn Stream>,
+}
+
+impl Wire {
+    /// Connects; `tls` where the address wants it. Each reading waits `wait` at most.
+    ///
+    /// # Errors
+    /// [`WireError::Socket`], [`WireError::Tls`].
+    pub fn open(address: &Address, tls: Option<&Tls>, wait: Duration) -> Result<Self, WireError> {
+        let socket = connect(address).map_err(WireError::Socket)?;
+        let prepare = || {
+            socket.set_nodelay(true)?;
+            socket.set_write_timeout(Some(PATIENCE))?;
+            socket.set_read_timeout(Some(wait))
+        };
+        prepare().map_err(WireError::Socket)?;
+        let stream: Box<dyn Stream> = match tls {
+            None => Box::new(socket),
+            Some(Tls(config)) => {
+                let name = ServerName::try_from(address.host.clone())
+                    .map_err(|_| WireError::Socket(ErrorKind::InvalidInput.into()))?;
+                let connection = ClientConnection::new(Arc::clone(config), name);
+                let connection = connection.map_err(WireError::Tls)?;
+                Box::new(StreamOwned::new(connection, socket))
+            }
+        };
+        Ok(Self { stream })
+    }
+
+    /// Reads what is there; nothing where nothing comes in time.
+    ///
+    /// # Errors
+    /// The connection has ended.
+    pub fn read<'a>(&mut self, room: &'a mut [u8]) -> Result<&'a [u8], WireError> {
+        match self.stream.read(room) {
+            Ok(0) => Err(WireError::Socket(ErrorKind::UnexpectedEof.into())),
+            Ok(count) => Ok(&room[..count]),
+            Err(error) if is_early(&error) => Ok(&[]),
+            Err(error) => Err(fault(error)),
+        }
+    }
+
+    /// Writes all of it.
+    ///
+    /// # Errors
+    /// The connection has ended.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), WireError> {
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            match self.stream.write(rest) {
+                Ok(0) => return Err(WireError::Socket(ErrorKind::WriteZero.into())),
+                Ok(count) => rest = &rest[count..],
+                Err(error) => return Err(fault(error)),
+            }
+        }
+        self.stream.flush().map_err(fault)
+    }
+}
+
+fn is_early(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
+    )
+}
+
+/// An error of TLS comes as one of the socket.
+fn fault(error: io::Error) -> WireError {
+    match error.downcast::<rustls::Error>() {
+        Ok(error) => WireError::Tls(error),
+        Err(error) => WireError::Socket(error),
+    }
+}
+
+fn connect(address: &Address) -> io::Result<TcpStream> {
+    let mut last = io::Error::from(ErrorKind::NotFound);
+    for place in (address.host.as_str(), address.port).to_socket_addrs()? {
+        match TcpStream::connect_timeout(&place, PATIENCE) {
+            Ok(socket) => return Ok(socket),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}

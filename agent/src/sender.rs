@@ -1,0 +1,279 @@
+//! Sends what is kept, in order, and removes it when the broker has it.
+//!
+//! A connection that ends is begun anew after a pause; what the broker had not said it has is sent again, with the number
+//! that it had.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use crate::mqtt::{Address, Client, Fault, Login, Said, Tls, Wire, WireError};
+use crate::record::{Moment, Numbered};
+use crate::sparkplug::{Names, Session, Values};
+use crate::store::{Store, StoreError};
+
+/// Messages on their way at a time: a broker gives each of its readers about as many.
+const WINDOW: usize = 16;
+/// The longest wait for the broker before the store is looked at again.
+const GLANCE: Duration = Duration::from_millis(100);
+/// The first pause behind a connection that failed, and the longest.
+const PAUSES: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(60)];
+/// A connection that lasted so long has worked: the next pause is the first again.
+const WORKED: Duration = Duration::from_secs(60);
+/// Between two looks at the end during a pause.
+const NAP: Duration = Duration::from_millis(50);
+/// For the last messages of an agent that ends.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// Where to send, and as whom.
+#[derive(Clone, Debug)]
+pub struct Broker {
+    /// Its address.
+    pub address: Address,
+    /// User and password.
+    pub login: Option<Login>,
+    /// TLS, where the address wants it.
+    pub tls: Option<Tls>,
+    /// What the machine is called there.
+    pub names: Names,
+}
+
+/// Why a connection has ended.
+#[derive(Debug)]
+pub enum Trouble {
+    /// On the way to the broker.
+    Wire(WireError),
+    /// By what the broker says.
+    Broker(Fault),
+    /// The store cannot be read or written.
+    Store(StoreError),
+}
+
+/// What there is to say of the sending.
+#[derive(Debug)]
+pub enum News {
+    /// The broker takes what is kept.
+    Connected,
+    /// It does not any more.
+    Trouble(Trouble),
+}
+
+/// What the sender and the side of the bus share.
+#[derive(Debug, Default)]
+pub struct Shared {
+    values: Mutex<Values>,
+    over: AtomicBool,
+    connected: AtomicBool,
+}
+
+impl Shared {
+    fn values(&self) -> MutexGuard<'_, Values> {
+        self.values.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes what records say that have been kept.
+    pub fn take(&self, kept: &[Numbered]) {
+        let mut values = self.values();
+        kept.iter().for_each(|record| values.take(record));
+    }
+
+    /// The sender is to end.
+    pub fn end(&self) {
+        self.over.store(true, Ordering::Relaxed);
+    }
+
+    /// A broker takes what is kept.
+    #[must_use]
+    pub fn is_connected(&self) -> bool {
+        self.connected.load(Ordering::Relaxed)
+    }
+
+    fn is_over(&self) -> bool {
+        self.over.load(Ordering::Relaxed)
+    }
+}
+
+/// The time of the computer's clock.
+#[must_use]
+pub fn now() -> Moment {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    Moment(since.map_or(0, |since| since.as_millis() as u64))
+}
+
+/// Sends until it is to end.
+pub fn send(broker: &Broker, store: &Store, shared: &Arc<Shared>, mut tell: impl FnMut(News)) {
+    let [first, longest] = PAUSES;
+    let mut pause = first;
+    while !shared.is_over() {
+        let began = Instant::now();
+        let ended = connection(broker, store, shared, &mut tell);
+        shared.connected.store(false, Ordering::Relaxed);
+        if let Err(trouble) = ended {
+            tell(News::Trouble(trouble));
+        }
+        if began.elapsed() > WORKED {
+            pause = first;
+        }
+        let until = Instant::now() + pause;
+        while !shared.is_over() && Instant::now() < until {
+            std::thread::sleep(NAP);
+        }
+        pause = (pause * 2).min(longest);
+    }
+}
+
+fn connection(
+    broker: &Broker,
+    store: &Store,
+    shared: &Shared,
+    tell: &mut impl FnMut(News),
+) -> Result<(), Trouble> {
+    let mut wire =
+        Wire::open(&broker.address, broker.tls.as_ref(), GLANCE).map_err(Trouble::Wire)?;
+    let began = Instant::now();
+    let mut sending = Sending::new(broker, store, began.elapsed()).map_err(Trouble::Store)?;
+    let mut room = [0; 4096];
+    let mut last = None;
+    loop {
+        let output = sending.client.output();
+        wire.write(output).map_err(Trouble::Wire)?;
+        output.clear();
+        let bytes = wire.read(&mut room).map_err(Trouble::Wire)?;
+        let was_accepted = sending.accepted;
+        sending.take(bytes, &shared.values(), now(), began.elapsed())?;
+        if sending.accepted && !was_accepted {
+            shared.connected.store(true, Ordering::Relaxed);
+            tell(News::Connected);
+        }
+        if shared.is_over() {
+            let end = *last.get_or_insert(began.elapsed() + FAREWELL);
+            if !sending.accepted || sending.is_done() || began.elapsed() > end {
+                sending.farewell(began.elapsed());
+                return wire.write(sending.client.output()).map_err(Trouble::Wire);
+            }
+        }
+    }
+}
+
+/// One connection without its socket.
+pub struct Sending<'a> {
+    store: &'a Store,
+    client: Client,
+    session: Session,
+    orders: String,
+    accepted: bool,
+    /// The last number that was handed to the client.
+    handed: u64,
+    /// All that was kept at the last look has been handed.
+    empty: bool,
+}
+
+impl<'a> Sending<'a> {
+    /// Begins.
+    ///
+    /// # Errors
+    /// The store cannot be read or written.
+    pub fn new(broker: &Broker, store: &'a Store, now: Duration) -> Result<Self, StoreError> {
+        let count = store.connect()?;
+        let made = store.figures()?.made;
+        let session = Session::new(broker.names.clone(), count, made);
+        let name = broker.names.client();
+        Ok(Self {
+            store,
+            client: Client::new(&name, broker.login.as_ref(), session.death(), now),
+            session,
+            orders: broker.names.orders(),
+            accepted: false,
+            handed: 0,
+            empty: false,
+        })
+    }
+
+    /// Bytes for the broker; who has sent them removes them.
+    pub const fn output(&mut self) -> &mut bytes::BytesMut {
+        self.client.output()
+    }
+
+    /// The broker has all that was kept.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.empty && self.client.under_way() == 0
+    }
+
+    /// Takes what the broker says, and hands it what is kept.
+    ///
+    /// # Errors
+    /// The connection is over.
+    pub fn take(
+        &mut self,
+        bytes: &[u8],
+        values: &Values,
+        at: Moment,
+        now: Duration,
+    ) -> Result<(), Trouble> {
+        if !bytes.is_empty() {
+            let mut has = None;
+            for said in self.client.take(bytes, now).map_err(Trouble::Broker)? {
+                match said {
+                    Said::Accepted => {
+                        self.accepted = true;
+                        self.client.subscribe(&self.orders, now);
+                        self.births(values, at, now);
+                    }
+                    Said::Has(number) => has = has.max(Some(number)),
+                    Said::Message { topic, payload } => {
+                        if self.session.asks_for_births(&topic, &payload) {
+                            self.births(values, at, now);
+                        }
+                    }
+                }
+            }
+            if let Some(number) = has {
+                self.store.acknowledge(number).map_err(Trouble::Store)?;
+            }
+        }
+        if self.accepted {
+            self.hand(values, at, now).map_err(Trouble::Store)?;
+        }
+        self.client.attend(now).map_err(Trouble::Broker)
+    }
+
+    fn births(&mut self, values: &Values, at: Moment, now: Duration) {
+        for message in self.session.births(at, values) {
+            self.client.publish(message, None, now);
+        }
+    }
+
+    fn hand(&mut self, values: &Values, at: Moment, now: Duration) -> Result<(), StoreError> {
+        let room = WINDOW.saturating_sub(self.client.under_way());
+        if room == 0 {
+            return Ok(());
+        }
+        let records = self.store.hand(self.handed, room)?;
+        self.empty = records.len() < room;
+        for record in records {
+            self.handed = record.number;
+            let messages = self.session.data(at, &record, values);
+            let last = messages.len().saturating_sub(1);
+            for (place, message) in messages.into_iter().enumerate() {
+                let number = (place == last).then_some(record.number);
+                self.client.publish(message, number, now);
+            }
+        }
+        if self.empty
+            && let Some(message) = self.session.settle(at, values)
+        {
+            self.client.publish(message, None, now);
+        }
+        Ok(())
+    }
+
+    /// The death that the broker would tell, told in time, and the end.
+    fn farewell(&mut self, now: Duration) {
+        if self.accepted {
+            let death = self.session.death();
+            self.client.publish(death, None, now);
+        }
+        self.client.disconnect();
+    }
+}

@@ -1,0 +1,335 @@
+//! The metrics of a machine, and what each record says of them.
+//!
+//! The alias of a metric is its place in the table: one connection's births tell it anew, so rows may move.
+
+use super::payload::{Kind, Metric, Properties, Value};
+use crate::record::{Body, Errors, Moment, Numbered};
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Its name.
+    pub name: &'static str,
+    /// The kind of its values.
+    pub kind: Kind,
+    /// Their unit; empty where they have none.
+    pub unit: &'static str,
+}
+
+/// A metric: its place in the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Place(usize);
+
+macro_rules! metrics {
+    ($($place:ident = $name:literal, $kind:ident, $unit:literal;)*) => {
+        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+        enum Order { $($place),* }
+        $(const $place: Place = Place(Order::$place as usize);)*
+
+        /// Every metric of a machine.
+        pub const TABLE: &[Row] = &[
+            $(Row { name: $name, kind: Kind::$kind, unit: $unit }),*
+        ];
+    };
+}
+
+metrics! {
+    RECORD_NUMBER = "Record/Number", UInt64, "";
+    RECORD_KIND = "Record/Kind", String, "";
+    BOARD_ALIVE = "Board/Alive", Boolean, "";
+    BOARD_WHY = "Board/Why", String, "";
+    BOARD_SERIAL = "Board/Serial", String, "";
+    BOARD_START = "Board/Start", UInt32, "";
+    BOARD_PARAMETERS = "Board/Parameters", String, "";
+    BOARD_FIRMWARE = "Board/Firmware", String, "";
+    MACHINE_STATE = "Machine/State", String, "";
+    MACHINE_MODE = "Machine/Mode", String, "";
+    MACHINE_ALARM = "Machine/Alarm", UInt16, "";
+    MACHINE_HOLD = "Machine/Hold", Boolean, "";
+    MACHINE_SINGLE = "Machine/Single Block", Boolean, "";
+    PROGRAM_NUMBER = "Program/Number", UInt32, "";
+    PROGRAM_LINE = "Program/Line", UInt32, "";
+    PROGRAM_MOVE = "Program/Move", UInt32, "";
+    OVERRIDE_FEED = "Override/Feed", UInt8, "%";
+    OVERRIDE_RAPID = "Override/Rapid", UInt8, "%";
+    OVERRIDE_SPINDLE = "Override/Spindle", UInt8, "%";
+    SPINDLE_SPEED = "Spindle/Speed", Int32, "1/min";
+    SPINDLE_COMMANDED = "Spindle/Commanded", Int32, "1/min";
+    SETPOINTS_LATE = "Setpoints/Late", UInt32, "";
+    BUS_LOAD = "Bus/Load", UInt8, "%";
+    BUS_ERRORS = "Bus/Errors", UInt64, "";
+    EVENT_KEY = "Event/Key", String, "";
+    EVENT_KIND = "Event/Kind", String, "";
+    EVENT_TICK = "Event/Tick", UInt64, "";
+    EVENT_ALARM = "Event/Alarm", UInt16, "";
+    EVENT_LINE = "Event/Line", UInt32, "";
+    EVENT_CAUSE = "Event/Cause", String, "";
+    EVENT_REMEDY = "Event/Remedy", String, "";
+    THREAD_KEY = "Thread/Key", String, "";
+    THREAD_PROGRAM = "Thread/Program", UInt32, "";
+    THREAD_LINE = "Thread/Line", UInt32, "";
+    THREAD_KIND = "Thread/Kind", String, "";
+    THREAD_END = "Thread/End", String, "";
+    THREAD_PASSES = "Thread/Passes", UInt16, "";
+    THREAD_LATE = "Thread/Late", UInt16, "";
+    THREAD_MEASURED = "Thread/Measured", UInt64, "ticks";
+    THREAD_LARGEST = "Thread/Largest Error", Double, "µm";
+    THREAD_RMS = "Thread/RMS Error", Double, "µm";
+    RUN_KEY = "Run/Key", String, "";
+    RUN_FINISHED = "Run/Finished", Boolean, "";
+    RUN_TICKS = "Run/Ticks", UInt64, "ticks";
+    RUN_HASH = "Run/Setpoint Hash", String, "";
+    RUN_LATE = "Run/Late", UInt32, "";
+    RUN_MEASURED = "Run/Measured", UInt64, "ticks";
+    RUN_LARGEST = "Run/Largest Error", Double, "µm";
+    RUN_RMS = "Run/RMS Error", Double, "µm";
+    GAP_KEY = "Gap/Key", String, "";
+    GAP_OF = "Gap/Of", String, "";
+    GAP_FIRST = "Gap/First", UInt32, "";
+    GAP_LAST = "Gap/Last", UInt32, "";
+    LOSS_RECORDS = "Loss/Records", UInt64, "";
+    LOSS_FIRST = "Loss/First", UInt64, "";
+    LOSS_LAST = "Loss/Last", UInt64, "";
+}
+
+/// What a record says: values that are known, and those that it makes unknown.
+type Said = Vec<(Place, Option<Value>)>;
+
+fn text(text: &str) -> Option<Value> {
+    Some(Value::String(text.to_owned()))
+}
+
+fn int(number: impl Into<u32>) -> Option<Value> {
+    Some(Value::Int(number.into()))
+}
+
+const fn signed(number: i32) -> Option<Value> {
+    Some(Value::Int(number.cast_unsigned()))
+}
+
+const fn long(number: u64) -> Option<Value> {
+    Some(Value::Long(number))
+}
+
+const fn flag(yes: bool) -> Option<Value> {
+    Some(Value::Boolean(yes))
+}
+
+/// The word for a kind of record, and what it says.
+fn said(body: &Body) -> (&'static str, Said) {
+    match body {
+        Body::Presence(presence) => (
+            "presence",
+            vec![
+                (BOARD_ALIVE, flag(presence.alive)),
+                (BOARD_WHY, text(&presence.why)),
+            ],
+        ),
+        Body::Identity(identity) => (
+            "identity",
+            vec![
+                (
+                    BOARD_SERIAL,
+                    text(&format!("{:08x}", identity.start.serial)),
+                ),
+                (BOARD_START, int(identity.start.count)),
+                (
+                    BOARD_PARAMETERS,
+                    text(&format!("{:08x}", identity.parameters)),
+                ),
+                (BOARD_FIRMWARE, text(&identity.firmware)),
+            ],
+        ),
+        Body::State(state) => (
+            "state",
+            vec![
+                (MACHINE_STATE, text(&state.state)),
+                (MACHINE_MODE, text(&state.mode)),
+                (MACHINE_ALARM, int(state.alarm)),
+                (MACHINE_HOLD, flag(state.hold)),
+                (MACHINE_SINGLE, flag(state.single_block)),
+                (PROGRAM_NUMBER, int(state.program)),
+                (PROGRAM_LINE, int(state.line)),
+                (PROGRAM_MOVE, int(state.number)),
+                (OVERRIDE_FEED, int(state.feed_percent)),
+                (OVERRIDE_RAPID, int(state.rapid_percent)),
+                (OVERRIDE_SPINDLE, int(state.spindle_percent)),
+                (SPINDLE_SPEED, signed(state.rpm)),
+                (SPINDLE_COMMANDED, signed(state.rpm_commanded)),
+                (SETPOINTS_LATE, int(state.late)),
+                (BUS_LOAD, state.load_percent.and_then(int)),
+                (BUS_ERRORS, long(state.bus_errors)),
+            ],
+        ),
+        Body::Event(event) => {
+            let trouble = event.what.trouble();
+            (
+                "event",
+                vec![
+                    (EVENT_KEY, text(&event.start.key(event.number))),
+                    (EVENT_KIND, text(event.what.name())),
+                    (EVENT_TICK, long(event.tick)),
+                    (EVENT_ALARM, trouble.and_then(|trouble| int(trouble.number))),
+                    (EVENT_LINE, trouble.and_then(|trouble| int(trouble.line))),
+                    (
+                        EVENT_CAUSE,
+                        trouble.and_then(|trouble| text(&trouble.cause)),
+                    ),
+                    (
+                        EVENT_REMEDY,
+                        trouble.and_then(|trouble| text(&trouble.remedy)),
+                    ),
+                ],
+            )
+        }
+        Body::Thread(thread) => {
+            let mut said = vec![
+                (THREAD_KEY, text(&thread.start.key(thread.number))),
+                (THREAD_PROGRAM, int(thread.program)),
+                (THREAD_LINE, int(thread.line)),
+                (THREAD_KIND, text(&thread.kind)),
+                (THREAD_END, text(&thread.end)),
+                (THREAD_PASSES, int(thread.passes)),
+                (THREAD_LATE, int(thread.late)),
+            ];
+            let places = [THREAD_MEASURED, THREAD_LARGEST, THREAD_RMS];
+            said.extend(errors(places, &thread.errors));
+            ("thread", said)
+        }
+        Body::Run(run) => {
+            let hash = run.setpoint_hash.map(|hash| format!("{hash:016x}"));
+            let mut said = vec![
+                (RUN_KEY, text(&run.start.key(run.program))),
+                (RUN_FINISHED, flag(run.finished)),
+                (RUN_TICKS, long(run.ticks)),
+                (RUN_HASH, hash.and_then(|hash| text(&hash))),
+                (RUN_LATE, int(run.late)),
+            ];
+            said.extend(errors([RUN_MEASURED, RUN_LARGEST, RUN_RMS], &run.errors));
+            ("run", said)
+        }
+        Body::Gap(gap) => (
+            "gap",
+            vec![
+                (GAP_KEY, text(&gap.start.key(gap.first))),
+                (GAP_OF, text(gap.of.name())),
+                (GAP_FIRST, int(gap.first)),
+                (GAP_LAST, int(gap.last)),
+            ],
+        ),
+        Body::Loss(loss) => (
+            "loss",
+            vec![
+                (LOSS_RECORDS, long(loss.records)),
+                (LOSS_FIRST, long(loss.first)),
+                (LOSS_LAST, long(loss.last)),
+            ],
+        ),
+    }
+}
+
+/// Largest and RMS are unknown where nothing was measured.
+fn errors(places: [Place; 3], errors: &Errors) -> Said {
+    let known = |value| (errors.measured > 0).then_some(Value::Double(value));
+    let [measured, largest, rms] = places;
+    vec![
+        (measured, long(errors.measured)),
+        (largest, known(errors.largest_um())),
+        (rms, known(errors.rms_um())),
+    ]
+}
+
+/// A record as metrics with aliases. `historical`: it is older than the birth.
+#[must_use]
+pub fn of_record(record: &Numbered, historical: bool) -> Vec<Metric> {
+    let (kind, said) = said(&record.record.body);
+    let at = record.record.at;
+    let first = [
+        (RECORD_NUMBER, long(record.number)),
+        (RECORD_KIND, text(kind)),
+    ];
+    first
+        .into_iter()
+        .chain(said)
+        .map(|(Place(place), value)| Metric {
+            alias: Some(place as u64),
+            timestamp: Some(at.0),
+            is_historical: historical.then_some(true),
+            is_null: value.is_none().then_some(true),
+            value,
+            ..Metric::default()
+        })
+        .collect()
+}
+
+/// What each metric is by the last record that says it.
+#[derive(Clone, Debug)]
+pub struct Values {
+    known: Vec<Option<(Moment, Value)>>,
+    alive: bool,
+}
+
+impl Default for Values {
+    fn default() -> Self {
+        Self {
+            known: vec![None; TABLE.len()],
+            alive: false,
+        }
+    }
+}
+
+impl Values {
+    /// Takes what a record says.
+    pub fn take(&mut self, record: &Numbered) {
+        let (kind, said) = said(&record.record.body);
+        let at = record.record.at;
+        let first = [
+            (RECORD_NUMBER, long(record.number)),
+            (RECORD_KIND, text(kind)),
+        ];
+        for (Place(place), value) in first.into_iter().chain(said) {
+            if let Some(known) = self.known.get_mut(place) {
+                *known = value.map(|value| (at, value));
+            }
+        }
+        if let Body::Presence(presence) = &record.record.body {
+            self.alive = presence.alive;
+        }
+    }
+
+    /// The board answers.
+    #[must_use]
+    pub const fn is_alive(&self) -> bool {
+        self.alive
+    }
+
+    /// Every metric with its name, kind and unit.
+    #[must_use]
+    pub fn birth(&self, at: Moment) -> Vec<Metric> {
+        let rows = TABLE.iter().zip(&self.known).enumerate();
+        rows.map(|(place, (row, known))| Metric {
+            name: Some(row.name.to_owned()),
+            alias: Some(place as u64),
+            timestamp: Some(known.as_ref().map_or(at, |(at, _)| *at).0),
+            datatype: Some(row.kind as u32),
+            is_null: known.is_none().then_some(true),
+            properties: (!row.unit.is_empty()).then(|| Properties::unit(row.unit)),
+            value: known.as_ref().map(|(_, value)| value.clone()),
+            ..Metric::default()
+        })
+        .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_is_given_twice() {
+        let mut names: Vec<&str> = TABLE.iter().map(|row| row.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), TABLE.len());
+    }
+}

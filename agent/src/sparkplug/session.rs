@@ -1,0 +1,218 @@
+//! One connection to a broker in Sparkplug B: births, data, deaths, and the sequence number that runs through them.
+//!
+//! It has no socket and no clock. The agent is the edge node, the machine its device.
+
+use std::fmt;
+
+use prost::Message as _;
+
+use super::metrics::{Values, of_record};
+use super::payload::{Kind, Metric, Payload, Value};
+use crate::record::{Moment, Numbered};
+
+/// The name of the order to tell all births anew; no other order is known.
+const REBIRTH: &str = "Node Control/Rebirth";
+/// The number that binds a death to its birth.
+const BIRTH_NUMBER: &str = "bdSeq";
+const VERSION: &str = "Properties/Agent Version";
+const STORE_MADE: &str = "Properties/Store Made";
+/// Aliases of the edge node's metrics follow those of the machine's; these have none.
+const NAMESPACE: &str = "spBv1.0";
+/// Numbers of births and of messages are of one byte.
+const NUMBERS: u64 = 256;
+
+/// What the machine is called on the broker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names {
+    group: String,
+    node: String,
+    device: String,
+}
+
+/// A name that cannot be part of a topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NameError(pub String);
+
+impl fmt::Display for NameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` is no part of a topic", self.0)
+    }
+}
+
+impl std::error::Error for NameError {}
+
+impl Names {
+    /// Names of the group, of this agent and of its machine.
+    ///
+    /// # Errors
+    /// One is empty, or has a `/`, `+`, `#` or a control character in it.
+    pub fn new(group: &str, node: &str, device: &str) -> Result<Self, NameError> {
+        for name in [group, node, device] {
+            let is_bad = |c: char| "/+#".contains(c) || c.is_control();
+            if name.is_empty() || name.contains(is_bad) {
+                return Err(NameError(name.to_owned()));
+            }
+        }
+        Ok(Self {
+            group: group.to_owned(),
+            node: node.to_owned(),
+            device: device.to_owned(),
+        })
+    }
+
+    fn node_topic(&self, kind: &str) -> String {
+        format!("{NAMESPACE}/{}/{kind}/{}", self.group, self.node)
+    }
+
+    fn device_topic(&self, kind: &str) -> String {
+        format!("{}/{}", self.node_topic(kind), self.device)
+    }
+
+    /// Where orders to the edge node come.
+    #[must_use]
+    pub fn orders(&self) -> String {
+        self.node_topic("NCMD")
+    }
+
+    /// What a client of a broker is called: one agent of a name is connected at a time.
+    #[must_use]
+    pub fn client(&self) -> String {
+        format!("leadscrew-{}-{}", self.group, self.node)
+    }
+}
+
+/// A message to the broker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// Its topic.
+    pub topic: String,
+    /// Its content.
+    pub payload: Vec<u8>,
+}
+
+/// One connection.
+#[derive(Debug)]
+pub struct Session {
+    names: Names,
+    /// The number of the birth, from the count of connections.
+    number: u64,
+    store_made: Moment,
+    seq: u64,
+    born: Moment,
+    /// The machine has been born and has not died.
+    machine: bool,
+}
+
+impl Session {
+    /// The session of a connection with this count.
+    #[must_use]
+    pub const fn new(names: Names, connection: u64, store_made: Moment) -> Self {
+        Self {
+            names,
+            number: connection % NUMBERS,
+            store_made,
+            seq: 0,
+            born: Moment(0),
+            machine: false,
+        }
+    }
+
+    /// What the broker tells others when this connection ends: it is left there when it begins.
+    #[must_use]
+    pub fn death(&self) -> Message {
+        let payload = Payload {
+            metrics: vec![self.number_of_birth()],
+            ..Payload::default()
+        };
+        message(self.names.node_topic("NDEATH"), &payload)
+    }
+
+    fn number_of_birth(&self) -> Metric {
+        named(BIRTH_NUMBER, Kind::Int64, Value::Long(self.number), None)
+    }
+
+    /// Births of the edge node, and of its machine where that answers, at the beginning and where they are asked for.
+    pub fn births(&mut self, at: Moment, values: &Values) -> Vec<Message> {
+        (self.seq, self.born, self.machine) = (0, at, false);
+        let made = Value::Long(self.store_made.0);
+        let version = Value::String(env!("CARGO_PKG_VERSION").to_owned());
+        let metrics = vec![
+            self.number_of_birth(),
+            named(REBIRTH, Kind::Boolean, Value::Boolean(false), Some(at)),
+            named(VERSION, Kind::String, version, Some(at)),
+            named(STORE_MADE, Kind::DateTime, made, Some(at)),
+        ];
+        let node = self.numbered(at, metrics);
+        let mut births = vec![message(self.names.node_topic("NBIRTH"), &node)];
+        births.extend(self.settle(at, values));
+        births
+    }
+
+    fn machine_birth(&mut self, at: Moment, values: &Values) -> Message {
+        self.machine = true;
+        let payload = self.numbered(at, values.birth(at));
+        message(self.names.device_topic("DBIRTH"), &payload)
+    }
+
+    /// A record. A machine that has died is born again first: what it said before its death is still told.
+    pub fn data(&mut self, at: Moment, record: &Numbered, values: &Values) -> Vec<Message> {
+        let mut messages = Vec::new();
+        if !self.machine {
+            messages.push(self.machine_birth(at, values));
+        }
+        let historical = record.record.at < self.born;
+        let payload = self.numbered(at, of_record(record, historical));
+        messages.push(message(self.names.device_topic("DDATA"), &payload));
+        messages
+    }
+
+    /// Once all records are told: the machine's death where its board does not answer, its birth where it does again.
+    pub fn settle(&mut self, at: Moment, values: &Values) -> Option<Message> {
+        match (self.machine, values.is_alive()) {
+            (true, false) => {
+                self.machine = false;
+                let payload = self.numbered(at, Vec::new());
+                Some(message(self.names.device_topic("DDEATH"), &payload))
+            }
+            (false, true) => Some(self.machine_birth(at, values)),
+            (true, true) | (false, false) => None,
+        }
+    }
+
+    /// True where a message asks for all births anew. Nothing else is obeyed.
+    #[must_use]
+    pub fn asks_for_births(&self, topic: &str, payload: &[u8]) -> bool {
+        let is_it = |metric: &Metric| {
+            metric.name.as_deref() == Some(REBIRTH) && metric.value == Some(Value::Boolean(true))
+        };
+        topic == self.names.orders()
+            && Payload::decode(payload).is_ok_and(|payload| payload.metrics.iter().any(is_it))
+    }
+
+    fn numbered(&mut self, at: Moment, metrics: Vec<Metric>) -> Payload {
+        let seq = self.seq;
+        self.seq = (seq + 1) % NUMBERS;
+        Payload {
+            timestamp: Some(at.0),
+            metrics,
+            seq: Some(seq),
+        }
+    }
+}
+
+fn named(name: &str, kind: Kind, value: Value, at: Option<Moment>) -> Metric {
+    Metric {
+        name: Some(name.to_owned()),
+        timestamp: at.map(|at| at.0),
+        datatype: Some(kind as u32),
+        value: Some(value),
+        ..Metric::default()
+    }
+}
+
+fn message(topic: String, payload: &Payload) -> Message {
+    Message {
+        topic,
+        payload: payload.encode_to_vec(),
+    }
+}

@@ -1,0 +1,346 @@
+//! Sessions without sockets.
+
+use std::time::Duration;
+
+use bytes::BytesMut;
+use leadscrew_agent::mqtt::{Client, Fault, Login};
+use leadscrew_agent::sender::{Sending, Trouble};
+use leadscrew_agent::sparkplug::payload::{Metric, Payload, Value};
+use leadscrew_agent::sparkplug::{Message, Names, Values, metrics};
+use leadscrew_agent::{Moment, Store};
+use mqttbytes::QoS;
+use mqttbytes::v4::{ConnAck, ConnectReturnCode, Packet, Publish};
+use prost::Message as _;
+
+use crate::bench::{
+    BIRTH, accept, acknowledge, keep, metric, nowhere, packets, presence, sent, state,
+};
+
+const NOW: Duration = Duration::ZERO;
+
+/// A store on a disk of its own that is gone with it.
+struct Folder(std::path::PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = format!("leadscrew-sent-{name}-{}", std::process::id());
+        let path = std::env::temp_dir().join(path);
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn store(&self) -> Store {
+        Store::open(&self.0.join("store"), 1 << 20, Moment(77)).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn birth_number(payload: &[u8]) -> Option<Value> {
+    let payload = Payload::decode(payload).unwrap();
+    metric(&payload, "bdSeq").and_then(|metric| metric.value.clone())
+}
+
+#[test]
+fn births_come_first_and_what_is_older_is_history() {
+    let folder = Folder::new("births");
+    let store = folder.store();
+    let mut values = Values::default();
+    keep(&store, &mut values, 1_000, [presence(true), state(1)]);
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    let first = packets(&mut sending.output().split());
+    let [Packet::Connect(connect)] = &first[..] else {
+        panic!("{first:?}");
+    };
+    let will = connect.last_will.as_ref().unwrap();
+    assert_eq!(connect.client_id, "leadscrew-shop-agent");
+    assert_eq!(will.topic, "spBv1.0/shop/NDEATH/agent");
+    assert_eq!((will.qos, will.retain), (QoS::AtLeastOnce, false));
+    assert_eq!(birth_number(&will.message), Some(Value::Long(1)));
+    // Nothing is said before the broker has taken it.
+    sending.take(&[], &values, BIRTH, NOW).unwrap();
+    assert!(sending.output().is_empty());
+    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+    let bytes = sending.output().clone();
+    let said = packets(&mut bytes.clone());
+    let Packet::Subscribe(orders) = &said[0] else {
+        panic!("{said:?}");
+    };
+    assert_eq!(orders.filters[0].path, "spBv1.0/shop/NCMD/agent");
+    let Packet::Publish(node) = &said[1] else {
+        panic!("{said:?}");
+    };
+    assert_eq!(birth_number(&node.payload), Some(Value::Long(1)));
+    let Packet::Publish(machine) = &said[2] else {
+        panic!("{said:?}");
+    };
+    let machine = Payload::decode(&machine.payload[..]).unwrap();
+    let names: Vec<_> = machine
+        .metrics
+        .iter()
+        .map(|metric| metric.name.as_deref())
+        .collect();
+    let all: Vec<_> = metrics::TABLE.iter().map(|row| Some(row.name)).collect();
+    assert_eq!(names, all);
+    assert_eq!(metric(&machine, "Run/Ticks").unwrap().is_null, Some(true));
+    assert_eq!(
+        metric(&machine, "Program/Line").unwrap().value,
+        Some(Value::Int(1))
+    );
+    keep(&store, &mut values, BIRTH.0, [state(2)]);
+    sending.take(&[], &values, BIRTH, NOW).unwrap();
+    let (words, _) = sent(&mut sending);
+    assert_eq!(
+        words,
+        [
+            "NBIRTH/agent 0",
+            "DBIRTH/agent/lathe 1 line 1",
+            "DDATA/agent/lathe 2",
+            "DDATA/agent/lathe 3 line 1 old",
+            "DDATA/agent/lathe 4 line 2"
+        ]
+    );
+}
+
+#[test]
+fn what_is_not_acknowledged_is_sent_again_and_the_rest_is_gone() {
+    let folder = Folder::new("again");
+    let store = folder.store();
+    let mut values = Values::default();
+    keep(&store, &mut values, BIRTH.0, [presence(true)]);
+    keep(&store, &mut values, BIRTH.0, (1..=30).map(state));
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+    let (words, ids) = sent(&mut sending);
+    assert_eq!(words.len(), 16, "as many as there are under way: {words:?}");
+    // Two births, presence and two states.
+    sending
+        .take(&acknowledge(&ids[..5]), &values, BIRTH, NOW)
+        .unwrap();
+    assert_eq!(store.figures().unwrap().records, 28);
+    let (words, _) = sent(&mut sending);
+    assert_eq!(words.len(), 5);
+    drop(sending);
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    let connect = packets(&mut sending.output().split());
+    let Packet::Connect(connect) = &connect[0] else {
+        panic!("{connect:?}");
+    };
+    let will = connect.last_will.as_ref().unwrap();
+    assert_eq!(birth_number(&will.message), Some(Value::Long(2)));
+    let mut lines = Vec::new();
+    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+    while !sending.is_done() {
+        let (words, ids) = sent(&mut sending);
+        lines.extend(words.into_iter().filter(|word| word.starts_with("DDATA")));
+        sending
+            .take(&acknowledge(&ids), &values, BIRTH, NOW)
+            .unwrap();
+    }
+    let expected = (3..=30).map(|line| format!("DDATA/agent/lathe {} line {line}", line - 1));
+    assert_eq!(lines, expected.collect::<Vec<_>>());
+    assert_eq!(store.figures().unwrap().records, 0);
+}
+
+#[test]
+fn a_host_may_ask_for_births_and_for_nothing_else() {
+    let folder = Folder::new("orders");
+    let store = folder.store();
+    let mut values = Values::default();
+    keep(&store, &mut values, BIRTH.0, [presence(true)]);
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+    assert_eq!(sent(&mut sending).0.len(), 3);
+    let order = |topic: &str, name: &str, value| {
+        let metric = Metric {
+            name: Some(name.to_owned()),
+            value: Some(value),
+            ..Metric::default()
+        };
+        let payload = Payload {
+            metrics: vec![metric],
+            ..Payload::default()
+        };
+        let mut publish = Publish::new(topic, QoS::AtMostOnce, payload.encode_to_vec());
+        publish.pkid = 1;
+        let mut bytes = BytesMut::new();
+        publish.write(&mut bytes).unwrap();
+        bytes.to_vec()
+    };
+    let topic = "spBv1.0/shop/NCMD/agent";
+    let rebirth = "Node Control/Rebirth";
+    for nothing in [
+        order(topic, rebirth, Value::Boolean(false)),
+        order(topic, "Node Control/Reboot", Value::Boolean(true)),
+        order("spBv1.0/shop/NCMD/other", rebirth, Value::Boolean(true)),
+        order(
+            "spBv1.0/shop/DCMD/agent/lathe",
+            "Machine/Hold",
+            Value::Boolean(true),
+        ),
+    ] {
+        sending.take(&nothing, &values, BIRTH, NOW).unwrap();
+        assert_eq!(sent(&mut sending).0, Vec::<String>::new());
+    }
+    let asked = order(topic, rebirth, Value::Boolean(true));
+    sending.take(&asked, &values, BIRTH, NOW).unwrap();
+    let (words, _) = sent(&mut sending);
+    assert_eq!(words, ["NBIRTH/agent 0", "DBIRTH/agent/lathe 1"]);
+}
+
+#[test]
+fn a_machine_that_goes_dies_behind_what_it_said() {
+    let folder = Folder::new("death");
+    let store = folder.store();
+    let mut values = Values::default();
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    let mut turn = |store: &Store, values: &Values, bytes: &[u8]| {
+        sending.take(bytes, values, BIRTH, NOW).unwrap();
+        let (words, ids) = sent(&mut sending);
+        sending
+            .take(&acknowledge(&ids), values, BIRTH, NOW)
+            .unwrap();
+        assert_eq!(store.figures().unwrap().records, 0);
+        words
+    };
+    assert_eq!(turn(&store, &values, &accept()), ["NBIRTH/agent 0"]);
+    keep(&store, &mut values, BIRTH.0, [presence(true), state(1)]);
+    assert_eq!(
+        turn(&store, &values, &[]),
+        [
+            "DBIRTH/agent/lathe 1 line 1",
+            "DDATA/agent/lathe 2",
+            "DDATA/agent/lathe 3 line 1"
+        ]
+    );
+    keep(&store, &mut values, BIRTH.0, [state(2), presence(false)]);
+    assert_eq!(
+        turn(&store, &values, &[]),
+        [
+            "DDATA/agent/lathe 4 line 2",
+            "DDATA/agent/lathe 5",
+            "DDEATH/agent/lathe 6"
+        ]
+    );
+    assert_eq!(turn(&store, &values, &[]), Vec::<String>::new());
+    keep(&store, &mut values, BIRTH.0, [presence(true)]);
+    assert_eq!(
+        turn(&store, &values, &[]),
+        ["DBIRTH/agent/lathe 7 line 2", "DDATA/agent/lathe 8"]
+    );
+    // The number begins anew behind 255.
+    keep(&store, &mut values, BIRTH.0, [state(3)]);
+    let mut words = turn(&store, &values, &[]);
+    for line in 0..248 {
+        keep(&store, &mut values, BIRTH.0, [state(line)]);
+        words.extend(turn(&store, &values, &[]));
+    }
+    assert_eq!(words[246], "DDATA/agent/lathe 255 line 245");
+    assert_eq!(words[247], "DDATA/agent/lathe 0 line 246");
+}
+
+fn client(login: Option<&Login>) -> Client {
+    let will = Message {
+        topic: "t".to_owned(),
+        payload: Vec::new(),
+    };
+    Client::new("name", login, will, NOW)
+}
+
+#[test]
+fn refusals_and_silence_are_told_apart() {
+    let answer = |code| {
+        let mut bytes = BytesMut::new();
+        ConnAck::new(code, false).write(&mut bytes).unwrap();
+        client(None).take(&bytes, NOW)
+    };
+    assert_eq!(
+        answer(ConnectReturnCode::BadUserNamePassword),
+        Err(Fault::Login)
+    );
+    assert_eq!(answer(ConnectReturnCode::NotAuthorized), Err(Fault::Login));
+    assert!(matches!(
+        answer(ConnectReturnCode::ServiceUnavailable),
+        Err(Fault::Refused(_))
+    ));
+    // SUBACK that refuses.
+    assert_eq!(
+        client(None).take(&[0x90, 3, 0, 1, 0x80], NOW),
+        Err(Fault::Orders)
+    );
+    assert!(matches!(
+        client(None).take(&[0, 0], NOW),
+        Err(Fault::Nonsense(_))
+    ));
+    let mut quiet = client(None);
+    let second = Duration::from_secs(1);
+    quiet.output().clear();
+    quiet.attend(15 * second).unwrap();
+    assert!(quiet.output().is_empty());
+    quiet.attend(16 * second).unwrap();
+    assert_eq!(quiet.output()[..], [0xC0, 0]);
+    quiet.attend(45 * second).unwrap();
+    assert_eq!(quiet.attend(46 * second), Err(Fault::Silent));
+}
+
+#[test]
+fn user_and_password_go_along() {
+    let login = Login {
+        user: "u".to_owned(),
+        password: "p".to_owned(),
+    };
+    assert_eq!(format!("{login:?}"), "Login(u)");
+    let connect = packets(&mut client(Some(&login)).output().split());
+    let [Packet::Connect(connect)] = &connect[..] else {
+        panic!("{connect:?}");
+    };
+    let sent = connect.login.as_ref().unwrap();
+    assert_eq!((sent.username.as_str(), sent.password.as_str()), ("u", "p"));
+}
+
+#[test]
+fn nothing_that_a_broker_says_ends_the_agent() {
+    leadscrew_seed::volume(1, |seed| {
+        let folder = Folder::new("hostile");
+        let store = folder.store();
+        let values = Values::default();
+        let mut random = seed;
+        let mut next = || {
+            random = random
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (random >> 33) as u32
+        };
+        for _ in 0..leadscrew_seed::amount(300, 10_000) {
+            let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+            sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+            let kinds = [
+                0x20, 0x30, 0x32, 0x34, 0x40, 0x50, 0x62, 0x70, 0x90, 0xB0, 0xD0,
+            ];
+            let mut bytes = Vec::new();
+            for _ in 0..4 {
+                let length = next() % 24;
+                bytes.push(kinds[next() as usize % kinds.len()] | (next() % 16 / 15) as u8);
+                bytes.push(length as u8);
+                bytes.extend((0..length).map(|_| (next() % 4).wrapping_mul(next()) as u8));
+            }
+            match sending.take(&bytes, &values, BIRTH, NOW) {
+                Ok(()) | Err(Trouble::Broker(_)) => {}
+                Err(other) => panic!("{other:?}"),
+            }
+        }
+    });
+}
+
+#[test]
+fn names_that_are_no_part_of_a_topic_are_refused() {
+    Names::new("a b", "ä", "sim:desk").unwrap();
+    for bad in ["", "a/b", "+", "a#", "a\nb"] {
+        assert_eq!(Names::new("g", bad, "d").unwrap_err().0, bad);
+    }
+}

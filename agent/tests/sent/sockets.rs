@@ -1,0 +1,205 @@
+//! The sender over sockets: a broker that cuts connections, with TLS and a password, and refusals on the way.
+
+use std::collections::BTreeMap;
+use std::io::{Read, Write};
+use std::net::TcpListener;
+use std::path::PathBuf;
+use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::Duration;
+
+use bytes::BytesMut;
+use leadscrew_agent::mqtt::{Login, Tls, Wire, WireError};
+use leadscrew_agent::sender::{Broker, News, Shared, Trouble, send};
+use leadscrew_agent::sparkplug::payload::{Payload, Value};
+use leadscrew_agent::{Memory, Moment, Record, Store};
+use mqttbytes::v4::{ConnAck, ConnectReturnCode, Packet, read};
+use prost::Message as _;
+use rustls::pki_types::pem::PemObject as _;
+use rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use rustls::{ServerConfig, ServerConnection, StreamOwned};
+
+use crate::bench::{acknowledge, metric, names, state};
+
+fn file(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/sent/tls")
+        .join(name)
+}
+
+fn server() -> Arc<ServerConfig> {
+    let chain = CertificateDer::pem_file_iter(file("broker.pem")).unwrap();
+    let chain: Vec<_> = chain.map(Result::unwrap).collect();
+    let key = PrivateKeyDer::from_pem_file(file("broker.key")).unwrap();
+    let provider = Arc::new(rustls_graviola::default_provider());
+    let config = ServerConfig::builder_with_provider(provider)
+        .with_safe_default_protocol_versions()
+        .unwrap()
+        .with_no_client_auth()
+        .with_single_cert(chain, key);
+    Arc::new(config.unwrap())
+}
+
+/// What a broker has: lines by the number of their record.
+type Has = Arc<Mutex<BTreeMap<u64, u32>>>;
+
+/// One connection; over once so many messages have been taken, the last without an answer.
+fn serve(mut stream: impl Read + Write, has: &Has, messages: usize) {
+    let mut bytes = BytesMut::new();
+    let mut room = [0; 4096];
+    let mut left = messages;
+    loop {
+        let Ok(count @ 1..) = stream.read(&mut room) else {
+            return;
+        };
+        bytes.extend_from_slice(&room[..count]);
+        while let Ok(packet) = read(&mut bytes, 1 << 20) {
+            let mut answer = BytesMut::new();
+            match packet {
+                Packet::Connect(connect) => {
+                    let right = connect.login.is_some_and(|login| login.password == "right");
+                    let code = if right {
+                        ConnectReturnCode::Success
+                    } else {
+                        ConnectReturnCode::BadUserNamePassword
+                    };
+                    ConnAck::new(code, false).write(&mut answer).unwrap();
+                }
+                Packet::Publish(publish) => {
+                    let payload = Payload::decode(&publish.payload[..]).unwrap();
+                    let number = metric(&payload, "Record/Number").map(|one| one.value.clone());
+                    let line = metric(&payload, "Program/Line").map(|one| one.value.clone());
+                    if let (Some(Some(Value::Long(number))), Some(Some(Value::Int(line)))) =
+                        (number, line)
+                    {
+                        has.lock().unwrap().insert(number, line);
+                    }
+                    left -= 1;
+                    if left == 0 {
+                        return;
+                    }
+                    answer.extend_from_slice(&acknowledge(&[publish.pkid]));
+                }
+                _ => {}
+            }
+            if stream.write_all(&answer).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+/// A sender with these credentials until `enough` says so; what came of it.
+fn run(
+    password: &str,
+    authority: &str,
+    lines: u32,
+    enough: impl Fn(&News, &Store) -> bool,
+) -> Vec<News> {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let has = Has::default();
+    let (config, taken) = (server(), Arc::clone(&has));
+    thread::spawn(move || {
+        // Cut behind 5 messages, behind 10, and so on.
+        for (number, stream) in listener.incoming().enumerate() {
+            let connection = ServerConnection::new(Arc::clone(&config)).unwrap();
+            let stream = StreamOwned::new(connection, stream.unwrap());
+            serve(stream, &taken, 5 + 5 * number);
+        }
+    });
+    let name = format!("leadscrew-sockets-{port}-{}", std::process::id());
+    let path = std::env::temp_dir().join(name);
+    let store = Arc::new(Store::open(&path, 1 << 20, Moment(1)).unwrap());
+    let records: Vec<Record> = (1..=lines)
+        .map(|line| Record {
+            at: Moment(1),
+            body: state(line),
+        })
+        .collect();
+    store.keep(&records, &Memory::default()).unwrap();
+    let broker = Broker {
+        address: format!("mqtts://localhost:{port}").parse().unwrap(),
+        login: Some(Login {
+            user: "agent".to_owned(),
+            password: password.to_owned(),
+        }),
+        tls: Some(Tls::of(&file(authority)).unwrap()),
+        names: names(),
+    };
+    let shared = Arc::new(Shared::default());
+    let (tell, news) = channel();
+    let sender = {
+        let (store, shared) = (Arc::clone(&store), Arc::clone(&shared));
+        thread::spawn(move || send(&broker, &store, &shared, |news| drop(tell.send(news))))
+    };
+    let mut all = Vec::new();
+    while let Ok(one) = news.recv() {
+        let done = enough(&one, &store);
+        all.push(one);
+        if done {
+            break;
+        }
+    }
+    shared.end();
+    sender.join().unwrap();
+    all.extend(news.try_iter());
+    if lines > 0 {
+        let left = store.figures().unwrap().records;
+        assert_eq!(left, 0);
+        let has = has.lock().unwrap();
+        let expected = (1..=lines).map(|line| (u64::from(line), line));
+        assert_eq!(*has, expected.collect::<BTreeMap<_, _>>());
+    }
+    let _ = std::fs::remove_file(&path);
+    all
+}
+
+#[test]
+fn a_broker_that_cuts_connections_gets_all_by_tls() {
+    let cut = |news: &News, _: &Store| matches!(news, News::Trouble(Trouble::Wire(_)));
+    // The end of the agent sends the rest.
+    let times = std::sync::atomic::AtomicU32::new(0);
+    let twice = |news: &News, store: &Store| {
+        let cuts = cut(news, store);
+        let connected = matches!(news, News::Connected);
+        let before = times.fetch_add(u32::from(cuts), std::sync::atomic::Ordering::Relaxed);
+        connected && before == 2
+    };
+    let all = run("right", "authority.pem", 12, twice);
+    assert!(
+        all.iter()
+            .filter(|news| matches!(news, News::Connected))
+            .count()
+            >= 3
+    );
+}
+
+#[test]
+fn a_wrong_password_and_a_wrong_authority_are_named() {
+    let any = |_: &News, _: &Store| true;
+    let login = run("wrong", "authority.pem", 0, any);
+    assert!(
+        matches!(&login[0], News::Trouble(Trouble::Broker(fault)) if fault.to_string().contains("password")),
+        "{login:?}"
+    );
+    let authority = run("right", "another.pem", 0, any);
+    assert!(
+        matches!(
+            &authority[0],
+            News::Trouble(Trouble::Wire(WireError::Tls(_)))
+        ),
+        "{authority:?}"
+    );
+}
+
+#[test]
+fn nobody_at_the_address_is_named() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    drop(listener);
+    let address = format!("mqtt://127.0.0.1:{port}").parse().unwrap();
+    let wire = Wire::open(&address, None, Duration::from_millis(1));
+    assert!(matches!(wire, Err(WireError::Socket(_))));
+}
