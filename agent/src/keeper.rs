@@ -10,7 +10,7 @@ use crate::store::{Store, StoreError};
 #[derive(Debug)]
 pub struct Keeper {
     model: Model,
-    store: Arc<Store>,
+    store: Option<Arc<Store>>,
 }
 
 impl Keeper {
@@ -20,7 +20,19 @@ impl Keeper {
     /// The store cannot be read.
     pub fn new(store: Arc<Store>) -> Result<Self, StoreError> {
         let model = Model::new(store.memory()?);
-        Ok(Self { model, store })
+        Ok(Self {
+            model,
+            store: Some(store),
+        })
+    }
+
+    /// Keeps nothing: there is nobody to send it to. Its records have the number 0.
+    #[must_use]
+    pub fn without_store() -> Self {
+        Self {
+            model: Model::default(),
+            store: None,
+        }
     }
 
     /// The model as far as it was kept.
@@ -36,10 +48,13 @@ impl Keeper {
     pub fn take(&mut self, at: Moment, seen: &Observation) -> Result<Vec<Numbered>, StoreError> {
         let mut next = self.model.clone();
         let records = next.take(at, seen);
-        let kept = if records.is_empty() {
-            Vec::new()
-        } else {
-            self.store.keep(&records, next.memory())?
+        let kept = match &self.store {
+            _ if records.is_empty() => Vec::new(),
+            Some(store) => store.keep(&records, next.memory())?,
+            None => {
+                let number = |record| Numbered { number: 0, record };
+                records.into_iter().map(number).collect()
+            }
         };
         self.model = next;
         Ok(kept)

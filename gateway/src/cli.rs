@@ -3,6 +3,7 @@
 //! The list of all commands is here, with what holds for each of them; the arguments of a family of commands have a file
 //! of their own.
 
+mod agent;
 mod by_hand;
 mod examples;
 mod machine;
@@ -21,6 +22,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_language::dialect::Control;
 
+pub use agent::Agent;
 pub use by_hand::{AxisWay, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Wheel};
 pub use machine::{Doctor, DrivesCommand, IoCommand, Record, SimCommand, Up};
 pub use params::{Diff, Migrate, ParamsCommand, Pull, Push, Restore, Write};
@@ -395,6 +397,13 @@ pub enum Command {
         #[arg(long = "host", value_name = "NAME")]
         hosts: Vec<String>,
     },
+    /// Tell a broker and a metrics store what the machine does (not with `--bus sim`)
+    ///
+    /// It reads the board and never moves anything; no broker can make it. What it tells is kept in a file first, until the
+    /// broker has it. It stays until it is interrupted, whether a board or a broker is there or not. docs/agent.md says
+    /// what leaves the machine.
+    #[command(after_help = examples::AGENT)]
+    Agent(Agent),
     /// Feed hold (not with `--bus sim`)
     #[command(after_help = examples::HOLD)]
     Hold,

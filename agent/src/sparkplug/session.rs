@@ -74,6 +74,12 @@ impl Names {
         self.node_topic("NCMD")
     }
 
+    /// Where what the machine tells goes, with any kind of message.
+    #[must_use]
+    pub fn machine(&self) -> String {
+        self.device_topic("+")
+    }
+
     /// What a client of a broker is called: one agent of a name is connected at a time.
     #[must_use]
     pub fn client(&self) -> String {

@@ -164,6 +164,12 @@ Examples:
   leadscrew panel --bus can0 --listen 127.0.0.1:0     at a port that is free
   leadscrew panel --bus can0 --host lathe.example     behind a proxy: https://lathe.example";
 
+pub(super) const AGENT: &str = "\
+Examples:
+  leadscrew agent --bus can0 --broker mqtt://192.168.1.5 --machine lathe3
+  leadscrew agent --bus can0 --broker mqtts://broker.example --ca shop.pem --login agent.login
+  leadscrew agent --bus sim:desk --metrics 127.0.0.1:9464     figures alone; nothing is kept";
+
 pub(super) const HOLD: &str = "\
 Example:
   leadscrew hold --bus can0     a stroke that cuts a thread is finished first";

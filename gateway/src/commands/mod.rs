@@ -103,6 +103,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Panel { listen, hosts } if is_real(cli) => {
             board::panel(&cli.global, *listen, hosts)
         }
+        Command::Agent(args) if is_real(cli) => board::agent(&cli.global, args),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
         Command::Resume if is_real(cli) => board::resume(&cli.global),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),

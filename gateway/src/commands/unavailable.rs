@@ -70,6 +70,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Status => "status",
         Command::Monitor { .. } => "monitor",
         Command::Panel { .. } => "panel",
+        Command::Agent(_) => "agent",
         Command::Hold => "hold",
         Command::Resume => "resume",
         Command::Home { .. } => "home",

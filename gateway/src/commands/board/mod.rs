@@ -1,5 +1,6 @@
 //! Commands that talk to a board on a real bus. What they share: opening the link, the words for a state, one result.
 
+mod agent;
 mod by_hand;
 mod home;
 mod io;
@@ -22,6 +23,7 @@ use crate::failure::Outcome;
 use crate::link::Link;
 use crate::words::pick;
 
+pub use agent::agent;
 pub use by_hand::{ANSWER, Held, RENEWAL, jog, mode};
 pub use home::{home, names};
 pub use io::io;

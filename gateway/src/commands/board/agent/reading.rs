@@ -1,0 +1,286 @@
+//! What a board says, as observations. Most of it comes by itself; the rest is asked for as seldom as does.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use leadscrew_agent::model::{Entry, Met};
+use leadscrew_agent::record::{State, Trouble, What};
+use leadscrew_agent::{Observation, record};
+use leadscrew_core::alarm::{Alarm, Lang};
+use leadscrew_core::board::Event;
+use leadscrew_core::board::device::objects::CYCLE_PERIOD;
+use leadscrew_core::bus::{BoardStatus, Object};
+use leadscrew_core::link::{Logged, Status, ThreadCertificate, ThreadState};
+
+use super::super::open;
+use super::super::watch::Every;
+use super::Agent;
+use crate::cli::Global;
+use crate::diagnostics::Diagnostic;
+use crate::failure::Outcome;
+use crate::interrupt;
+use crate::link::{Link, LinkResult, Traffic};
+use crate::source::SourceFile;
+use crate::words::both;
+
+/// Between two looks at what the board has said by itself: as many changes in a second are told.
+const LOOK: Duration = Duration::from_millis(100);
+/// Between two readings of the status record where nothing has changed: 0.2 % of a bus with 1 Mbit/s.
+const STATUS: Duration = Duration::from_secs(2);
+/// Between two readings while things change.
+const CHANGED: Duration = Duration::from_millis(500);
+/// Between two readings of the certificates while threads are cut: 0.9 % of such a bus, and time for seven threads that
+/// the board keeps beside it.
+const THREADS: Duration = Duration::from_millis(1500);
+/// The same where a reading brought several.
+const MANY: (u32, Duration) = (3, Duration::from_millis(250));
+/// Over which the load of the bus is measured.
+const LOAD: Duration = Duration::from_secs(5);
+/// Thousandths of a turn in a turn.
+const MILLI: i32 = 1000;
+/// Parameters with the bit rates of the bus in kbit/s.
+const RATES: [Object; 2] = [Object::new(0x2000 + 9020, 0), Object::new(0x2000 + 9032, 0)];
+
+/// A board that is read.
+pub struct Reading<'a> {
+    global: &'a Global,
+    link: Link,
+    boots: u32,
+    record: Status,
+    read: Instant,
+    mode: &'static str,
+    /// The last that came by itself when the record was read.
+    known: BoardStatus,
+    /// Something is synchronised, or has been since the certificates were read, or a thread has not ended.
+    cut: bool,
+    /// When the certificates were read, the newest number then, and how many were new.
+    threads: (Instant, u32, u32),
+    /// Entries of the log wait, or a program has ended.
+    ended: bool,
+    rates: [u64; 2],
+    load: (Instant, Option<u8>),
+}
+
+impl<'a> Reading<'a> {
+    /// Meets the board.
+    ///
+    /// # Errors
+    /// There is no bus, or no board on it.
+    pub fn begin(global: &'a Global, agent: &mut Agent<'_>) -> Outcome<Self> {
+        let mut link = open(global)?;
+        link.greet()?;
+        link.hear_status()?;
+        // The load of the bus is everybody's.
+        link.hear_everything()?;
+        let [kbit, fd_kbit] = RATES.map(|rate| link.read_number(rate).ok());
+        let kbit = kbit.unwrap_or(1000);
+        link.seen.traffic = Traffic::default();
+        let now = Instant::now();
+        let mut reading = Self {
+            global,
+            boots: link.seen.boots,
+            record: link.status()?,
+            read: now,
+            mode: "",
+            known: link.seen.status.unwrap_or_default(),
+            cut: true,
+            threads: (now, 0, 0),
+            ended: true,
+            rates: [kbit, fd_kbit.unwrap_or(kbit)],
+            load: (now, None),
+            link,
+        };
+        reading.meet(agent)?;
+        let bus = global.bus.to_string();
+        let node = reading.link.node().get();
+        agent.say(both!(
+            "node {node} on {bus} is read",
+            "正在读取 {bus} 上的节点 {node}"
+        ));
+        Ok(reading)
+    }
+
+    fn meet(&mut self, agent: &mut Agent<'_>) -> LinkResult {
+        let name = self.link.board_name()?;
+        let status = self.link.status()?;
+        let tick_us = self.link.read_number(CYCLE_PERIOD)?;
+        let (_, threads) = self.link.certificates()?;
+        let last = agent.keeper.model().memory().last_event;
+        let log = match last {
+            0 => Vec::new(),
+            last => self.link.events_behind(last - 1)?,
+        };
+        let entry = log.iter().find(|entry| entry.number == last);
+        self.mode = self.link.mode()?.name();
+        self.record = status;
+        (self.cut, self.ended) = (true, true);
+        agent.observe(&Observation::Met(Met {
+            serial: name.serial,
+            firmware: name.version,
+            parameters: status.parameters,
+            tick: status.tick,
+            tick_us: u32::try_from(tick_us).unwrap_or(0),
+            newest_event: status.newest_event,
+            newest_thread: threads.first().map_or(0, |thread| thread.number),
+            last_event: entry.map(|entry| entry.tick),
+        }));
+        Ok(())
+    }
+
+    /// Reads until the end, or until the board is lost.
+    ///
+    /// # Errors
+    /// The board is lost.
+    pub fn carry_out(&mut self, agent: &mut Agent<'_>) -> Outcome {
+        let mut look = Every::new(LOOK);
+        loop {
+            self.link.listen(Instant::now() + LOOK, &mut |_| false)?;
+            self.link.check_alive()?;
+            if self.link.seen.boots != self.boots {
+                // It says no process data before somebody has started it.
+                self.boots = self.link.seen.boots;
+                self.link.start_node()?;
+                let met = self.meet(agent);
+                self.tolerate(met)?;
+            }
+            if look.is_due(Instant::now()) {
+                let read = self.look(agent);
+                self.tolerate(read)?;
+            }
+            agent.turn();
+            if interrupt::requested() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// What a board that lives does not answer is asked again later.
+    fn tolerate(&mut self, read: LinkResult) -> Outcome {
+        if read.is_err() {
+            self.link.check_alive()?;
+        }
+        Ok(())
+    }
+
+    fn look(&mut self, agent: &mut Agent<'_>) -> LinkResult {
+        let now = Instant::now();
+        let said = self.link.seen.status.unwrap_or_default();
+        self.cut |= said.flags.locked;
+        let changed = said.state != self.known.state
+            || said.alarm != self.known.alarm
+            || said.flags.program != self.known.flags.program;
+        let pause = if changed { CHANGED } else { STATUS };
+        if now.duration_since(self.read) >= pause {
+            self.record = self.link.status()?;
+            self.mode = self.link.mode()?.name();
+            (self.read, self.known) = (now, said);
+            agent.observe(&Observation::Parameters(self.record.parameters));
+        }
+        self.measure(now);
+        let state = self.state(&said);
+        agent.observe(&Observation::State(state, self.record.tick));
+        self.log(agent)?;
+        self.certificates(agent, now)
+    }
+
+    /// The record, and what has come by itself since.
+    fn state(&self, said: &BoardStatus) -> State {
+        let seen = &self.link.seen;
+        let mut state = State::of(&self.record, self.mode);
+        record::state_name(said.state).clone_into(&mut state.state);
+        state.alarm = said.alarm.unwrap_or(0);
+        (state.hold, state.single_block) = (said.flags.hold, said.flags.single_block);
+        if let Some(place) = seen.place {
+            (state.line, state.number) = (place.line, place.number);
+        }
+        if let Some(spindle) = seen.spindle {
+            state.rpm = spindle.speed.get() / MILLI;
+        }
+        state.load_percent = self.load.1;
+        state.bus_errors = self.link.health().errors;
+        state
+    }
+
+    fn measure(&mut self, now: Instant) {
+        let (since, _) = self.load;
+        let over = now.duration_since(since);
+        if over >= LOAD {
+            let traffic = std::mem::take(&mut self.link.seen.traffic);
+            let [kbit, fd_kbit] = self.rates;
+            let ms = u64::try_from(over.as_millis()).unwrap_or(u64::MAX);
+            let load = traffic.load(kbit, fd_kbit, ms.max(1));
+            self.load = (now, Some(u8::try_from(load).unwrap_or(u8::MAX)));
+        }
+    }
+
+    fn log(&mut self, agent: &mut Agent<'_>) -> LinkResult {
+        let last = agent.keeper.model().memory().last_event;
+        if self.record.newest_event <= last {
+            return Ok(());
+        }
+        let lang = self.global.lang();
+        let entries: Vec<Entry> = self
+            .link
+            .events_behind(last)?
+            .iter()
+            .map(|entry| told(entry, lang))
+            .collect();
+        self.ended |= entries.iter().any(|entry| ends(entry.what.as_ref()));
+        agent.observe(&Observation::Log(entries));
+        Ok(())
+    }
+
+    fn certificates(&mut self, agent: &mut Agent<'_>, now: Instant) -> LinkResult {
+        let (last, before, new) = self.threads;
+        let (many, soon) = MANY;
+        let pause = if new >= many { soon } else { THREADS };
+        let due = self.cut && now.duration_since(last) >= pause;
+        if !due && !self.ended {
+            return Ok(());
+        }
+        let (run, threads) = self.link.certificates()?;
+        let newest = threads.first().map_or(0, |thread| thread.number);
+        let under_way = |thread: &ThreadCertificate| thread.record.state == ThreadState::UnderWay;
+        let goes_on = threads.first().is_some_and(under_way)
+            || self.link.seen.status.is_some_and(|said| said.flags.locked);
+        let kept = agent.observe(&Observation::Certificates(run, threads));
+        self.threads = (now, newest, newest.saturating_sub(before));
+        if kept {
+            (self.cut, self.ended) = (goes_on, false);
+        }
+        Ok(())
+    }
+}
+
+fn ends(what: Option<&What>) -> bool {
+    matches!(what, Some(What::Finished | What::Reset | What::Alarm(_)))
+}
+
+fn told(entry: &Logged, lang: Lang) -> Entry {
+    let what = match &entry.event {
+        Event::Alarm(alarm) => Some(What::Alarm(trouble(alarm, lang))),
+        Event::Warning(alarm) => Some(What::Warning(trouble(alarm, lang))),
+        Event::Finished => Some(What::Finished),
+        Event::Reset => Some(What::Reset),
+        Event::Held => Some(What::Held),
+        Event::Ready => Some(What::Ready),
+        Event::Started { .. } | Event::Spindle(_) | Event::Rigid | Event::Aux(_) => None,
+    };
+    Entry {
+        number: entry.number,
+        tick: entry.tick,
+        what,
+    }
+}
+
+/// An alarm in words. The program stands on another computer, or nowhere any more.
+fn trouble(alarm: &Alarm, lang: Lang) -> Trouble {
+    let source = SourceFile::new(Path::new(""));
+    let told = Diagnostic::new(alarm, &source, lang, false);
+    Trouble {
+        number: told.number,
+        line: alarm.span.line,
+        cause: told.message,
+        remedy: told.help,
+    }
+}

@@ -1,0 +1,126 @@
+//! What an agent says to people: what it cannot do and why, and how it is going, in two languages.
+
+use std::path::Path;
+
+use leadscrew_agent::StoreError;
+use leadscrew_agent::mqtt::{Fault, WireError};
+use leadscrew_agent::sender::{Broker, News, Trouble};
+use leadscrew_agent::sparkplug::NameError;
+
+use crate::failure::Failure;
+use crate::words::{Both, both};
+
+/// A name that no topic can have.
+pub fn name(error: &NameError) -> Failure {
+    let NameError(name) = error;
+    Failure::Usage(both!(
+        "`{name}` can be no part of a topic: leave out / + # and control characters",
+        "`{name}` 不能作为主题的一部分：请去掉 / + # 和控制字符"
+    ))
+}
+
+/// A store that cannot be used.
+pub fn store(path: &Path, error: &StoreError) -> Failure {
+    let path = path.display();
+    Failure::Usage(match error {
+        StoreError::InUse => both!(
+            "another agent has `{path}` open: one machine has one agent; name another machine with --machine, or another \
+             file with --store",
+            "另一个代理已打开 `{path}`：一台机床只用一个代理；请用 --machine 指定另一台机床，或用 --store 指定另一个文件"
+        ),
+        StoreError::File(error) => both!(
+            "nothing can be kept in `{path}`: {error}; what the board tells is read again once there is room and leave",
+            "无法写入 `{path}`：{error}；恢复空间和权限后会重新读取控制板的数据"
+        ),
+        StoreError::Content(error) => both!(
+            "`{path}` is of another version of this program: {error}; let that version send it, or name another file with \
+             --store",
+            "`{path}` 属于本程序的另一版本：{error}；请用该版本发送其中的数据，或用 --store 指定另一个文件"
+        ),
+    })
+}
+
+/// The store takes records again.
+pub fn kept_again() -> Both {
+    both!("what the board tells is kept again", "控制板的数据恢复保存")
+}
+
+/// A file of user and password that cannot be used.
+pub fn login(path: &Path, error: &WireError) -> Failure {
+    let path = path.display();
+    Failure::Usage(match error {
+        WireError::Open => both!(
+            "others than its owner may read `{path}`, which holds a password: chmod 600 `{path}`",
+            "`{path}` 含有密码，却允许其他用户读取：请执行 chmod 600 `{path}`"
+        ),
+        WireError::Lines => both!(
+            "`{path}` is to have two lines, the user and the password",
+            "`{path}` 应有两行：用户名和密码"
+        ),
+        other => both!(
+            "cannot read `{path}`: {other}",
+            "无法读取 `{path}`：{other}"
+        ),
+    })
+}
+
+/// A file of authorities that cannot be used.
+pub fn authority(path: &Path, error: &WireError) -> Failure {
+    let path = path.display();
+    Failure::Usage(match error {
+        WireError::NoCertificate => both!(
+            "`{path}` holds no certificate in PEM: name the authority's file with --ca",
+            "`{path}` 中没有 PEM 证书：请用 --ca 指定签发机构的文件"
+        ),
+        other => both!("cannot use `{path}`: {other}", "无法使用 `{path}`：{other}"),
+    })
+}
+
+/// The broker is reached over a network without TLS.
+pub fn in_the_clear(broker: &Broker) -> Option<Both> {
+    let host = broker.address.host.as_str();
+    let is_here = host == "localhost"
+        || host
+            .parse::<std::net::IpAddr>()
+            .is_ok_and(|address| address.is_loopback());
+    (!broker.address.tls && !is_here).then(|| {
+        both!(
+            "warning: everything goes over the network without TLS, user and password with it; use mqtts:// and --ca",
+            "警告：所有数据（包括用户名和密码）未经 TLS 在网络上传输；请使用 mqtts:// 和 --ca"
+        )
+    })
+}
+
+/// How the sending is going.
+pub fn news(news: &News) -> Both {
+    match news {
+        News::Connected => both!("the broker takes what is kept", "代理服务器正在接收数据"),
+        News::Trouble(Trouble::Broker(Fault::Login)) => both!(
+            "the broker refuses user and password: look at the file of --login, and at the broker's list of users; all is \
+             kept meanwhile",
+            "代理服务器拒绝用户名和密码：请检查 --login 的文件和代理服务器的用户表；数据仍在保存"
+        ),
+        News::Trouble(Trouble::Broker(Fault::Orders)) => both!(
+            "the broker does not let the agent hear requests for births (NCMD): its access list is in docs/agent.md; all is \
+             kept meanwhile",
+            "代理服务器不允许接收出生证请求（NCMD）：访问列表见 docs/agent.md；数据仍在保存"
+        ),
+        News::Trouble(Trouble::Broker(fault)) => both!(
+            "no broker takes what is kept: {fault}; all is kept meanwhile",
+            "没有代理服务器接收数据：{fault}；数据仍在保存"
+        ),
+        News::Trouble(Trouble::Wire(WireError::Tls(error))) => both!(
+            "the broker's certificate is not believed, or its TLS is another: {error}; look at --ca and at the name of the \
+             host; all is kept meanwhile",
+            "代理服务器的证书不可信，或 TLS 不符：{error}；请检查 --ca 和主机名；数据仍在保存"
+        ),
+        News::Trouble(Trouble::Wire(error)) => both!(
+            "the broker is not reached: {error}; it is tried again, and all is kept meanwhile",
+            "无法连接代理服务器：{error}；将重试，数据仍在保存"
+        ),
+        News::Trouble(Trouble::Store(error)) => both!(
+            "what is kept cannot be sent: {error}; it is tried again",
+            "保存的数据无法发送：{error}；将重试"
+        ),
+    }
+}
