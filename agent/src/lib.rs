@@ -3,7 +3,7 @@
 //! ```text
 //! the side of the bus ── Observation ──► model ─► Record ─► store ─► the broker has it ─► removed
 //!                                                   │          │
-//!                    values, for births  ◄──────────┘          └─► sender: sparkplug in mqtt
+//!          metrics, values for births  ◄─────────┘          └─► sender: sparkplug in mqtt
 //! ```
 //!
 //! This crate must not know a bus or a command line: what the board says comes to it as values. Nothing here orders, and no
@@ -11,6 +11,7 @@
 //! repetition is known as one [D405].
 
 pub mod keeper;
+pub mod metrics;
 pub mod model;
 pub mod mqtt;
 pub mod record;

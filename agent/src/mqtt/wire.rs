@@ -105,6 +105,8 @@ pub enum WireError {
     Lines,
     /// It holds no certificate.
     NoCertificate,
+    /// This processor lacks what TLS is computed with.
+    Processor,
     /// TLS cannot be had, or the broker's certificate is not what it has to be.
     Tls(rustls::Error),
     /// The broker cannot be reached, or has ended the connection.
@@ -117,6 +119,9 @@ impl fmt::Display for WireError {
             Self::File(error) | Self::Socket(error) => error.fmt(f),
             Self::Open => f.write_str("others than its owner may read it"),
             Self::Lines => f.write_str("it is not two lines, user and password"),
+            Self::Processor => {
+                f.write_str("this processor lacks AES, AVX2, BMI1 or ADX (aarch64: AES or SHA2)")
+            }
             Self::NoCertificate => f.write_str("it holds no certificate"),
             Self::Tls(error) => error.fmt(f),
         }
@@ -155,8 +160,11 @@ impl Tls {
     /// Those of the authorities in a file, and no others.
     ///
     /// # Errors
-    /// [`WireError::NoCertificate`], [`WireError::Tls`].
+    /// [`WireError::Processor`], [`WireError::NoCertificate`], [`WireError::Tls`].
     pub fn of(authorities: &Path) -> Result<Self, WireError> {
+        if !has_instructions() {
+            return Err(WireError::Processor);
+        }
         let file = fs::read(authorities).map_err(WireError::File)?;
         let mut roots = RootCertStore::empty();
         for certificate in CertificateDer::pem_slice_iter(&file) {
@@ -174,6 +182,25 @@ impl Tls {
             .with_no_client_auth();
         Ok(Self(Arc::new(config)))
     }
+}
+
+/// What `graviola` asks of a processor; it does not compute without.
+#[cfg(target_arch = "x86_64")]
+fn has_instructions() -> bool {
+    is_x86_feature_detected!("aes")
+        && is_x86_feature_detected!("pclmulqdq")
+        && is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("adx")
+}
+
+/// What `graviola` asks of a processor; it does not compute without.
+#[cfg(target_arch = "aarch64")]
+fn has_instructions() -> bool {
+    use std::arch::is_aarch64_feature_detected;
+    is_aarch64_feature_detected!("aes")
+        && is_aarch64_feature_detected!("pmull")
+        && is_aarch64_feature_detected!("sha2")
 }
 
 trait Stream: Read + Write {}

@@ -1,5 +1,6 @@
 //! Simulated machines that stay, with real processes: `up`, `down`, `sim`, and other commands over `sim:NAME`.
 
+mod agent;
 mod away;
 mod clients;
 mod from;

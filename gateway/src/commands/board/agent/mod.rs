@@ -10,12 +10,14 @@ mod reading;
 mod words;
 
 use std::fs;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use leadscrew_agent::metrics::{Metrics, Pulse, Server};
 use leadscrew_agent::mqtt::{Login, Tls};
 use leadscrew_agent::sender::{Broker, News, Shared, now, send};
 use leadscrew_agent::sparkplug::Names;
@@ -28,7 +30,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
 use crate::output;
 use crate::state;
-use crate::words::{Both, both};
+use crate::words::{Both, both, pick};
 
 /// Between two looks for a board that is not there.
 const AGAIN: Duration = Duration::from_secs(2);
@@ -42,42 +44,97 @@ const HOST: &str = "/proc/sys/kernel/hostname";
 /// Tells until it is interrupted.
 pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
     let machine = wish.machine.clone().map_or_else(|| machine(global), Ok)?;
-    let shared = Arc::new(Shared::default());
-    let Some(address) = &wish.broker else {
+    if wish.broker.is_none() && wish.metrics.is_none() {
         return Err(Failure::Usage(both!(
-            "nobody is to be told: name a broker with --broker",
-            "没有指定接收方：请用 --broker 指定代理服务器"
+            "nobody is to be told: name a broker with --broker, or an address for figures with --metrics",
+            "没有指定接收方：请用 --broker 指定代理服务器，或用 --metrics 指定指标地址"
         )));
+    }
+    let shared = Arc::new(Shared::default());
+    let broker = broker(wish, &machine)?;
+    let kept = match &broker {
+        Some(_) => {
+            let path = store_path(wish, &machine)?;
+            Some((open_store(&path, wish.limit)?, path))
+        }
+        None => None,
     };
-    let node = wish.name.clone().unwrap_or_else(|| node(&machine));
-    let names = Names::new(&wish.group, &node, &machine).map_err(|error| words::name(&error))?;
-    let broker = Broker {
+    let keeper = match &kept {
+        Some((store, path)) => {
+            Keeper::new(Arc::clone(store)).map_err(|error| words::store(path, &error))?
+        }
+        None => Keeper::without_store(),
+    };
+    let metrics = match wish.metrics {
+        Some(listen) => {
+            let store = kept.as_ref().map(|(store, _)| Arc::clone(store));
+            Some(give_figures(listen, store, Arc::clone(&shared))?)
+        }
+        None => None,
+    };
+    interrupt::defer(UnderWay::Computed);
+    let path = kept
+        .as_ref()
+        .map(|(_, path)| path.clone())
+        .unwrap_or_default();
+    tell_beginning(global, broker.as_ref(), &path, metrics.as_ref())?;
+    let sender = match (broker, kept) {
+        (Some(broker), Some((store, _))) => Some(start(broker, store, Arc::clone(&shared))?),
+        _ => None,
+    };
+    let agent = Agent {
+        global,
+        keeper,
+        shared,
+        path,
+        told: None,
+        full: false,
+        sender,
+        metrics: metrics.map(|(metrics, _)| metrics),
+    };
+    agent.carry_out()
+}
+
+fn broker(wish: &cli::Agent, machine: &str) -> Outcome<Option<Broker>> {
+    let Some(address) = &wish.broker else {
+        return Ok(None);
+    };
+    let node = wish.name.clone().unwrap_or_else(|| node(machine));
+    let names = Names::new(&wish.group, &node, machine).map_err(|error| words::name(&error))?;
+    Ok(Some(Broker {
         address: address.clone(),
         login: login(wish)?,
         tls: tls(wish)?,
         names,
+    }))
+}
+
+/// The figures, and where they are given.
+fn give_figures(
+    listen: SocketAddr,
+    store: Option<Arc<Store>>,
+    shared: Arc<Shared>,
+) -> Outcome<(Arc<Metrics>, SocketAddr)> {
+    let metrics = Arc::new(Metrics::default());
+    let given = Arc::clone(&metrics);
+    let text = move || {
+        if let Some(figures) = store.as_ref().and_then(|store| store.figures().ok()) {
+            given.kept(&figures, shared.is_connected());
+        }
+        given.text()
     };
-    let path = store_path(wish, &machine)?;
-    let store = open_store(&path, wish.limit)?;
-    let keeper = Keeper::new(Arc::clone(&store)).map_err(|error| words::store(&path, &error))?;
-    interrupt::defer(UnderWay::Computed);
-    tell_beginning(global, &broker, &path)?;
-    let mut agent = Agent {
-        global,
-        keeper,
-        shared: Arc::clone(&shared),
-        path,
-        told: None,
-        full: false,
-        sender: None,
-    };
-    agent.sender = Some(start(broker, store, shared)?);
-    agent.carry_out()
+    let server = Server::start(listen, Arc::new(text)).map_err(|error| {
+        Failure::Usage(both!(
+            "cannot listen at {listen}: {error}; choose another address with --metrics",
+            "无法监听 {listen}：{error}；请用 --metrics 选择其他地址"
+        ))
+    })?;
+    Ok((metrics, server.address))
 }
 
 /// The thread that sends, and what it says.
 struct Sender {
-    thread: JoinHandle<()>,
+    thread: Option<JoinHandle<()>>,
     news: Receiver<News>,
     /// What was said last, for it is said once.
     told: Option<Both>,
@@ -93,7 +150,7 @@ fn start(broker: Broker, store: Arc<Store>, shared: Arc<Shared>) -> Outcome<Send
         ))
     })?;
     Ok(Sender {
-        thread,
+        thread: Some(thread),
         news,
         told: None,
     })
@@ -110,16 +167,19 @@ struct Agent<'a> {
     /// The store takes nothing; that was said.
     full: bool,
     sender: Option<Sender>,
+    metrics: Option<Arc<Metrics>>,
 }
 
 impl Agent<'_> {
     fn carry_out(mut self) -> Outcome {
         let ended = self.read();
         self.shared.end();
-        if let Some(sender) = self.sender.take() {
+        let sender = self.sender.as_mut();
+        if let Some(thread) = sender.and_then(|sender| sender.thread.take()) {
             // What is on its way to the broker has a moment.
-            let _ = sender.thread.join();
+            let _ = thread.join();
         }
+        self.turn();
         ended
     }
 
@@ -151,19 +211,29 @@ impl Agent<'_> {
         match self.keeper.take(now(), seen) {
             Ok(kept) => {
                 self.shared.take(&kept);
+                if let Some(metrics) = &self.metrics {
+                    metrics.take(&kept);
+                }
                 if std::mem::take(&mut self.full) {
                     say(self.global, &words::kept_again());
                 }
                 true
             }
             Err(error) => {
-                if !std::mem::replace(&mut self.full, true) {
-                    if let Some(words) = words::store(&self.path, &error).words() {
-                        say(self.global, &words);
-                    }
+                if !std::mem::replace(&mut self.full, true)
+                    && let Some(words) = words::store(&self.path, &error).words()
+                {
+                    say(self.global, &words);
                 }
                 false
             }
+        }
+    }
+
+    /// Takes what a board says of itself and nobody is told but in figures.
+    fn pulse(&self, pulse: Pulse) {
+        if let Some(metrics) = &self.metrics {
+            metrics.pulse(pulse);
         }
     }
 
@@ -265,26 +335,50 @@ fn open_store(path: &Path, limit: u64) -> Outcome<Arc<Store>> {
 }
 
 /// What is told where.
-fn tell_beginning(global: &Global, broker: &Broker, path: &Path) -> Outcome {
-    if let Some(warning) = words::in_the_clear(broker) {
+fn tell_beginning(
+    global: &Global,
+    broker: Option<&Broker>,
+    path: &Path,
+    metrics: Option<&(Arc<Metrics>, SocketAddr)>,
+) -> Outcome {
+    if let Some(warning) = broker.and_then(words::in_the_clear) {
         say(global, &warning);
     }
-    let topic = broker.names.machine();
+    let figures = metrics.map(|(_, address)| format!("http://{address}/metrics"));
     if global.json {
         return output::json(|json| {
             json.flag("ok", true);
             json.text("bus", &global.bus.to_string());
-            json.text("broker", &broker.address.to_string());
-            json.text("topic", &topic);
-            json.text("store", &path.display().to_string());
+            if let Some(broker) = broker {
+                json.text("broker", &broker.address.to_string());
+                json.text("topic", &broker.names.machine());
+                json.text("store", &path.display().to_string());
+            }
+            if let Some(figures) = &figures {
+                json.text("metrics", figures);
+            }
         });
     }
-    let text = both!(
-        "{bus} is told to {address} as {topic}; kept in {path} until the broker has it. Ctrl-C ends it.\n",
-        "{bus} 的数据以 {topic} 发送到 {address}；在代理服务器收到之前保存在 {path}。按 Ctrl-C 结束。\n",
-        bus = global.bus,
-        address = broker.address,
-        path = path.display()
-    );
-    output::write(text.get(global.lang()).as_bytes())
+    let mut text = String::new();
+    if let Some(broker) = broker {
+        let line = both!(
+            "{bus} is told to {address} as {topic}; kept in {path} until the broker has it\n",
+            "{bus} 的数据以 {topic} 发送到 {address}；在代理服务器收到之前保存在 {path}\n",
+            bus = global.bus,
+            address = broker.address,
+            topic = broker.names.machine(),
+            path = path.display()
+        );
+        text.push_str(line.get(global.lang()));
+    }
+    if let Some(figures) = figures {
+        let line = both!("figures are at {figures}\n", "指标地址：{figures}\n");
+        text.push_str(line.get(global.lang()));
+    }
+    text.push_str(pick(
+        global.lang(),
+        "It moves nothing; Ctrl-C ends it.\n",
+        "它不移动任何部件；按 Ctrl-C 结束。\n",
+    ));
+    output::write(text.as_bytes())
 }

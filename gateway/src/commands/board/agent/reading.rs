@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use leadscrew_agent::metrics::Pulse;
 use leadscrew_agent::model::{Entry, Met};
 use leadscrew_agent::record::{State, Trouble, What};
 use leadscrew_agent::{Observation, record};
@@ -13,7 +14,6 @@ use leadscrew_core::bus::{BoardStatus, Object};
 use leadscrew_core::link::{Logged, Status, ThreadCertificate, ThreadState};
 
 use super::super::open;
-use super::super::watch::Every;
 use super::Agent;
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
@@ -34,8 +34,8 @@ const CHANGED: Duration = Duration::from_millis(500);
 const THREADS: Duration = Duration::from_millis(1500);
 /// The same where a reading brought several.
 const MANY: (u32, Duration) = (3, Duration::from_millis(250));
-/// Over which the load of the bus is measured.
-const LOAD: Duration = Duration::from_secs(5);
+/// Between two measurements of the load of the bus, and how long one takes: hearing every frame is most of the work here.
+const LOAD: [Duration; 2] = [Duration::from_secs(5), Duration::from_millis(500)];
 /// Thousandths of a turn in a turn.
 const MILLI: i32 = 1000;
 /// Parameters with the bit rates of the bus in kbit/s.
@@ -58,7 +58,8 @@ pub struct Reading<'a> {
     /// Entries of the log wait, or a program has ended.
     ended: bool,
     rates: [u64; 2],
-    load: (Instant, Option<u8>),
+    /// The load of the bus in per cent; when the measurement, or the pause before it, has begun; it is under way.
+    load: (Option<u8>, Instant, bool),
 }
 
 impl<'a> Reading<'a> {
@@ -70,10 +71,10 @@ impl<'a> Reading<'a> {
         let mut link = open(global)?;
         link.greet()?;
         link.hear_status()?;
-        // The load of the bus is everybody's.
-        link.hear_everything()?;
         let [kbit, fd_kbit] = RATES.map(|rate| link.read_number(rate).ok());
         let kbit = kbit.unwrap_or(1000);
+        // The load of the bus is everybody's.
+        link.hear_everything()?;
         link.seen.traffic = Traffic::default();
         let now = Instant::now();
         let mut reading = Self {
@@ -87,7 +88,7 @@ impl<'a> Reading<'a> {
             threads: (now, 0, 0),
             ended: true,
             rates: [kbit, fd_kbit.unwrap_or(kbit)],
-            load: (now, None),
+            load: (None, now, true),
             link,
         };
         reading.meet(agent)?;
@@ -132,10 +133,12 @@ impl<'a> Reading<'a> {
     /// # Errors
     /// The board is lost.
     pub fn carry_out(&mut self, agent: &mut Agent<'_>) -> Outcome {
-        let mut look = Every::new(LOOK);
+        let mut last = Instant::now();
         loop {
             self.link.listen(Instant::now() + LOOK, &mut |_| false)?;
             self.link.check_alive()?;
+            // What cannot be kept is read again, and need not be often.
+            let pause = if agent.full { STATUS } else { LOOK };
             if self.link.seen.boots != self.boots {
                 // It says no process data before somebody has started it.
                 self.boots = self.link.seen.boots;
@@ -143,7 +146,8 @@ impl<'a> Reading<'a> {
                 let met = self.meet(agent);
                 self.tolerate(met)?;
             }
-            if look.is_due(Instant::now()) {
+            if last.elapsed() >= pause {
+                last = Instant::now();
                 let read = self.look(agent);
                 self.tolerate(read)?;
             }
@@ -175,8 +179,13 @@ impl<'a> Reading<'a> {
             self.mode = self.link.mode()?.name();
             (self.read, self.known) = (now, said);
             agent.observe(&Observation::Parameters(self.record.parameters));
+            agent.pulse(Pulse {
+                ticks: self.record.tick,
+                credit: self.record.credit,
+                dropped: self.link.dropped(),
+            });
         }
-        self.measure(now);
+        self.measure(now)?;
         let state = self.state(&said);
         agent.observe(&Observation::State(state, self.record.tick));
         self.log(agent)?;
@@ -196,21 +205,27 @@ impl<'a> Reading<'a> {
         if let Some(spindle) = seen.spindle {
             state.rpm = spindle.speed.get() / MILLI;
         }
-        state.load_percent = self.load.1;
+        state.load_percent = self.load.0;
         state.bus_errors = self.link.health().errors;
         state
     }
 
-    fn measure(&mut self, now: Instant) {
-        let (since, _) = self.load;
+    fn measure(&mut self, now: Instant) -> LinkResult {
+        let (percent, since, under_way) = self.load;
         let over = now.duration_since(since);
-        if over >= LOAD {
-            let traffic = std::mem::take(&mut self.link.seen.traffic);
+        let [pause, length] = LOAD;
+        if under_way && over >= length {
             let [kbit, fd_kbit] = self.rates;
             let ms = u64::try_from(over.as_millis()).unwrap_or(u64::MAX);
-            let load = traffic.load(kbit, fd_kbit, ms.max(1));
-            self.load = (now, Some(u8::try_from(load).unwrap_or(u8::MAX)));
+            let load = self.link.seen.traffic.load(kbit, fd_kbit, ms.max(1));
+            self.load = (Some(u8::try_from(load).unwrap_or(u8::MAX)), now, false);
+            self.link.hear_boards()?;
+        } else if !under_way && over >= pause {
+            self.link.hear_everything()?;
+            self.link.seen.traffic = Traffic::default();
+            self.load = (percent, now, true);
         }
+        Ok(())
     }
 
     fn log(&mut self, agent: &mut Agent<'_>) -> LinkResult {

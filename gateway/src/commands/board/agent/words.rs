@@ -72,6 +72,11 @@ pub fn authority(path: &Path, error: &WireError) -> Failure {
             "`{path}` holds no certificate in PEM: name the authority's file with --ca",
             "`{path}` 中没有 PEM 证书：请用 --ca 指定签发机构的文件"
         ),
+        WireError::Processor => both!(
+            "no TLS on this processor: {error}; run the agent on another computer of the bus, or use mqtt:// in a network of \
+             your own",
+            "此处理器不支持所需的 TLS 指令：{error}；请在总线的另一台计算机上运行，或在自有网络中使用 mqtt://"
+        ),
         other => both!("cannot use `{path}`: {other}", "无法使用 `{path}`：{other}"),
     })
 }

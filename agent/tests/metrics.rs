@@ -1,0 +1,279 @@
+//! The figures as a scraper gets them: over a socket, read by the rules of the text format.
+
+use std::collections::BTreeMap;
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::time::Duration;
+
+use leadscrew_agent::metrics::{Metrics, Pulse, Server};
+use leadscrew_agent::record::{
+    Errors, Event, Gap, Identity, Missing, Presence, Run, Start, State, Thread, Trouble, What,
+};
+use leadscrew_agent::{Body, Moment, Numbered, Record};
+
+/// Nothing takes so long on any computer.
+const LIMIT: Duration = Duration::from_secs(60);
+
+fn take(metrics: &Metrics, bodies: impl IntoIterator<Item = Body>) {
+    for body in bodies {
+        let record = Record {
+            at: Moment(0),
+            body,
+        };
+        metrics.take(&[Numbered { number: 1, record }]);
+    }
+}
+
+/// Samples by name with labels. Every line has to be a sample of a metric that was described before, or a description.
+fn parse(text: &str) -> BTreeMap<String, f64> {
+    let mut samples = BTreeMap::new();
+    let mut described = Vec::new();
+    let lines = text.strip_suffix("# EOF\n").expect("the end is told");
+    for line in lines.lines() {
+        if let Some(words) = line.strip_prefix("# ") {
+            let words: Vec<&str> = words.splitn(3, ' ').collect();
+            let [kind @ ("HELP" | "TYPE" | "UNIT"), name, _] = words[..] else {
+                panic!("{line}");
+            };
+            if kind == "TYPE" {
+                described.push(name.to_owned());
+            }
+            continue;
+        }
+        let (sample, value) = line.rsplit_once(' ').expect(line);
+        let name = sample.split('{').next().unwrap();
+        assert!(
+            name.chars().all(|c| c.is_ascii_lowercase() || c == '_'),
+            "{name}"
+        );
+        assert!(
+            described.iter().any(|one| name.starts_with(one.as_str())),
+            "{line}"
+        );
+        if let Some(labels) = sample
+            .strip_prefix(name)
+            .filter(|labels| !labels.is_empty())
+        {
+            let labels = labels
+                .strip_prefix('{')
+                .and_then(|labels| labels.strip_suffix('}'));
+            for label in labels.expect(line).split(',') {
+                let (_, value) = label.split_once('=').expect(line);
+                assert!(
+                    value.len() >= 2 && value.starts_with('"') && value.ends_with('"'),
+                    "{line}"
+                );
+            }
+        }
+        let value: f64 = value.parse().expect(line);
+        assert_eq!(
+            samples.insert(sample.to_owned(), value),
+            None,
+            "twice: {line}"
+        );
+    }
+    samples
+}
+
+fn state(state: &str) -> Body {
+    Body::State(State {
+        state: state.to_owned(),
+        alarm: 4036,
+        late: 3,
+        feed_percent: 80,
+        rpm: -600,
+        load_percent: Some(42),
+        ..State::default()
+    })
+}
+
+fn thread(largest_nm: i64) -> Body {
+    Body::Thread(Thread {
+        start: Start::default(),
+        number: 1,
+        program: 1,
+        line: 1,
+        kind: "thread".to_owned(),
+        end: "finished".to_owned(),
+        passes: 1,
+        late: 0,
+        errors: Errors {
+            measured: 4,
+            largest_nm,
+            squares: 4 * 90_000,
+        },
+    })
+}
+
+fn identity(parameters: u32) -> Body {
+    Body::Identity(Identity {
+        start: Start {
+            serial: 10,
+            count: 2,
+        },
+        parameters,
+        firmware: "0.1.0".to_owned(),
+    })
+}
+
+#[test]
+fn what_records_say_is_in_the_figures() {
+    let metrics = Metrics::default();
+    parse(&metrics.text());
+    let alarm = |number| {
+        Body::Event(Event {
+            start: Start::default(),
+            number: 1,
+            tick: 1,
+            what: What::Alarm(Trouble {
+                number,
+                line: 1,
+                cause: "c".to_owned(),
+                remedy: "r".to_owned(),
+            }),
+        })
+    };
+    let presence = |alive| {
+        Body::Presence(Presence {
+            alive,
+            why: String::new(),
+        })
+    };
+    let run = Run {
+        start: Start::default(),
+        program: 1,
+        finished: true,
+        ticks: 1,
+        setpoint_hash: None,
+        late: 0,
+        errors: Errors {
+            measured: 0,
+            largest_nm: 0,
+            squares: 0,
+        },
+    };
+    let gap = Gap {
+        start: Start::default(),
+        of: Missing::Threads,
+        first: 3,
+        last: 5,
+    };
+    take(
+        &metrics,
+        [
+            presence(true),
+            identity(1),
+            identity(0x5EED),
+            state("run"),
+            state("alarm"),
+            alarm(4036),
+            alarm(4036),
+            alarm(1),
+            thread(1_500),
+            thread(700),
+            Body::Run(run),
+            Body::Gap(gap),
+        ],
+    );
+    metrics.pulse(Pulse {
+        ticks: 77,
+        credit: 2000,
+        dropped: 1,
+    });
+    let samples = parse(&metrics.text());
+    let board =
+        r#"leadscrew_board{serial="0000000a",start="2",firmware="0.1.0",parameters="00005eed"}"#;
+    for (sample, value) in [
+        ("leadscrew_board_up", 1.0),
+        (board, 1.0),
+        (r#"leadscrew_machine_state{state="alarm"}"#, 1.0),
+        (r#"leadscrew_machine_state{state="run"}"#, 0.0),
+        ("leadscrew_machine_alarm", 4036.0),
+        (r#"leadscrew_alarms_total{number="4036"}"#, 2.0),
+        (r#"leadscrew_alarms_total{number="1"}"#, 1.0),
+        ("leadscrew_late_setpoints", 3.0),
+        ("leadscrew_bus_load_ratio", 0.42),
+        ("leadscrew_bus_dropped_frames", 1.0),
+        ("leadscrew_board_ticks", 77.0),
+        ("leadscrew_queue_free_bytes", 2000.0),
+        (r#"leadscrew_override_percent{of="feed"}"#, 80.0),
+        (r#"leadscrew_spindle_speed_rpm{of="measured"}"#, -600.0),
+        (
+            r#"leadscrew_threads_total{kind="thread",end="finished"}"#,
+            2.0,
+        ),
+        (
+            r#"leadscrew_thread_largest_error_metres_bucket{le="0.000001"}"#,
+            1.0,
+        ),
+        (
+            r#"leadscrew_thread_largest_error_metres_bucket{le="0.000002"}"#,
+            2.0,
+        ),
+        ("leadscrew_thread_largest_error_metres_sum", 2.2e-6),
+        (
+            r#"leadscrew_thread_rms_error_metres_bucket{le="2e-7"}"#,
+            0.0,
+        ),
+        (
+            r#"leadscrew_thread_rms_error_metres_bucket{le="5e-7"}"#,
+            2.0,
+        ),
+        (r#"leadscrew_runs_total{end="finished"}"#, 1.0),
+        (r#"leadscrew_missing_total{of="threads"}"#, 3.0),
+    ] {
+        let told = samples.get(sample).copied();
+        // A sum of floats.
+        let same = told.is_some_and(|told| (told - value).abs() < 1e-12);
+        assert!(same, "{sample}: {told:?} in {samples:#?}");
+    }
+    let boards = samples
+        .keys()
+        .filter(|name| name.starts_with("leadscrew_board{"));
+    assert_eq!(boards.count(), 1, "the parameters before are gone");
+    take(&metrics, [presence(false)]);
+    let samples = parse(&metrics.text());
+    assert_eq!(samples["leadscrew_board_up"], 0.0);
+    assert!(!samples.contains_key(r#"leadscrew_machine_state{state="alarm"}"#));
+}
+
+fn ask(server: &Server, request: &[u8]) -> String {
+    let mut stream = TcpStream::connect(server.address).unwrap();
+    stream.set_read_timeout(Some(LIMIT)).unwrap();
+    stream.write_all(request).unwrap();
+    let mut answer = String::new();
+    // What was not read of a request that is refused may end it early.
+    let _ = stream.read_to_string(&mut answer);
+    answer
+}
+
+#[test]
+fn figures_are_given_to_who_asks_for_them_and_refused_otherwise() {
+    let metrics = Arc::new(Metrics::default());
+    let listen = "127.0.0.1:0".parse().unwrap();
+    let server = Server::start(listen, Arc::new(move || metrics.text())).unwrap();
+    let answer = ask(&server, b"GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+    let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+    assert!(head.starts_with("HTTP/1.1 200 OK\r\n"), "{head}");
+    assert!(
+        head.contains("application/openmetrics-text; version=1.0.0"),
+        "{head}"
+    );
+    parse(body);
+    for (request, status) in [
+        (&b"GET / HTTP/1.1\r\n\r\n"[..], "404"),
+        (b"POST /metrics HTTP/1.1\r\n\r\n", "400"),
+        (b"\x16\x03\x01 hello\r\n\r\n", "400"),
+    ] {
+        let answer = ask(&server, request);
+        assert!(
+            answer.starts_with(&format!("HTTP/1.1 {status} ")),
+            "{answer}"
+        );
+    }
+    // One who says nothing is left, and the next is served.
+    let silent = TcpStream::connect(server.address).unwrap();
+    assert!(ask(&server, b"GET /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 200"));
+    drop(silent);
+}

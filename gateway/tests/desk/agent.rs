@@ -1,0 +1,188 @@
+//! `agent` beside a machine that runs: what a broker gets, also one that comes late, and what is refused.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::os::unix::fs::PermissionsExt as _;
+use std::process::{Child, Stdio};
+
+use bytes::BytesMut;
+use leadscrew_agent::sparkplug::payload::{Payload, Value};
+use mqttbytes::v4::{
+    ConnAck, ConnectReturnCode, Packet, PubAck, SubAck, SubscribeReasonCode, read,
+};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use prost::Message as _;
+
+use crate::{LIMIT, User, good};
+
+/// A tapped hole, with an end.
+const TAP: &str = "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-5 F1000\nG80\nM30\n";
+
+fn start(user: &User, args: &[&str]) -> Child {
+    let mut command = user.command(&[&["agent"], args].concat());
+    let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    piped.spawn().unwrap()
+}
+
+/// Ends it as a service manager does; what it has said on standard error.
+fn end(mut child: Child) -> String {
+    let pid = Pid::from_raw(i32::try_from(child.id()).unwrap());
+    kill(pid, Signal::SIGTERM).unwrap();
+    let mut said = String::new();
+    child
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut said)
+        .unwrap();
+    child.wait().unwrap();
+    said
+}
+
+/// Takes messages until one of these metrics has come; all metrics by their names, text alone.
+fn take_until(stream: &mut TcpStream, wanted: &str) -> Vec<(String, Value)> {
+    stream.set_read_timeout(Some(LIMIT)).unwrap();
+    let mut bytes = BytesMut::new();
+    let mut room = [0; 4096];
+    let mut names = Vec::new();
+    let mut all = Vec::new();
+    loop {
+        let count = stream.read(&mut room).unwrap();
+        assert!(count > 0, "the agent has gone: {all:?}");
+        bytes.extend_from_slice(&room[..count]);
+        while let Ok(packet) = read(&mut bytes, 1 << 20) {
+            let mut answer = BytesMut::new();
+            match packet {
+                Packet::Connect(_) => {
+                    let accept = ConnAck::new(ConnectReturnCode::Success, false);
+                    accept.write(&mut answer).unwrap();
+                }
+                Packet::Subscribe(orders) => {
+                    let code = SubscribeReasonCode::Success(mqttbytes::QoS::AtLeastOnce);
+                    SubAck::new(orders.pkid, vec![code])
+                        .write(&mut answer)
+                        .unwrap();
+                }
+                Packet::Publish(publish) => {
+                    PubAck::new(publish.pkid).write(&mut answer).unwrap();
+                    let payload = Payload::decode(&publish.payload[..]).unwrap();
+                    let is_birth = publish.topic.contains("/DBIRTH/");
+                    if is_birth {
+                        names = payload.metrics.iter().map(|one| one.name.clone()).collect();
+                    }
+                    for metric in payload.metrics.into_iter().filter(|_| !is_birth) {
+                        let alias = metric.alias.and_then(|alias| usize::try_from(alias).ok());
+                        let name = alias.and_then(|alias| names.get(alias)?.clone());
+                        if let (Some(name), Some(value)) = (name, metric.value) {
+                            all.push((name, value));
+                        }
+                    }
+                }
+                _ => {}
+            }
+            stream.write_all(&answer).unwrap();
+        }
+        if all.iter().any(|(name, _)| name == wanted) {
+            return all;
+        }
+    }
+}
+
+fn text<'a>(all: &'a [(String, Value)], wanted: &str) -> Vec<&'a str> {
+    let text = |(name, value): &'a (String, Value)| match value {
+        Value::String(text) if name == wanted => Some(text.as_str()),
+        _ => None,
+    };
+    all.iter().filter_map(text).collect()
+}
+
+#[test]
+fn a_broker_that_comes_late_gets_the_certificate_and_the_run() {
+    let user = User::with_machine();
+    // Nobody listens there yet.
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    drop(listener);
+    let broker = format!("mqtt://{address}");
+    let args = [
+        "--broker",
+        &broker,
+        "--machine",
+        "lathe",
+        "--name",
+        "node",
+        "--metrics",
+        "127.0.0.1:0",
+        "--json",
+    ];
+    let mut agent = start(&user, &args);
+    let mut first = String::new();
+    let mut output = BufReader::new(agent.stdout.take().unwrap());
+    output.read_line(&mut first).unwrap();
+    let first: serde_json::Value = serde_json::from_str(&first).unwrap();
+    assert_eq!(first["topic"], "spBv1.0/leadscrew/+/node/lathe");
+    // A second one for the same machine is refused.
+    let second = user.does(&["agent", "--broker", &broker, "--machine", "lathe"]);
+    assert_eq!(second.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&second.stderr).contains("one machine has one agent"));
+    let program = user.program(TAP);
+    let run: serde_json::Value =
+        serde_json::from_str(&good(&user.does(&["run", &program, "--json"]))).unwrap();
+    // Its figures are there without a broker.
+    let url = first["metrics"].as_str().unwrap();
+    let place = url
+        .trim_start_matches("http://")
+        .trim_end_matches("/metrics");
+    let mut stream = TcpStream::connect(place).unwrap();
+    stream.write_all(b"GET /metrics HTTP/1.1\r\n\r\n").unwrap();
+    let mut figures = String::new();
+    stream.read_to_string(&mut figures).unwrap();
+    assert!(figures.contains("leadscrew_board_up 1\n"), "{figures}");
+    assert!(
+        figures.contains("leadscrew_agent_broker_up 0\n"),
+        "{figures}"
+    );
+    let listener = TcpListener::bind(address).unwrap();
+    let (mut stream, _) = listener.accept().unwrap();
+    let all = take_until(&mut stream, "Run/Setpoint Hash");
+    assert_eq!(
+        text(&all, "Run/Setpoint Hash"),
+        [run["setpoint_hash"].as_str().unwrap()]
+    );
+    assert_eq!(text(&all, "Thread/Key"), ["00000000/1/1"]);
+    assert_eq!(text(&all, "Thread/Kind"), ["rigid_tap"]);
+    let states: BTreeSet<&str> = text(&all, "Machine/State").into_iter().collect();
+    assert!(states.contains("run"), "{states:?}");
+    drop(stream);
+    let said = end(agent);
+    assert!(said.contains("the broker is not reached"), "{said}");
+    assert!(said.contains("the broker takes what is kept"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_what_helps() {
+    let user = User::new();
+    let login = user.0.join("login");
+    fs::write(&login, "user\npassword\n").unwrap();
+    fs::set_permissions(&login, fs::Permissions::from_mode(0o644)).unwrap();
+    let login = login.to_str().unwrap();
+    let refused = |args: &[&str], words: &str| {
+        let output = user.does(&[&["agent"], args].concat());
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(said.contains(words), "{args:?}: {said}");
+    };
+    refused(&[], "nobody is to be told");
+    refused(&["--broker", "http://x"], "neither mqtt nor mqtts");
+    refused(
+        &["--broker", "mqtt://x", "--machine", "a/b"],
+        "no part of a topic",
+    );
+    refused(&["--broker", "mqtt://x", "--login", login], "chmod 600");
+    refused(&["--broker", "mqtts://x"], "--ca");
+    refused(&["--broker", "mqtts://x", "--ca", login], "no certificate");
+    refused(&["--broker", "mqtt://x", "--bus", "sim"], "sim");
+}
