@@ -18,6 +18,7 @@ fn help_and_version_are_on_every_command() {
         "run",
         "status",
         "monitor",
+        "agent",
         "hold",
         "resume",
         "reset",
