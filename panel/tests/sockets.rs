@@ -65,13 +65,20 @@ impl Bench {
         stream
     }
 
-    /// All of the answer to these bytes.
+    /// All of the answer to these bytes; of a stream, which has no end, its head.
     fn ask(&self, bytes: &[u8]) -> String {
         let mut stream = self.connect();
         stream.write_all(bytes).unwrap();
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).unwrap();
-        String::from_utf8(answer).unwrap()
+        let (mut answer, mut part) = (Vec::new(), [0; 4096]);
+        loop {
+            let count = stream.read(&mut part).unwrap();
+            answer.extend_from_slice(&part[..count]);
+            let text = String::from_utf8_lossy(&answer);
+            let streams = text.contains("Content-Type: text/event-stream\r\n");
+            if count == 0 || streams && text.contains("\r\n\r\n") {
+                return text.into_owned();
+            }
+        }
     }
 
     /// A request with this server's name, and these headers.
