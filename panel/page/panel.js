@@ -49,6 +49,7 @@ const age = () => performance.now() - heard + (last ? last.age_ms : Infinity);
 
 // Values have an age when they come, and grow older here.
 function grow() {
+  if (press.isDown() && age() > OLD) press.up();
   if (refused) show.banner(refused());
   else show.age(last ? age() : performance.now() - heard);
 }
@@ -164,7 +165,7 @@ function keys(start) {
   addEventListener("keyup", (event) => { if (event.key === " " && !inField(event.target)) event.preventDefault(); });
 }
 
-function buttons() {
+function buttons(start) {
   for (const id of ["hold", "stop"]) {
     // At the first touch, not at its end; a click without one is a key or a helper.
     at(id).addEventListener("pointerdown", () => { press.up(); give(id); });
@@ -200,8 +201,9 @@ function buttons() {
     for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) one.addEventListener(kind, press.up);
     one.addEventListener("contextmenu", (event) => event.preventDefault());
   }
-  for (const kind of ["blur", "pagehide", "resize"]) addEventListener(kind, press.up);
-  document.addEventListener("visibilitychange", press.up);
+  const away = () => { press.up(); start.end(); };
+  for (const kind of ["blur", "pagehide", "resize"]) addEventListener(kind, away);
+  document.addEventListener("visibilitychange", away);
   addEventListener("pagehide", () => { if (owns()) lease("give", { keepalive: true }).catch(() => {}); });
   at("mdi").onsubmit = (event) => {
     event.preventDefault();
@@ -212,8 +214,9 @@ function buttons() {
   at("language").onclick = () => languages(!isChinese());
 }
 
-buttons();
-keys(held(at("start"), () => give("start")));
+const start = held(at("start"), () => give("start"));
+buttons(start);
+keys(start);
 show.step(step);
 languages(navigator.language.startsWith("zh"));
 setInterval(grow, 100);
@@ -230,7 +233,6 @@ try {
       fresh = true;
       heard = performance.now();
       press.hear(s);
-      if (press.isDown() && s.age_ms > OLD) press.up();
       show.state(s);
       grow();
     },

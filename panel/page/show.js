@@ -65,6 +65,8 @@ export function log(entries) {
 export function lease(who, looks, notice) {
   document.body.classList.toggle("operates", who === "own");
   at("take").hidden = looks;
+  // A button that would be refused is none, HOLD and STOP above all.
+  for (const one of document.querySelectorAll("nav button, main button, main input")) one.disabled = looks;
   put("take", who === "own" ? word("give") : word("take"));
   const text = looks ? word("looks") : word(`who_${who}`);
   put("operator", notice === null ? text : `${text} · ${word("notice")} ${notice} s`);

@@ -162,7 +162,7 @@ fn serve_late(mut stream: TcpStream, shared: &Arc<Shared>) {
             return;
         }
         match read {
-            Ok(Some(request)) if is_halt(&request) => {
+            Ok(Some(request)) if is_halt(&request, &own) => {
                 if let Err((stream, refusal)) = route(stream, &request, &own) {
                     http::refuse(stream, refusal);
                 }
@@ -176,8 +176,13 @@ fn serve_late(mut stream: TcpStream, shared: &Arc<Shared>) {
     }
 }
 
-fn is_halt(request: &Request) -> bool {
-    request.method == "POST" && request.path == "/order" && posted::halts(&request.body)
+/// Whether it is hold or stop, of somebody who may order: nobody else keeps a thread waiting beyond the seats.
+fn is_halt(request: &Request, shared: &Shared) -> bool {
+    let cookie = request.cookie(shared.place.cookie());
+    request.method == "POST"
+        && request.path == "/order"
+        && posted::halts(&request.body)
+        && admit(cookie, shared) == Ok(Right::Operate)
 }
 
 /// Answers, or gives the connection back with the reason why not.

@@ -334,7 +334,7 @@ fn hold_and_stop_come_through_where_all_connections_are_taken_and_nothing_else_d
     refused(&bench.post_as(&cookie, "/order", start), Refusal::Busy);
     refused(&bench.get("/", &[]), Refusal::Busy);
     let hold = "{\"c\":\"a\",\"n\":8,\"op\":\"hold\"}";
-    refused(&bench.post("/order", hold), Refusal::Login);
+    refused(&bench.post("/order", hold), Refusal::Busy);
     assert_eq!(
         bench.machine.0.lock().unwrap()[CONNECTIONS..],
         ["hold", "stop", "hold"]
