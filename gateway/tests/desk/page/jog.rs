@@ -24,7 +24,6 @@ struct Press {
 impl Press {
     /// The first frame.
     fn begin(client: &Client<'_>, way: i8) -> (Self, f64) {
-        client.lease("keep");
         let s = client.state();
         let number = (s["press"].as_u64().unwrap_or(0) + 1) % 256;
         let echo = s["beat"].as_u64().unwrap();
@@ -41,7 +40,12 @@ impl Press {
         let way = if released { 0 } else { self.way };
         let body = json!({"c": client.name, "press": self.number, "axes": [0, way], "rapid": false, "speed": 0,
             "echo": self.echoes[1]});
-        let (status, answer) = client.page.post(&client.cookie, "/jog", &body);
+        let mut sent = client.page.post(&client.cookie, "/jog", &body);
+        if sent.0 == 409 {
+            client.renew();
+            sent = client.page.post(&client.cookie, "/jog", &body);
+        }
+        let (status, answer) = sent;
         assert_eq!(status, 200, "{answer}");
         self.echoes[1] = answer["beat"].as_u64().unwrap();
         answer
