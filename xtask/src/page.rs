@@ -54,7 +54,7 @@ pub fn check() -> Result<()> {
         &[&test[..], &which, &more].concat(),
     ))?;
     let test = ["test", "--quiet", "--package", "leadscrew"];
-    let which = ["--test", "desk", "page::browser::", "--", "--ignored"];
+    let which = ["--features", "browser", "--test", "desk", "page::browser::"];
     run::show(run::cargo(&run::root(), &[&test[..], &which].concat()))
 }
 

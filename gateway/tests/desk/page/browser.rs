@@ -189,7 +189,6 @@ fn press(user: &User, tab: &mut Tab<'_>, far: f64) {
 }
 
 #[test]
-#[ignore = "needs Chromium: cargo xtask page --check"]
 fn somebody_operates_the_machine_with_mouse_and_keys() {
     let user = User::with_machine();
     let page = Page::start(&user);

@@ -1,5 +1,6 @@
 //! The page at the machine against a machine that stays: what it is told, what it orders, and what its end changes.
 
+#[cfg(feature = "browser")]
 mod browser;
 mod jog;
 mod orders;

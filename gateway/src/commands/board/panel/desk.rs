@@ -16,6 +16,7 @@ use leadscrew_core::bus::{Beat, BoardStatus, Frame, JogRequest, NodeId, Order};
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_panel::{Jog, Machine};
 
+use super::super::by_hand;
 use super::super::monitor::hand::Hand;
 use super::super::monitor::homing::Homing;
 use super::super::monitor::keys::{self, Situation, Speed};
@@ -103,8 +104,7 @@ pub struct Desk {
 impl Desk {
     /// Nothing is ordered.
     pub fn new(node: NodeId) -> Self {
-        // A session of this process.
-        let session = (std::process::id() % 255 + 1) as u8;
+        let session = by_hand::session();
         Self {
             node,
             session,
