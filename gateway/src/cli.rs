@@ -385,9 +385,9 @@ pub enum Command {
         #[arg(long)]
         watch: bool,
     },
-    /// The page at the machine: a live view of the board for a tablet, in a browser (not with `--bus sim`)
+    /// The page at the machine: it shows the board on a tablet and operates it, in a browser (not with `--bus sim`)
     ///
-    /// It prints the link to open, with a token that is new at each start. It looks only, and ends with Ctrl-C.
+    /// It prints two links with tokens that are new at each start: one to operate, one to look only. It ends with Ctrl-C.
     #[command(after_help = examples::PANEL)]
     Panel {
         /// Where it listens; beyond this computer only behind a proxy with TLS
@@ -396,6 +396,9 @@ pub enum Command {
         /// The name by which a proxy with TLS is reached, with its port where that is not 443; may be given several times
         #[arg(long = "host", value_name = "NAME")]
         hosts: Vec<String>,
+        /// No link to operate: the page looks only
+        #[arg(long)]
+        look: bool,
     },
     /// Tell a broker and a metrics store what the machine does (not with `--bus sim`)
     ///

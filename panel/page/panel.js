@@ -1,43 +1,244 @@
-// The page at the machine: joins the transport and what is shown. It orders nothing.
+// The page at the machine: joins the transport, what is shown, and the buttons and keys that order. A reload orders nothing.
 
+import * as press from "./press.js";
 import * as show from "./show.js";
-import { login, watch } from "./transport.js";
+import { lease, login, order, watch } from "./transport.js";
 import { isChinese, use, word } from "./words.js";
 
+// Values older than this order nothing but hold, stop and reset.
+const OLD = 250;
+// START has to be held so long.
+const HELD = 300;
+// The lease lasts five seconds; it is renewed each second.
+const KEEP = 1000;
+const ALWAYS = ["hold", "stop", "reset"];
+const LEVELS = { feed: ["feed", 0, 150], rapid: ["rapid", 0, 100], spindle: ["turn", 50, 120] };
+const ARROWS = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1] };
+const STEPS = { 1: "0.001", 2: "0.01", 3: "0.1", 4: "1" };
+
+const at = (id) => document.getElementById(id);
 let last = null;
 let entries = null;
 let heard = performance.now();
 let refused = null;
+// The lease: that of this page, that which counts, whether this link looks only, whether this page is taking it.
+const holds = { own: null, now: null, notice: null, looks: false, takes: false };
+// What was told before this page has watched is over.
+let fresh = false;
+let step = "0.1";
+let rapid = false;
 
 function again() {
   if (last) show.state(last);
   if (entries) show.log(entries);
+  whose();
 }
 
 function languages(zh) {
   use(zh);
-  const button = document.getElementById("language");
+  const button = at("language");
   button.textContent = zh ? "English" : "中文";
   button.lang = zh ? "en" : "zh";
+  for (const one of document.querySelectorAll("[data-level]")) {
+    one.setAttribute("aria-label", `${word(`ov_${one.dataset.level}`)}: ${Number(one.dataset.add) < 0 ? word("less") : word("more")}`);
+  }
   again();
 }
 
+const age = () => performance.now() - heard + (last ? last.age_ms : Infinity);
+
 // Values have an age when they come, and grow older here.
 function grow() {
+  if (press.isDown() && age() > OLD) press.up();
   if (refused) show.banner(refused());
-  else show.age(performance.now() - heard + (last ? last.age_ms : 0));
+  else show.age(last ? age() : performance.now() - heard);
 }
 
-document.getElementById("language").onclick = () => languages(!isChinese());
+const owns = () => holds.own !== null && holds.own === holds.now;
+
+function whose() {
+  const who = owns() ? "own" : holds.now === null ? "nobody" : "other";
+  show.lease(who, holds.looks, who === "own" || holds.takes ? holds.notice : null);
+}
+
+// Says what an order has come to, and takes back what was said before.
+const tell = (answer) => show.answer(answer?.ok ? null : answer ?? words("no_answer"));
+
+function words(key) {
+  const text = word(key);
+  return { en: text, zh: text };
+}
+
+async function give(op, args = {}) {
+  if (!ALWAYS.includes(op) && age() > OLD) return tell(words("stale"));
+  if (op !== "hold" && op !== "stop" && press.isDown()) press.up();
+  try {
+    tell(await order(op, args, last?.beat));
+  } catch {
+    tell(null);
+  }
+}
+
+async function ask(what) {
+  try {
+    const answer = await lease(what);
+    if (answer.refused === "looks") holds.looks = true;
+    holds.own = answer.yours ?? null;
+    if (holds.own !== null) holds.now = holds.own;
+    holds.takes = what === "take" && answer.notice_ms !== undefined;
+    if (answer.refused && what === "take") tell(answer);
+  } catch {
+    // The lease lapses by itself.
+  }
+  whose();
+}
+
+// Calls `act` once a button has been held long enough, by finger, mouse or key.
+function held(button, act) {
+  let timer = null;
+  const begin = () => {
+    button.classList.add("pressed");
+    timer ??= setTimeout(() => { end(); act(); }, HELD);
+  };
+  const end = () => {
+    clearTimeout(timer);
+    timer = null;
+    button.classList.remove("pressed");
+  };
+  button.addEventListener("pointerdown", (event) => { button.setPointerCapture(event.pointerId); begin(); });
+  for (const kind of ["pointerup", "pointercancel", "lostpointercapture", "blur", "keyup"]) button.addEventListener(kind, end);
+  button.addEventListener("keydown", (event) => { if (event.key === "Enter" && !event.repeat) begin(); });
+  return { begin, end };
+}
+
+// A key that moves an axis, or a button of the pad.
+function move(axes, fast) {
+  if (age() > OLD) return tell(words("stale"));
+  if (last.mode === "step") {
+    const [x, z] = axes;
+    const axis = x ? `X${x > 0 ? "+" : "-"}` : `Z${z > 0 ? "+" : "-"}`;
+    return give("step", { axis, by: step });
+  }
+  tell({ ok: true });
+  press.down(axes, fast, (answer) => {
+    if (answer?.pressed === "limit") tell(words("limit"));
+    else if (!answer || answer.en) tell(answer);
+  });
+}
+
+const inField = (target) => target instanceof HTMLInputElement;
+
+function keys(start) {
+  addEventListener("keydown", (event) => {
+    // Space is a hold wherever the focus is; in a field it is a space while nothing moves.
+    if (event.key === " " && !(inField(event.target) && last?.state === "idle" && !press.isDown())) {
+      event.preventDefault();
+      if (!event.repeat) { press.up(); give("hold"); }
+      return;
+    }
+    if (event.key === "Enter" && event.ctrlKey) {
+      event.preventDefault();
+      if (!event.repeat) start.begin();
+      return;
+    }
+    if (event.repeat) {
+      if (event.key in ARROWS && !inField(event.target)) event.preventDefault();
+      return;
+    }
+    const pressed = press.isDown();
+    // Any other key ends a press.
+    press.up();
+    if (pressed || inField(event.target) || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key in ARROWS) {
+      event.preventDefault();
+      move(ARROWS[event.key], event.shiftKey);
+    } else if (event.key in STEPS) {
+      step = STEPS[event.key];
+      show.step(step);
+    }
+  });
+  addEventListener("keyup", (event) => {
+    if (event.key in ARROWS || event.key === "Shift") press.up();
+    if (event.key === "Enter" || event.key === "Control") start.end();
+  });
+  // Space is no click of the button that has the focus.
+  addEventListener("keyup", (event) => { if (event.key === " " && !inField(event.target)) event.preventDefault(); });
+}
+
+function buttons(start) {
+  for (const id of ["hold", "stop"]) {
+    // At the first touch, not at its end; a click without one is a key or a helper.
+    at(id).addEventListener("pointerdown", () => { press.up(); give(id); });
+    at(id).addEventListener("click", (event) => { if (event.detail === 0) { press.up(); give(id); } });
+  }
+  for (const id of ["resume", "reset", "home"]) at(id).onclick = () => give(id);
+  at("single").onclick = () => give("single", { on: !last?.single });
+  for (const one of document.querySelectorAll("[data-mode]")) one.onclick = () => give("mode", { mode: one.dataset.mode });
+  for (const one of document.querySelectorAll("[data-level]")) {
+    one.onclick = () => {
+      const [shown, low, high] = LEVELS[one.dataset.level];
+      if (!last) return;
+      const percent = Math.min(high, Math.max(low, last[shown] + Number(one.dataset.add)));
+      give(one.dataset.level, { percent });
+    };
+  }
+  for (const one of document.querySelectorAll("[data-by]")) {
+    one.onclick = () => { step = one.dataset.by; show.step(step); };
+  }
+  at("rapidly").onclick = () => {
+    rapid = !rapid;
+    at("rapidly").setAttribute("aria-pressed", rapid);
+  };
+  for (const one of document.querySelectorAll("[data-jog]")) {
+    const [axis, sign] = one.dataset.jog;
+    const way = sign === "+" ? 1 : -1;
+    const axes = axis === "X" ? [way, 0] : [0, way];
+    one.addEventListener("pointerdown", (event) => {
+      if (!event.isPrimary || event.button !== 0) return press.up();
+      one.setPointerCapture(event.pointerId);
+      move(axes, rapid);
+    });
+    for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) one.addEventListener(kind, press.up);
+    one.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+  const away = () => { press.up(); start.end(); };
+  for (const kind of ["blur", "pagehide", "resize"]) addEventListener(kind, away);
+  document.addEventListener("visibilitychange", away);
+  addEventListener("pagehide", () => { if (owns()) lease("give", { keepalive: true }).catch(() => {}); });
+  at("mdi").onsubmit = (event) => {
+    event.preventDefault();
+    const line = at("typed").value.trim();
+    if (line) give("mdi", { line, zh: isChinese() });
+  };
+  at("take").onclick = () => ask(owns() ? "give" : "take");
+  at("language").onclick = () => languages(!isChinese());
+}
+
+const start = held(at("start"), () => give("start"));
+buttons(start);
+keys(start);
+show.step(step);
 languages(navigator.language.startsWith("zh"));
 setInterval(grow, 100);
+setInterval(() => { if (owns()) ask("keep"); else if (holds.takes) ask("take"); }, KEEP);
 
 try {
   await login();
+  // It has no lease to keep yet; the answer says whether this link may have one.
+  ask("keep");
   watch({
-    hello: show.hello,
-    s: (s) => { last = s; heard = performance.now(); show.state(s); grow(); },
+    hello: (told) => { fresh = false; show.hello(told); },
+    s: (s) => {
+      last = s;
+      fresh = true;
+      heard = performance.now();
+      press.hear(s);
+      show.state(s);
+      grow();
+    },
     log: (list) => { entries = list; show.log(list); },
+    lease: ({ number, notice_s }) => { holds.now = number; holds.notice = notice_s; whose(); },
+    line: (end) => { if (fresh) show.answer(end.ok ? words("done") : end); },
   }, () => { refused = () => word("login"); grow(); });
 } catch (error) {
   refused = () => (error.refused ? error[isChinese() ? "zh" : "en"] : word("lost"));

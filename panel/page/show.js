@@ -25,6 +25,8 @@ export function state(s) {
   put("flags", flags.filter(Boolean).join(" · "));
   put("zero", s.zero === null ? "" : s.zero);
   for (const name of ["wx", "wz", "mx", "mz", "mc"]) put(name, fixed(s[name], 4));
+  for (const one of document.querySelectorAll("[data-mode]")) one.setAttribute("aria-pressed", one.dataset.mode === s.mode);
+  at("single").setAttribute("aria-pressed", s.single);
   for (const axis of ["X", "Z", "C"]) {
     const known = s.referenced.includes(axis) ? word("referenced") : "";
     put(`ref${axis.toLowerCase()}`, s.unreferenced.includes(axis) ? word("unreferenced") : known);
@@ -57,6 +59,26 @@ export function log(entries) {
     }
     return row;
   }));
+}
+
+// Who operates: "own", "other" or "nobody"; a link that lets its owner look only; the seconds until somebody else does.
+export function lease(who, looks, notice) {
+  document.body.classList.toggle("operates", who === "own");
+  at("take").hidden = looks;
+  // A button that would be refused is none, HOLD and STOP above all.
+  for (const one of document.querySelectorAll("nav button, main button, main input")) one.disabled = looks;
+  put("take", who === "own" ? word("give") : word("take"));
+  const text = looks ? word("looks") : word(`who_${who}`);
+  put("operator", notice === null ? text : `${text} · ${word("notice")} ${notice} s`);
+}
+
+// What became of an order: nothing to say where it was done.
+export function answer(told) {
+  put("answer", told ? both([told.en, told.zh]) : "");
+}
+
+export function step(increment) {
+  for (const one of document.querySelectorAll("[data-by]")) one.setAttribute("aria-pressed", one.dataset.by === increment);
 }
 
 // How old the values are, in milliseconds.

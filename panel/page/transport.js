@@ -1,20 +1,54 @@
-// Carries what the machine says to the page, over HTTP. It must not know what it means. Another transport with the same
-// `watch` may take its place.
+// Carries what the machine says to the page, and what the page orders to the machine, over HTTP. It must not know what either
+// means. Another transport with the same functions may take its place.
+
+const HEADERS = { "Content-Type": "application/json", "X-Leadscrew": "1" };
+// A page has a name of its own: behind a reload it is another one, and orders nothing that was sent before.
+const c = Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(16).padStart(8, "0")).join("");
+let n = 0;
 
 // Makes a cookie of the token in the link, once; the address then shows none.
 export async function login() {
   const token = location.hash.slice(1);
   if (!token) return;
   history.replaceState(null, "", location.pathname);
-  const headers = { "Content-Type": "application/json", "X-Leadscrew": "1" };
-  const answer = await fetch("login", { method: "POST", headers, body: JSON.stringify({ token }) });
+  const answer = await fetch("login", { method: "POST", headers: HEADERS, body: JSON.stringify({ token }) });
   if (!answer.ok) throw await answer.json();
 }
 
+async function post(path, body, more = {}) {
+  const answer = await fetch(path, { method: "POST", headers: HEADERS, body: JSON.stringify({ c, ...body }), ...more });
+  return answer.json();
+}
+
+// Gives an order, and answers with what has become of it: `ok`, or `en` and `zh`. An order whose answer is lost is sent again
+// under its number: it acts once.
+export async function order(op, args, echo) {
+  n += 1;
+  const body = { n, op, args, echo };
+  try {
+    return await post("order", body);
+  } catch {
+    return post("order", body);
+  }
+}
+
+// Sends one frame of a press; nothing sends it again.
+export const jog = (frame) => post("jog", frame);
+
+// Says that the page operates ("keep"), wants to ("take") or does not any more ("give").
+export const lease = (what, more) => post("lease", { do: what }, more);
+
 // Calls `on[kind](message)` for each message. A connection that is lost is made again by the browser; one that was refused
-// is not, and is told.
+// is not, and is told. A page that is not seen has none: a browser has six for all of its pages, and a hold needs one.
 export function watch(on, refused) {
-  const source = new EventSource("state");
-  for (const [kind, take] of Object.entries(on)) source.addEventListener(kind, ({ data }) => take(JSON.parse(data)));
-  source.onerror = () => { if (source.readyState === EventSource.CLOSED) refused(); };
+  let source = null;
+  const open = () => {
+    source = new EventSource("state");
+    for (const [kind, take] of Object.entries(on)) source.addEventListener(kind, ({ data }) => take(JSON.parse(data)));
+    source.onerror = () => { if (source?.readyState === EventSource.CLOSED) refused(); };
+  };
+  document.addEventListener("visibilitychange", () => {
+    if (document.hidden) { source?.close(); source = null; } else if (!source) open();
+  });
+  open();
 }

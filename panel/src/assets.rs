@@ -10,6 +10,7 @@ pub fn find(path: &str) -> Option<(&'static str, &'static str)> {
         ),
         "/style.css" => ("text/css; charset=utf-8", include_str!("../page/style.css")),
         "/panel.js" => (SCRIPT, include_str!("../page/panel.js")),
+        "/press.js" => (SCRIPT, include_str!("../page/press.js")),
         "/show.js" => (SCRIPT, include_str!("../page/show.js")),
         "/transport.js" => (SCRIPT, include_str!("../page/transport.js")),
         "/words.js" => (SCRIPT, include_str!("../page/words.js")),

@@ -9,8 +9,10 @@ use std::time::{Duration, Instant};
 
 use crate::refusal::Refusal;
 
-/// A request has come within this time, and an answer has gone.
+/// A request has come within this time, and an answer has gone; where it is hold or stop alone that may come, [`URGENT`].
 pub const PATIENCE: Duration = Duration::from_secs(5);
+/// The same of a request for which there is no place but one for hold and stop.
+pub const URGENT: Duration = Duration::from_secs(1);
 /// The longest head.
 const HEAD: usize = 8 << 10;
 /// The most headers.
@@ -61,9 +63,9 @@ impl Request {
     }
 }
 
-/// Reads a request. `None`: who has connected has said nothing and gone.
-pub fn read(from: &mut TcpStream) -> Result<Option<Request>, Refusal> {
-    let end = Instant::now() + PATIENCE;
+/// Reads a request that comes within this time. `None`: who has connected has said nothing and gone.
+pub fn read(from: &mut TcpStream, patience: Duration) -> Result<Option<Request>, Refusal> {
+    let end = Instant::now() + patience;
     let mut bytes = Vec::new();
     let (mut request, head, length) = loop {
         if let Some(read) = head(&bytes)? {

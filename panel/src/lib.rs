@@ -2,23 +2,30 @@
 //!
 //! ```text
 //! browser ── http ──► server ─► guard     may this request be answered at all
-//!                       │ ├──► session    who may see the machine
-//!                       │ └──► assets     the page
-//!                       └◄─── feed ◄───   the side of the bus tells what the machine does
+//!                       │ ├──► session    who may see the machine, and who may order
+//!                       │ ├──► assets     the page
+//!                       │ └──► posted     ledger, lease; the machine: the side of the bus does an order
+//!                       └◄─── feed ◄───   it tells what the machine does
 //! ```
 //!
-//! This crate must not know a bus, a board or an alarm: what the machine says comes to it as JSON. Nothing here orders.
-//! Each connection has a thread, there are few of them, and each reading and writing has an end [D395].
+//! This crate must not know a bus, a board or an alarm: what the machine says comes to it as JSON, and an order is a name
+//! to it. Each connection has a thread, there are few of them, and each reading and writing has an end [D395].
 
 mod assets;
 mod feed;
 mod guard;
 mod http;
+mod lease;
+mod ledger;
+mod machine;
+mod posted;
 mod refusal;
+mod seats;
 mod server;
 mod session;
 
 pub use feed::Feed;
+pub use machine::{Jog, Machine, Order};
 pub use refusal::Refusal;
 pub use server::{CONNECTIONS, STREAMS, Server, fresh_token};
-pub use session::Token;
+pub use session::{Token, Tokens};

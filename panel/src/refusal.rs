@@ -25,11 +25,17 @@ pub enum Refusal {
     Method,
     /// Too many connections, or too many that watch.
     Busy,
+    /// The link lets its owner look only.
+    Looks,
+    /// Another page operates, or none.
+    NotOperating,
+    /// A newer order of this page has come before.
+    Older,
 }
 
 impl Refusal {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 14] = [
         Self::Malformed,
         Self::Slow,
         Self::TooLong,
@@ -41,6 +47,9 @@ impl Refusal {
         Self::NotFound,
         Self::Method,
         Self::Busy,
+        Self::Looks,
+        Self::NotOperating,
+        Self::Older,
     ];
 
     /// The name that programs go by.
@@ -58,6 +67,9 @@ impl Refusal {
             Self::NotFound => "not_found",
             Self::Method => "method",
             Self::Busy => "busy",
+            Self::Looks => "looks",
+            Self::NotOperating => "not_operating",
+            Self::Older => "older",
         }
     }
 
@@ -69,11 +81,12 @@ impl Refusal {
             Self::Slow => "408 Request Timeout",
             Self::TooLong => "413 Content Too Large",
             Self::Host => "421 Misdirected Request",
-            Self::Origin => "403 Forbidden",
+            Self::Origin | Self::Looks => "403 Forbidden",
             Self::NotThePage => "415 Unsupported Media Type",
             Self::Login | Self::Token => "401 Unauthorized",
             Self::NotFound => "404 Not Found",
             Self::Method => "405 Method Not Allowed",
+            Self::NotOperating | Self::Older => "409 Conflict",
             Self::Busy => "503 Service Unavailable",
         }
     }
@@ -125,6 +138,18 @@ impl Refusal {
             Self::Busy => [
                 "too many pages are open; close some of them",
                 "打开的页面太多；请关闭一些",
+            ],
+            Self::Looks => [
+                "this link lets you look only; to operate, open the other link that the panel has printed",
+                "该链接只能查看；要操作，请打开面板启动时显示的操作链接",
+            ],
+            Self::NotOperating => [
+                "this page does not operate the machine; take it over with the button for that, then order again",
+                "本页面当前没有操作权；请先按接管按钮，再下达指令",
+            ],
+            Self::Older => [
+                "a newer order of this page has come before this one, so it does nothing; look, then order again",
+                "本页面更新的指令已先到达，此指令不执行；请查看后重新下达",
             ],
         }
     }

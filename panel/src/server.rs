@@ -3,9 +3,9 @@
 //! It must not know a bus: what it shows comes from [`Feed`], and nothing that a client does keeps the side of the bus
 //! waiting.
 
-use std::io::{self, ErrorKind, Write as _};
+use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -16,10 +16,14 @@ use crate::assets;
 use crate::feed::Feed;
 use crate::guard::Place;
 use crate::http::{self, Request};
+use crate::ledger::Answer;
+use crate::machine::Machine;
+use crate::posted::{self, Posted};
 use crate::refusal::Refusal;
-use crate::session::{Sessions, Token};
+use crate::seats::{Seat, Urgent, turn_away};
+use crate::session::{Right, Sessions, Token, Tokens};
 
-/// Connections at a time.
+/// Connections at a time. Beyond them hold and stop still come through.
 pub const CONNECTIONS: usize = 32;
 /// Those of them that watch. Others always find room.
 pub const STREAMS: usize = 16;
@@ -46,8 +50,12 @@ struct Shared {
     place: Place,
     sessions: Mutex<Sessions>,
     feed: Arc<Feed>,
+    posted: Posted,
     connections: AtomicUsize,
     streams: AtomicUsize,
+    urgent: Urgent,
+    /// Connections for which only a place for hold and stop was left.
+    late: AtomicU64,
     over: AtomicBool,
 }
 
@@ -66,22 +74,31 @@ impl Server {
     pub fn start(
         listen: SocketAddr,
         names: &[String],
-        token: Token,
+        tokens: Tokens,
         feed: Arc<Feed>,
+        machine: Arc<dyn Machine>,
     ) -> io::Result<Self> {
         let listener = TcpListener::bind(listen)?;
         let address = listener.local_addr()?;
         let shared = Arc::new(Shared {
             place: Place::new(address, names),
-            sessions: Mutex::new(Sessions::new(token)),
+            sessions: Mutex::new(Sessions::new(tokens)),
+            posted: Posted::new(machine, Arc::clone(&feed)),
             feed,
             connections: AtomicUsize::new(0),
             streams: AtomicUsize::new(0),
+            urgent: Urgent::default(),
+            late: AtomicU64::new(0),
             over: AtomicBool::new(false),
         });
         let accepts = Arc::clone(&shared);
         thread::Builder::new().spawn(move || accept(&listener, &accepts))?;
         Ok(Self { address, shared })
+    }
+
+    /// Tells all pages who operates, where it has changed; time changes it, so this has to be called again and again.
+    pub fn attend(&self) {
+        self.shared.posted.tell();
     }
 }
 
@@ -91,23 +108,6 @@ impl Drop for Server {
         self.shared.feed.end();
         // The thread that accepts looks at it once somebody connects.
         let _ = TcpStream::connect(self.address);
-    }
-}
-
-/// A place among few; free again when it is dropped.
-struct Seat<'a>(&'a AtomicUsize);
-
-impl<'a> Seat<'a> {
-    fn take(taken: &'a AtomicUsize, limit: usize) -> Option<Self> {
-        let one_more = |count| (count < limit).then_some(count + 1);
-        let free = taken.fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_more);
-        free.ok().map(|_| Self(taken))
-    }
-}
-
-impl Drop for Seat<'_> {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -121,14 +121,14 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             continue;
         };
         if shared.connections.load(Ordering::Relaxed) >= CONNECTIONS {
-            turn_away(stream);
+            serve_late(stream, shared);
             continue;
         }
         // This thread alone adds, so the count cannot pass the limit.
         shared.connections.fetch_add(1, Ordering::Relaxed);
         let own = Arc::clone(shared);
         let spawned = thread::Builder::new().spawn(move || {
-            let _seat = Seat(&own.connections);
+            let _seat = Seat::counted(&own.connections);
             serve(stream, &own);
         });
         if spawned.is_err() {
@@ -137,23 +137,8 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     }
 }
 
-/// Says that there is no room, without waiting for anything.
-fn turn_away(mut stream: TcpStream) {
-    let body = Refusal::Busy.json();
-    let status = Refusal::Busy.status();
-    let text = format!(
-        "HTTP/1.1 {status}\r\nContent-Type: application/json\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{body}",
-        body.len()
-    );
-    if stream.set_nonblocking(true).is_ok() {
-        // Who does not get it sees the connection end.
-        let _ = stream.write(text.as_bytes());
-        let _ = stream.shutdown(std::net::Shutdown::Write);
-    }
-}
-
 fn serve(mut stream: TcpStream, shared: &Shared) {
-    match http::read(&mut stream) {
+    match http::read(&mut stream, http::PATIENCE) {
         Ok(None) => {}
         Err(refusal) => http::refuse(stream, refusal),
         Ok(Some(request)) => {
@@ -162,6 +147,42 @@ fn serve(mut stream: TcpStream, shared: &Shared) {
             }
         }
     }
+}
+
+/// Serves one that has come when all seats were taken: hold and stop, and nothing else.
+fn serve_late(mut stream: TcpStream, shared: &Arc<Shared>) {
+    let number = shared.late.fetch_add(1, Ordering::Relaxed);
+    if shared.urgent.wait(number, &stream).is_err() {
+        return turn_away(&stream);
+    }
+    let own = Arc::clone(shared);
+    let spawned = thread::Builder::new().spawn(move || {
+        let read = http::read(&mut stream, http::URGENT);
+        if !own.urgent.has_said(number) {
+            return;
+        }
+        match read {
+            Ok(Some(request)) if is_halt(&request, &own) => {
+                if let Err((stream, refusal)) = route(stream, &request, &own) {
+                    http::refuse(stream, refusal);
+                }
+            }
+            _ => turn_away(&stream),
+        }
+    });
+    if spawned.is_err() {
+        // The connection has gone with the thread that was to serve it.
+        shared.urgent.has_said(number);
+    }
+}
+
+/// Whether it is hold or stop, of somebody who may order: nobody else keeps a thread waiting beyond the seats.
+fn is_halt(request: &Request, shared: &Shared) -> bool {
+    let cookie = request.cookie(shared.place.cookie());
+    request.method == "POST"
+        && request.path == "/order"
+        && posted::halts(&request.body)
+        && admit(cookie, shared) == Ok(Right::Operate)
 }
 
 /// Answers, or gives the connection back with the reason why not.
@@ -182,16 +203,50 @@ fn route(
             }
             Err(refusal) => Err((stream, refusal)),
         },
+        ("POST", "/order") => post(stream, request, shared, Posted::order),
+        ("POST", "/jog") => post(stream, request, shared, Posted::jog),
+        ("POST", "/lease") => post(stream, request, shared, Posted::lease),
         (method, path) => match assets::find(path) {
             Some((kind, text)) if method == "GET" => {
                 http::answer(stream, "200 OK", kind, "", text.as_bytes());
                 Ok(())
             }
             Some(_) => Err((stream, Refusal::Method)),
-            None if matches!(path, "/state" | "/login") => Err((stream, Refusal::Method)),
+            None if matches!(path, "/state" | "/login" | "/order" | "/jog" | "/lease") => {
+                Err((stream, Refusal::Method))
+            }
             None => Err((stream, Refusal::NotFound)),
         },
     }
+}
+
+/// Does what a page that operates has sent, if its link is good for that.
+fn post(
+    stream: TcpStream,
+    request: &Request,
+    shared: &Shared,
+    act: impl Fn(&Posted, &str, &[u8]) -> Result<Answer, Refusal>,
+) -> Result<(), (TcpStream, Refusal)> {
+    let cookie = request.cookie(shared.place.cookie());
+    let answer = match admit(cookie, shared) {
+        Ok(Right::Look) => Err(Refusal::Looks),
+        Ok(Right::Operate) => act(&shared.posted, cookie.unwrap_or_default(), &request.body),
+        Err(refusal) => Err(refusal),
+    };
+    match answer {
+        Ok((status, text)) => {
+            http::answer(stream, status, "application/json", "", text.as_bytes());
+            Ok(())
+        }
+        Err(refusal) => Err((stream, refusal)),
+    }
+}
+
+fn admit(cookie: Option<&str>, shared: &Shared) -> Result<Right, Refusal> {
+    let sessions = shared.sessions.lock();
+    sessions
+        .unwrap_or_else(PoisonError::into_inner)
+        .admit(cookie)
 }
 
 /// The header that sets the cookie.
@@ -222,12 +277,7 @@ fn watch(
     shared: &Shared,
 ) -> Result<(), (TcpStream, Refusal)> {
     let cookie = request.cookie(shared.place.cookie());
-    let admitted = shared
-        .sessions
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .admit(cookie);
-    if let Err(refusal) = admitted {
+    if let Err(refusal) = admit(cookie, shared) {
         return Err((stream, refusal));
     }
     let Some(_seat) = Seat::take(&shared.streams, STREAMS) else {

@@ -1,4 +1,4 @@
-//! Who may see the machine: the token of the link, and the cookies that were given for it.
+//! Who may see the machine and who may order too: the tokens of the links, and the cookies that were given for them.
 //!
 //! Values in, answers out; chance is an argument. This file must not know sockets, time, a page or a machine.
 
@@ -34,37 +34,59 @@ impl Token {
     }
 }
 
+/// What a link is good for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Right {
+    /// To see the machine.
+    Look,
+    /// To order too.
+    Operate,
+}
+
+/// The tokens of the links.
+#[derive(Clone, Copy)]
+pub struct Tokens {
+    /// For those who look.
+    pub look: Token,
+    /// For those who order too; `None`: nobody does.
+    pub operate: Option<Token>,
+}
+
 /// All that are logged in.
 pub struct Sessions {
-    token: Token,
-    cookies: VecDeque<Token>,
+    tokens: Tokens,
+    cookies: VecDeque<(Token, Right)>,
 }
 
 impl Sessions {
     /// Nobody is.
-    pub const fn new(token: Token) -> Self {
+    pub const fn new(tokens: Tokens) -> Self {
         Self {
-            token,
+            tokens,
             cookies: VecDeque::new(),
         }
     }
 
-    /// Makes `fresh` the cookie of who has the token.
+    /// Makes `fresh` the cookie of who has a token.
     pub fn login(&mut self, token: &str, fresh: Token) -> Result<Token, Refusal> {
-        if !self.token.is(token) {
-            return Err(Refusal::Token);
-        }
+        let operates = self.tokens.operate.is_some_and(|own| own.is(token));
+        let right = match (operates, self.tokens.look.is(token)) {
+            (true, _) => Right::Operate,
+            (false, true) => Right::Look,
+            (false, false) => return Err(Refusal::Token),
+        };
         if self.cookies.len() == COOKIES {
             self.cookies.pop_front();
         }
-        self.cookies.push_back(fresh);
+        self.cookies.push_back((fresh, right));
         Ok(fresh)
     }
 
-    /// Lets the owner of a cookie in.
-    pub fn admit(&self, cookie: Option<&str>) -> Result<(), Refusal> {
-        let known = cookie.is_some_and(|text| self.cookies.iter().any(|own| own.is(text)));
-        known.then_some(()).ok_or(Refusal::Login)
+    /// Lets the owner of a cookie in, and says what he may do.
+    pub fn admit(&self, cookie: Option<&str>) -> Result<Right, Refusal> {
+        let known = |text| self.cookies.iter().find(|(own, _)| own.is(text));
+        let found = cookie.and_then(known);
+        found.map(|(_, right)| *right).ok_or(Refusal::Login)
     }
 }
 
@@ -72,33 +94,57 @@ impl Sessions {
 mod tests {
     use super::*;
 
+    const OPERATE: Token = Token::new([7; 16]);
+    const LOOK: Token = Token::new([9; 16]);
+
+    fn sessions(operate: Option<Token>) -> Sessions {
+        Sessions::new(Tokens {
+            look: LOOK,
+            operate,
+        })
+    }
+
     #[test]
     fn a_token_gives_a_cookie_and_nothing_else_does() {
-        let mut sessions = Sessions::new(Token::new([7; 16]));
-        let good = Token::new([7; 16]).text();
+        let mut sessions = sessions(Some(OPERATE));
+        let good = OPERATE.text();
         assert_eq!(good, "07".repeat(16));
         assert_eq!(sessions.admit(Some(&good)), Err(Refusal::Login));
         for wrong in ["", "07", &good[1..], &format!("{good}0"), &"08".repeat(16)] {
             let answer = sessions.login(wrong, Token::new([1; 16]));
             assert_eq!(answer.err(), Some(Refusal::Token), "{wrong}");
         }
-        assert_eq!(sessions.admit(Some(&"01".repeat(16))), Err(Refusal::Login));
+        let cookie = |byte| Token::new([byte; 16]).text();
+        assert_eq!(sessions.admit(Some(&cookie(1))), Err(Refusal::Login));
         assert!(sessions.login(&good, Token::new([1; 16])).is_ok());
-        assert_eq!(sessions.admit(Some(&"01".repeat(16))), Ok(()));
+        assert!(sessions.login(&LOOK.text(), Token::new([2; 16])).is_ok());
+        assert_eq!(sessions.admit(Some(&cookie(1))), Ok(Right::Operate));
+        assert_eq!(sessions.admit(Some(&cookie(2))), Ok(Right::Look));
         assert_eq!(sessions.admit(None), Err(Refusal::Login));
         assert_eq!(sessions.admit(Some("")), Err(Refusal::Login));
     }
 
     #[test]
+    fn where_nobody_operates_no_token_is_good_for_it() {
+        let mut sessions = sessions(None);
+        let answer = sessions.login(&OPERATE.text(), Token::new([1; 16]));
+        assert_eq!(answer.err(), Some(Refusal::Token));
+        assert!(sessions.login(&LOOK.text(), Token::new([1; 16])).is_ok());
+        let cookie = Token::new([1; 16]).text();
+        assert_eq!(sessions.admit(Some(&cookie)), Ok(Right::Look));
+    }
+
+    #[test]
     fn the_oldest_cookie_goes() {
-        let mut sessions = Sessions::new(Token::new([7; 16]));
-        let good = Token::new([7; 16]).text();
+        let mut sessions = sessions(Some(OPERATE));
+        let good = OPERATE.text();
         for number in 0..=COOKIES as u8 {
             assert!(sessions.login(&good, Token::new([number; 16])).is_ok());
         }
         let text = |number| Token::new([number; 16]).text();
         assert_eq!(sessions.admit(Some(&text(0))), Err(Refusal::Login));
-        assert_eq!(sessions.admit(Some(&text(1))), Ok(()));
-        assert_eq!(sessions.admit(Some(&text(COOKIES as u8))), Ok(()));
+        for kept in [1, COOKIES as u8] {
+            assert_eq!(sessions.admit(Some(&text(kept))), Ok(Right::Operate));
+        }
     }
 }

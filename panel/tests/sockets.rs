@@ -2,18 +2,42 @@
 
 use std::io::{Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpStream};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use leadscrew_panel::{CONNECTIONS, Feed, Refusal, STREAMS, Server, Token};
+use leadscrew_panel::{
+    CONNECTIONS, Feed, Jog, Machine, Order, Refusal, STREAMS, Server, Token, Tokens,
+};
 
 /// Nothing takes so long on any computer.
 const LIMIT: Duration = Duration::from_secs(60);
 const TOKEN: Token = Token::new([0xA5; 16]);
 
+const LOOK: Token = Token::new([0x5A; 16]);
+
+/// Notes what it is asked. What is told to wait waits for the gate.
+#[derive(Default)]
+struct Noted(Mutex<Vec<String>>, Mutex<()>);
+
+impl Machine for Noted {
+    fn order(&self, order: &Order) -> Option<String> {
+        self.0.lock().unwrap().push(order.op.clone());
+        if order.args == "wait" {
+            drop(self.1.lock().unwrap());
+        }
+        Some("{\"ok\":true}".into())
+    }
+
+    fn jog(&self, jog: &Jog) -> String {
+        self.0.lock().unwrap().push(format!("{:?}", jog.axes));
+        "{\"ok\":true}".into()
+    }
+}
+
 struct Bench {
     server: Server,
     feed: Arc<Feed>,
+    machine: Arc<Noted>,
 }
 
 impl Bench {
@@ -21,8 +45,18 @@ impl Bench {
         let feed = Arc::new(Feed::default());
         let listen = SocketAddr::from(([127, 0, 0, 1], 0));
         let names = ["panel.example".to_owned()];
-        let server = Server::start(listen, &names, TOKEN, Arc::clone(&feed)).unwrap();
-        Self { server, feed }
+        let tokens = Tokens {
+            look: LOOK,
+            operate: Some(TOKEN),
+        };
+        let machine = Arc::new(Noted::default());
+        let owned = Arc::clone(&machine);
+        let server = Server::start(listen, &names, tokens, Arc::clone(&feed), owned).unwrap();
+        Self {
+            server,
+            feed,
+            machine,
+        }
     }
 
     fn connect(&self) -> TcpStream {
@@ -31,13 +65,20 @@ impl Bench {
         stream
     }
 
-    /// All of the answer to these bytes.
+    /// All of the answer to these bytes; of a stream, which has no end, its head.
     fn ask(&self, bytes: &[u8]) -> String {
         let mut stream = self.connect();
         stream.write_all(bytes).unwrap();
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).unwrap();
-        String::from_utf8(answer).unwrap()
+        let (mut answer, mut part) = (Vec::new(), [0; 4096]);
+        loop {
+            let count = stream.read(&mut part).unwrap();
+            answer.extend_from_slice(&part[..count]);
+            let text = String::from_utf8_lossy(&answer);
+            let streams = text.contains("Content-Type: text/event-stream\r\n");
+            if count == 0 || streams && text.contains("\r\n\r\n") {
+                return text.into_owned();
+            }
+        }
     }
 
     /// A request with this server's name, and these headers.
@@ -61,10 +102,16 @@ impl Bench {
 
     /// What the page itself sends.
     fn post(&self, path: &str, body: &str) -> String {
+        self.post_as("X: y", path, body)
+    }
+
+    /// The same with a cookie.
+    fn post_as(&self, cookie: &str, path: &str, body: &str) -> String {
         let headers = [
             &self.origin(),
             "X-Leadscrew: 1",
             "Content-Type: application/json",
+            cookie,
         ];
         self.ask(
             self.request(&format!("POST {path} HTTP/1.1"), &headers, body)
@@ -73,7 +120,11 @@ impl Bench {
     }
 
     fn login(&self) -> String {
-        let answer = self.post("/login", &format!("{{\"token\":\"{}\"}}", TOKEN.text()));
+        self.login_with(TOKEN)
+    }
+
+    fn login_with(&self, token: Token) -> String {
+        let answer = self.post("/login", &format!("{{\"token\":\"{}\"}}", token.text()));
         assert!(answer.starts_with("HTTP/1.1 200 OK\r\n"), "{answer}");
         let set = answer
             .lines()
@@ -120,6 +171,7 @@ fn the_page_is_given_out_and_loads_nothing_from_elsewhere() {
         ("/", "text/html"),
         ("/?x", "text/html"),
         ("/panel.js", "text/javascript"),
+        ("/press.js", "text/javascript"),
         ("/show.js", "text/javascript"),
         ("/transport.js", "text/javascript"),
         ("/words.js", "text/javascript"),
@@ -190,6 +242,119 @@ fn who_is_not_this_page_is_refused() {
     refused(&bench.get("/login", &[]), Refusal::Method);
     refused(&bench.post("/", "{}"), Refusal::Method);
     refused(&bench.post("/state", "{}"), Refusal::Method);
+    for path in ["/order", "/jog", "/lease"] {
+        refused(&bench.get(path, &[]), Refusal::Method);
+    }
+}
+
+#[test]
+fn an_order_needs_a_link_to_operate_and_comes_from_this_page() {
+    let bench = Bench::new();
+    let (operates, looks) = (bench.login(), bench.login_with(LOOK));
+    let hold = "{\"c\":\"a\",\"n\":1,\"op\":\"hold\"}";
+    let start = "{\"c\":\"a\",\"n\":2,\"op\":\"start\"}";
+    let take = "{\"c\":\"a\",\"do\":\"take\"}";
+    let jog = "{\"c\":\"a\",\"press\":1,\"axes\":[1,0],\"rapid\":false,\"speed\":0,\"echo\":1}";
+    for (path, body) in [("/order", hold), ("/lease", take), ("/jog", jog)] {
+        refused(&bench.post(path, body), Refusal::Login);
+        refused(&bench.post_as(&looks, path, body), Refusal::Looks);
+        // Another page with the cookie of this one, and this page without what it sends.
+        let (own, mark, json) = (
+            bench.origin(),
+            "X-Leadscrew: 1",
+            "Content-Type: application/json",
+        );
+        let ask = |headers: &[&str]| {
+            let line = format!("POST {path} HTTP/1.1");
+            bench.ask(bench.request(&line, headers, body).as_bytes())
+        };
+        let foreign = "Origin: http://evil.example";
+        refused(&ask(&[foreign, mark, json, &operates]), Refusal::Origin);
+        refused(&ask(&[mark, json, &operates]), Refusal::Origin);
+        refused(&ask(&[&own, json, &operates]), Refusal::NotThePage);
+        refused(&ask(&[&own, mark, &operates]), Refusal::NotThePage);
+        refused(&bench.post_as(&operates, path, "{"), Refusal::Malformed);
+    }
+    assert!(bench.machine.0.lock().unwrap().is_empty());
+    let good = |path: &str, body: &str| {
+        let answer = bench.post_as(&operates, path, body);
+        assert!(answer.starts_with("HTTP/1.1 200 OK\r\n"), "{answer}");
+    };
+    good("/order", hold);
+    refused(
+        &bench.post_as(&operates, "/order", start),
+        Refusal::NotOperating,
+    );
+    good("/lease", take);
+    good("/jog", jog);
+    good("/order", hold);
+    good("/order", &start.replace('2', "3"));
+    refused(&bench.post_as(&operates, "/order", start), Refusal::Older);
+    assert_eq!(
+        *bench.machine.0.lock().unwrap(),
+        ["hold", "[1, 0]", "start"]
+    );
+}
+
+#[test]
+fn hold_and_stop_come_through_where_all_connections_are_taken_and_nothing_else_does() {
+    let bench = Bench::new();
+    let cookie = bench.login();
+    let orders = || bench.machine.0.lock().unwrap().len();
+    // Holds that are not answered yet take all seats, for as long as this test wants.
+    let gate = bench.machine.1.lock().unwrap();
+    let line = "POST /order HTTP/1.1";
+    let headers = [
+        &*bench.origin(),
+        "X-Leadscrew: 1",
+        "Content-Type: application/json",
+        &cookie,
+    ];
+    let waiting: Vec<_> = (0..CONNECTIONS)
+        .map(|number| {
+            let body = format!("{{\"c\":\"{number}\",\"n\":1,\"op\":\"hold\",\"args\":\"wait\"}}");
+            let mut stream = bench.connect();
+            let request = bench.request(line, &headers, &body);
+            stream.write_all(request.as_bytes()).unwrap();
+            stream
+        })
+        .collect();
+    while orders() < CONNECTIONS {
+        std::thread::yield_now();
+    }
+    // And far more are opened that say nothing.
+    let open: Vec<_> = (0..CONNECTIONS).map(|_| bench.connect()).collect();
+    for (number, op) in ["hold", "stop", "hold"].into_iter().enumerate() {
+        let number = number + 1;
+        let body = format!("{{\"c\":\"a\",\"n\":{number},\"op\":\"{op}\"}}");
+        let answer = bench.post_as(&cookie, "/order", &body);
+        assert!(answer.starts_with("HTTP/1.1 200 OK\r\n"), "{answer}");
+    }
+    let start = "{\"c\":\"a\",\"n\":9,\"op\":\"start\"}";
+    refused(&bench.post_as(&cookie, "/order", start), Refusal::Busy);
+    refused(&bench.get("/", &[]), Refusal::Busy);
+    let hold = "{\"c\":\"a\",\"n\":8,\"op\":\"hold\"}";
+    refused(&bench.post("/order", hold), Refusal::Busy);
+    assert_eq!(
+        bench.machine.0.lock().unwrap()[CONNECTIONS..],
+        ["hold", "stop", "hold"]
+    );
+    drop((gate, waiting, open));
+}
+
+#[test]
+fn all_are_told_who_operates() {
+    let bench = Bench::new();
+    let cookie = bench.login();
+    bench.server.attend();
+    let mut stream = bench.watch(&cookie);
+    let told =
+        |number: &str| format!("event: lease\ndata: {{\"notice_s\":null,\"number\":{number}}}\n\n");
+    assert_eq!(until(&mut stream, "\n\n"), told("null"));
+    bench.post_as(&cookie, "/lease", "{\"c\":\"a\",\"do\":\"take\"}");
+    assert_eq!(until(&mut stream, "\n\n"), told("1"));
+    bench.post_as(&cookie, "/lease", "{\"c\":\"a\",\"do\":\"give\"}");
+    assert_eq!(until(&mut stream, "\n\n"), told("null"));
 }
 
 #[test]
@@ -360,6 +525,7 @@ fn the_whole_page_is_small() {
     let files = [
         "/",
         "/panel.js",
+        "/press.js",
         "/show.js",
         "/transport.js",
         "/words.js",

@@ -42,7 +42,7 @@ pub fn write() -> Result<()> {
     Ok(())
 }
 
-/// Opens the page in headless Chromium.
+/// Opens the page in headless Chromium, and that of `leadscrew panel`.
 pub fn check() -> Result<()> {
     setup::tools(&[setup::BROWSER])?;
     write()?;
@@ -52,7 +52,10 @@ pub fn check() -> Result<()> {
     run::show(run::cargo(
         &run::root(),
         &[&test[..], &which, &more].concat(),
-    ))
+    ))?;
+    let test = ["test", "--quiet", "--package", "leadscrew"];
+    let which = ["--features", "browser", "--test", "desk", "page::browser::"];
+    run::show(run::cargo(&run::root(), &[&test[..], &which].concat()))
 }
 
 /// Where it is written.

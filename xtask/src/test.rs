@@ -114,7 +114,8 @@ fn clippy() -> Result<()> {
         let args = [&["clippy", "--quiet"], what, &["--", "-D", "warnings"]].concat();
         run::show(run::cargo(dir, &args))
     };
-    let of_features = "leadscrew-tests/vcan,leadscrew-tests/emulated,leadscrew-web/browser";
+    let of_features =
+        "leadscrew-tests/vcan,leadscrew-tests/emulated,leadscrew-web/browser,leadscrew/browser";
     check(
         &run::root(),
         &["--workspace", "--all-targets", "--features", of_features],

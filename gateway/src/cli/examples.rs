@@ -160,7 +160,8 @@ Examples:
 
 pub(super) const PANEL: &str = "\
 Examples:
-  leadscrew panel --bus can0                          open the link that it prints
+  leadscrew panel --bus can0                          open a link that it prints
+  leadscrew panel --bus can0 --look                   nobody operates by it
   leadscrew panel --bus can0 --listen 127.0.0.1:0     at a port that is free
   leadscrew panel --bus can0 --host lathe.example     behind a proxy: https://lathe.example";
 

@@ -100,9 +100,11 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Down { name } => desk::down(&cli.global, name.as_ref()),
         Command::Sim { name, command } => desk::sim(&cli.global, name.as_ref(), *command),
         Command::Monitor { watch } if is_real(cli) => board::monitor(&cli.global, *watch),
-        Command::Panel { listen, hosts } if is_real(cli) => {
-            board::panel(&cli.global, *listen, hosts)
-        }
+        Command::Panel {
+            listen,
+            hosts,
+            look,
+        } if is_real(cli) => board::panel(&cli.global, *listen, hosts, *look),
         Command::Agent(args) if is_real(cli) => board::agent(&cli.global, args),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
         Command::Resume if is_real(cli) => board::resume(&cli.global),

@@ -10,6 +10,7 @@ use leadscrew_core::operating::{PressState, Towards};
 
 use crate::cli::AxisWay;
 use crate::link::Seen;
+use crate::words::{Both, both};
 
 /// A press is renewed so often: with the beat of up to 10 ms before, well within the dead man's 100 ms.
 const RENEWAL: Duration = Duration::from_millis(20);
@@ -33,6 +34,35 @@ pub enum End {
     Refused,
     /// The board has not answered.
     Unanswered,
+}
+
+impl End {
+    /// The same in words; `None`: the board says why.
+    #[must_use]
+    pub fn words(self) -> Option<Both> {
+        Some(match self {
+            Self::Refused => return None,
+            Self::Limit => both!("at the limit of the travel or a zone", "已到行程极限或禁区"),
+            Self::Broken => broken(),
+            Self::Untold => both!(
+                "the terminal has told no more that the key is held: press it again",
+                "终端不再报告按键按住：请重新按下"
+            ),
+            Self::Unanswered => both!(
+                "the board does not answer to a press (RPDO2, RPDO3, TPDO5)",
+                "控制板对手动请求没有应答（RPDO2、RPDO3、TPDO5）"
+            ),
+        })
+    }
+}
+
+/// A press that the board has ended, or has not begun, for a reason that it does not tell.
+#[must_use]
+pub fn broken() -> Both {
+    both!(
+        "the board has ended the motion: a feed hold, another order, or frames that came too late (9040)",
+        "控制板结束了移动：进给保持、其他指令，或报文到达过晚（9040）"
+    )
 }
 
 /// What is asked.
@@ -95,6 +125,12 @@ impl Hand {
                 ..
             })
         )
+    }
+
+    /// Nothing is pressed, and no step is under way.
+    #[must_use]
+    pub const fn is_idle(&self) -> bool {
+        self.active.is_none()
     }
 
     /// Begins a press.

@@ -207,10 +207,7 @@ pub fn refusal(wish: Wish, now: Situation) -> Option<Both> {
             | Wish::Line
     );
     if acts && now.old {
-        return Some(both!(
-            "what the board says is old: nothing is ordered by it; hold and stop are sent all the same",
-            "控制板数据已过时：不据此下达指令；保持与停止仍会发送"
-        ));
+        return Some(old());
     }
     match wish {
         Wish::Arrow(..) => arrow(now),
@@ -220,6 +217,15 @@ pub fn refusal(wish: Wish, now: Situation) -> Option<Both> {
         Wish::Line => by_mode(now, &[OperatingMode::Mdi]),
         _ => None,
     }
+}
+
+/// What is known of the machine is older than what may be ordered by.
+#[must_use]
+pub fn old() -> Both {
+    both!(
+        "what the board says is old: nothing is ordered by it; hold and stop are sent all the same",
+        "控制板数据已过时：不据此下达指令；保持与停止仍会发送"
+    )
 }
 
 /// The same of an arrow.

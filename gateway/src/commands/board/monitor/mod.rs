@@ -10,13 +10,14 @@
 //! The panel has its turn wherever the link waits ([`Link::meanwhile`]): no transfer delays a hold or a release.
 
 mod draw;
-mod hand;
-mod keys;
-mod orders;
+pub(super) mod hand;
+pub(super) mod homing;
+pub(super) mod keys;
+pub(super) mod orders;
 mod panel;
 mod terminal;
 pub(super) mod told;
-mod typed;
+pub(super) mod typed;
 pub(super) mod view;
 pub(super) mod zeros;
 
@@ -281,12 +282,12 @@ impl<'a> Session<'a> {
                     match self.tolerate(read)? {
                         Some(Some(reason)) => self.answer(&alarm_words(&reason), Tone::Care),
                         Some(None) if ask == Ask::NoPress => {
-                            self.answer(&panel::broken(), Tone::Care);
+                            self.answer(&hand::broken(), Tone::Care);
                         }
                         _ => {}
                     }
                 }
-                Ask::Line(line) => match Typed::begin(self.global, &line) {
+                Ask::Line(line) => match Typed::begin(self.global, &line, self.global.lang()) {
                     Ok(typed) => {
                         self.typed = Some(typed);
                         let words = both!("under way: {line}", "正在执行：{line}");

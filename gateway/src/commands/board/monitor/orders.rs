@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use leadscrew_core::bus::{Beat, BoardCommand, Frame, NodeId, Order};
 
 use crate::link::Seen;
+use crate::words::{Both, both};
 
 /// An order is repeated after this time.
 const REPEAT: Duration = Duration::from_millis(20);
@@ -24,6 +25,33 @@ pub enum Outcome {
     Overtaken(Order),
     /// The board has not confirmed it.
     Unconfirmed(Order),
+}
+
+impl Outcome {
+    /// What is wrong with it, in words.
+    #[must_use]
+    pub fn words(self) -> Option<Both> {
+        match self {
+            Self::Taken(_) => None,
+            Self::Overtaken(_) => Some(both!(
+                "somebody else has ordered at the same time: look, then give it again",
+                "其他操作者同时下达了指令：请查看后再次下达"
+            )),
+            Self::Unconfirmed(_) => Some(both!(
+                "the board has not confirmed the order",
+                "控制板未确认该指令"
+            )),
+        }
+    }
+}
+
+/// An order that is not given, because another waits for its confirmation.
+#[must_use]
+pub fn on_its_way() -> Both {
+    both!(
+        "the order before is still on its way: give it again",
+        "上一条指令尚未送达：请再次下达"
+    )
 }
 
 #[derive(Clone, Copy, Debug)]

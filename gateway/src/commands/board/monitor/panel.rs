@@ -8,26 +8,23 @@ mod words;
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::bus::{Beat, BoardCommand, BoardState, Frame, NmtState, NodeId, Order};
+use leadscrew_core::bus::{Beat, BoardCommand, BoardState, Frame, NodeId, Order};
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::Axes;
 use ratatui::crossterm::event::{Event as Input, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
-use super::hand::{End, Hand};
+use super::hand::Hand;
+use super::homing::Homing;
 use super::keys::{self, INCREMENTS, Situation, Speed, Wish};
-use super::orders::{Orders, Outcome};
+use super::orders::{self, Orders, Outcome};
 use super::view::{OLD, Row, Tone};
 use crate::cli::{AxisWay, OverrideName, StepLength};
 use crate::link::Seen;
-use crate::words::{Both, both};
+use crate::words::Both;
 
-pub use words::{broken, help};
+pub use words::help;
 
-/// The heartbeat of this side while axes find their references: the board stops the search without it.
-const HEARTBEAT: Duration = Duration::from_millis(200);
-/// The search has begun by then.
-const BEGINS: Duration = Duration::from_millis(500);
 /// An override is counted from the last one that was sent within this time: the board's own comes later.
 const JUST_SENT: Duration = Duration::from_millis(600);
 /// Enter that comes sooner behind another key is none: text that is pasted into a terminal which does not say so comes as
@@ -88,8 +85,7 @@ pub struct Panel {
     increment: StepLength,
     /// Overrides as they were sent last: feed, rapid, spindle.
     sent: [Option<(u8, Instant)>; 3],
-    /// Since when references are being found, and the next heartbeat.
-    homing: Option<(Instant, Instant)>,
+    homing: Homing,
     asks: Vec<Ask>,
     /// When the last key was pressed.
     last_key: Option<Instant>,
@@ -114,7 +110,7 @@ impl Panel {
             answer: Row::default(),
             increment,
             sent: [None; 3],
-            homing: None,
+            homing: Homing::default(),
             asks: Vec::new(),
             last_key: None,
             quit: false,
@@ -333,7 +329,7 @@ impl Panel {
             Wish::Reset => self.order(Order::Reset, seen, now),
             Wish::Start => self.order(Order::Run, seen, now),
             Wish::Home => {
-                self.homing = Some((now, now));
+                self.homing.begin(now);
                 self.order(Order::Home(Axes::NONE), seen, now);
             }
             _ => {}
@@ -342,11 +338,7 @@ impl Panel {
 
     fn order(&mut self, order: Order, seen: &Seen, now: Instant) {
         if !self.orders.give(order, seen, now) {
-            let words = both!(
-                "the order before is still on its way: give it again",
-                "上一条指令尚未送达：请再次下达"
-            );
-            self.answer(&words, Tone::Care);
+            self.answer(&orders::on_its_way(), Tone::Care);
         }
     }
 
@@ -401,18 +393,7 @@ impl Panel {
         self.hear(seen, now);
         let mut frames = Vec::new();
         let status = seen.status.unwrap_or_default();
-        if let Some((begun, next)) = self.homing {
-            let works = matches!(
-                status.state,
-                BoardState::Run | BoardState::Hold | BoardState::Stopping | BoardState::Starting
-            );
-            if !works && now > begun + BEGINS {
-                self.homing = None;
-            } else if now >= next {
-                self.homing = Some((begun, now + HEARTBEAT));
-                frames.push(NmtState::Operational.frame(NodeId::GATEWAY));
-            }
-        }
+        frames.extend(self.homing.frame(status.state, now));
         let asked = self.asked.map(|(beat, _)| beat);
         let beat = seen.beat.map(|told| told.beat).or(asked);
         frames.extend(self.orders.frame(seen, beat, now));
@@ -425,37 +406,23 @@ impl Panel {
     fn tell_ends(&mut self) {
         match self.orders.outcome() {
             Some(Outcome::Taken(order)) if order.needs_echo() => self.asks.push(Ask::Refusal),
-            Some(Outcome::Taken(_)) | None => {}
-            Some(Outcome::Overtaken(_)) => {
-                let words = both!(
-                    "somebody else has ordered at the same time: look, then give it again",
-                    "其他操作者同时下达了指令：请查看后再次下达"
-                );
-                self.answer(&words, Tone::Care);
+            Some(outcome) => {
+                let tone = match outcome {
+                    Outcome::Unconfirmed(_) => Tone::Bad,
+                    Outcome::Taken(_) | Outcome::Overtaken(_) => Tone::Care,
+                };
+                if let Some(words) = outcome.words() {
+                    self.answer(&words, tone);
+                }
             }
-            Some(Outcome::Unconfirmed(_)) => {
-                let words = both!(
-                    "the board has not confirmed the order",
-                    "控制板未确认该指令"
-                );
-                self.answer(&words, Tone::Bad);
+            None => {}
+        }
+        if let Some(end) = self.hand.ended() {
+            match end.words() {
+                Some(words) => self.answer(&words, Tone::Care),
+                None => self.asks.push(Ask::NoPress),
             }
         }
-        let words = match self.hand.ended() {
-            None => return,
-            Some(End::Refused) => return self.asks.push(Ask::NoPress),
-            Some(End::Limit) => both!("at the limit of the travel or a zone", "已到行程极限或禁区"),
-            Some(End::Broken) => broken(),
-            Some(End::Untold) => both!(
-                "the terminal has told no more that the key is held: press it again",
-                "终端不再报告按键按住：请重新按下"
-            ),
-            Some(End::Unanswered) => both!(
-                "the board does not answer to a press (RPDO2, RPDO3, TPDO5)",
-                "控制板对手动请求没有应答（RPDO2、RPDO3、TPDO5）"
-            ),
-        };
-        self.answer(&words, Tone::Care);
     }
 }
 

@@ -5,6 +5,7 @@
 use std::process::{Command, Output, Stdio};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
+use leadscrew_core::alarm::Lang;
 use serde_json::Value;
 
 use super::view::Tone;
@@ -21,12 +22,12 @@ pub struct Typed {
 pub type Answer = (Both, Tone);
 
 impl Typed {
-    /// Begins a line.
-    pub fn begin(global: &Global, line: &str) -> std::io::Result<Self> {
+    /// Begins a line; the answer is in this language.
+    pub fn begin(global: &Global, line: &str, lang: Lang) -> std::io::Result<Self> {
         let mut command = Command::new(std::env::current_exe()?);
         command
             .args(["mdi", "--json", "--bus", &global.bus.to_string()])
-            .args(["--lang", pick(global.lang(), "en", "zh")]);
+            .args(["--lang", pick(lang, "en", "zh")]);
         if let Some(node) = global.node {
             command.args(["--node", &node.to_string()]);
         }

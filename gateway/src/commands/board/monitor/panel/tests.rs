@@ -2,7 +2,7 @@
 
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
-use leadscrew_core::bus::{JogRequest, NmtCommand, StepRequest};
+use leadscrew_core::bus::{JogRequest, NmtCommand, NmtState, StepRequest};
 use leadscrew_core::call::Position;
 use leadscrew_core::operating::PressState;
 use leadscrew_core::params::Params;

@@ -78,15 +78,6 @@ impl Panel {
     }
 }
 
-/// A press that the board has ended, or has not begun, for a reason that it does not tell.
-#[must_use]
-pub fn broken() -> Both {
-    both!(
-        "the board has ended the motion: a feed hold, another order, or frames that came too late (9040)",
-        "控制板结束了移动：进给保持、其他指令，或报文到达过晚（9040）"
-    )
-}
-
 /// The page of help.
 #[must_use]
 pub fn help(lang: Lang) -> Vec<Row> {

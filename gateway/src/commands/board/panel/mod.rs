@@ -1,6 +1,10 @@
 //! `panel`: the page at the machine. This is its side of the bus: it reads the board, and tells the page's server.
 //!
-//! It orders nothing, and must not know who watches: sockets, tokens and refusals are those of `leadscrew_panel`.
+//! What pages order goes by the [desk](Desk), which has its turn wherever the link waits. This must not know who watches or
+//! orders: sockets, tokens and refusals are those of `leadscrew_panel`.
+
+mod desk;
+mod wish;
 
 use std::collections::VecDeque;
 use std::io::{self, Write as _};
@@ -8,82 +12,114 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use leadscrew_core::alarm::Lang;
-use leadscrew_core::bus::BoardStatus;
+use leadscrew_core::alarm::{Alarm, Code, Lang};
+use leadscrew_core::board::device::objects::BEAT;
+use leadscrew_core::bus::{Beat, BoardStatus};
 use leadscrew_core::link::{Logged, Status};
 use leadscrew_core::units::Length;
-use leadscrew_panel::{Feed, Server, Token, fresh_token};
+use leadscrew_panel::{Feed, Server, Token, Tokens, fresh_token};
 
+use self::desk::{Desk, Line};
+use super::monitor::hand::broken;
 use super::monitor::told::{Told, of_alarm, told};
+use super::monitor::typed::{self, Typed};
 use super::monitor::view::Tone;
 use super::watch::{Every, LOG, STATUS, Watch};
 use super::{mdi, names, open, state_name};
 use crate::cli::Global;
+use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
 use crate::json::Json;
 use crate::link::{Link, LinkResult};
 use crate::output;
 use crate::place::SourceLine;
-use crate::words::both;
+use crate::words::{Both, both};
 
 /// Between two messages of state: 30 Hz.
 const PERIOD: Duration = Duration::from_millis(33);
 /// Messages of the log that are kept for the page.
 const KEPT: usize = 60;
 
-/// Gives out the page until it is interrupted.
-pub fn panel(global: &Global, listen: SocketAddr, hosts: &[String]) -> Outcome {
+/// Gives out the page until it is interrupted; with `look` nobody orders by it.
+pub fn panel(global: &Global, listen: SocketAddr, hosts: &[String], look: bool) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
-    let token = fresh_token().map_err(|error| {
+    let tokens = Tokens {
+        look: token()?,
+        operate: if look { None } else { Some(token()?) },
+    };
+    let feed = Arc::new(Feed::default());
+    let desk = Arc::new(Desk::new(link.node()));
+    let turns = Arc::clone(&desk);
+    link.meanwhile(move |seen, now| turns.turn(seen, now));
+    let machine = Arc::clone(&desk);
+    let server =
+        Server::start(listen, hosts, tokens, Arc::clone(&feed), machine).map_err(|error| {
+            Failure::Usage(both!(
+                "cannot listen at {listen}: {error}; choose another address with --listen",
+                "无法监听 {listen}：{error}；请用 --listen 选择其他地址"
+            ))
+        })?;
+    interrupt::defer(UnderWay::Computed);
+    tell_links(global, server.address, hosts, tokens)?;
+    Side::new(global, link, feed, desk)?.carry_out(&server)
+}
+
+fn token() -> Outcome<Token> {
+    fresh_token().map_err(|error| {
         Failure::Usage(both!(
             "this computer gives no random numbers for a token: {error}; look at /dev/urandom",
             "本机无法提供生成令牌所需的随机数：{error}；请检查 /dev/urandom"
         ))
-    })?;
-    let feed = Arc::new(Feed::default());
-    let server = Server::start(listen, hosts, token, Arc::clone(&feed)).map_err(|error| {
-        Failure::Usage(both!(
-            "cannot listen at {listen}: {error}; choose another address with --listen",
-            "无法监听 {listen}：{error}；请用 --listen 选择其他地址"
-        ))
-    })?;
-    interrupt::defer(UnderWay::Computed);
-    tell_links(global, server.address, hosts, token)?;
-    Side::new(global, link, feed)?.carry_out()
+    })
 }
 
 /// The links to open.
-fn tell_links(global: &Global, address: SocketAddr, hosts: &[String], token: Token) -> Outcome {
+fn tell_links(global: &Global, address: SocketAddr, hosts: &[String], tokens: Tokens) -> Outcome {
     if !address.ip().is_loopback() {
         let text = both!(
-            "warning: the page goes over the network without TLS, and its token with it; listen at 127.0.0.1 behind a proxy\n",
-            "警告：页面及其令牌未经 TLS 在网络上传输；请监听 127.0.0.1 并使用代理\n"
+            "warning: the page goes over the network without TLS, and its tokens with it: who reads them operates the machine; \
+             listen at 127.0.0.1 behind a proxy\n",
+            "警告：页面及其令牌未经 TLS 在网络上传输，截获者即可操作机床；请监听 127.0.0.1 并使用代理\n"
         );
         // Who reads the links by program is warned too.
         let _ = io::stderr().write_all(text.get(global.lang()).as_bytes());
     }
-    let token = token.text();
-    let here = std::iter::once(format!("http://{address}/#{token}"));
-    let links: Vec<String> = here
-        .chain(hosts.iter().map(|host| format!("https://{host}/#{token}")))
-        .collect();
+    let links = |token: Token| -> Vec<String> {
+        let token = token.text();
+        let here = std::iter::once(format!("http://{address}/#{token}"));
+        here.chain(hosts.iter().map(|host| format!("https://{host}/#{token}")))
+            .collect()
+    };
+    let looks = links(tokens.look);
+    let operates = tokens.operate.map(links).unwrap_or_default();
     if global.json {
         return output::json(|json| {
             json.flag("ok", true);
-            json.array_at("links", |json| {
-                links.iter().for_each(|link| json.text_item(link))
-            });
+            for (key, links) in [("links", &operates), ("look", &looks)] {
+                json.array_at(key, |json| {
+                    links.iter().for_each(|link| json.text_item(link))
+                });
+            }
         });
     }
-    let list = links.join("\n");
-    let text = both!(
-        "the panel is at\n{list}\nWho has the link sees the machine; Ctrl-C ends it.\n",
-        "面板地址：\n{list}\n持有该链接者可以查看机床；按 Ctrl-C 结束。\n"
+    let mut text = Both::default();
+    if !operates.is_empty() {
+        text = both!(
+            "who has this link operates the machine:\n{list}\n",
+            "持有此链接者可以操作机床：\n{list}\n",
+            list = operates.join("\n")
+        );
+    }
+    let looks = both!(
+        "who has this one sees it, and orders nothing:\n{list}\nCtrl-C ends the panel; a program goes on.\n",
+        "持有此链接者只能查看：\n{list}\n按 Ctrl-C 结束面板，程序继续运行。\n",
+        list = looks.join("\n")
     );
-    output::write(text.get(global.lang()).as_bytes())
+    let text = text.get(global.lang()).to_owned() + looks.get(global.lang());
+    output::write(text.as_bytes())
 }
 
 /// The side of the bus at work.
@@ -91,6 +127,8 @@ struct Side<'a> {
     global: &'a Global,
     link: Link,
     feed: Arc<Feed>,
+    desk: Arc<Desk>,
+    typed: Option<Typed>,
     watch: Watch,
     record: Option<(Status, Instant)>,
     /// The number of the last status, and when it came.
@@ -100,7 +138,7 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn new(global: &'a Global, mut link: Link, feed: Arc<Feed>) -> Outcome<Self> {
+    fn new(global: &'a Global, mut link: Link, feed: Arc<Feed>, desk: Arc<Desk>) -> Outcome<Self> {
         let watch = Watch::new(&mut link)?;
         feed.tell(
             "hello",
@@ -114,6 +152,8 @@ impl<'a> Side<'a> {
             status: (link.seen.statuses, Instant::now()),
             link,
             feed,
+            desk,
+            typed: None,
             watch,
             record: None,
             messages: VecDeque::new(),
@@ -128,7 +168,7 @@ impl<'a> Side<'a> {
         Ok(read.ok())
     }
 
-    fn carry_out(mut self) -> Outcome {
+    fn carry_out(mut self, server: &Server) -> Outcome {
         let (mut status, mut log) = (Every::new(STATUS), Every::new(LOG));
         loop {
             let now = Instant::now();
@@ -140,14 +180,75 @@ impl<'a> Side<'a> {
                 if let Some(status) = self.tolerate(read)? {
                     self.record = Some((status, Instant::now()));
                 }
+                self.ask_beat()?;
             }
             self.tell_state()?;
+            server.attend();
             self.link.listen(Instant::now() + PERIOD, &mut |_| false)?;
             self.watch.attend(&mut self.link)?;
+            self.do_asked()?;
             if interrupt::requested() {
                 return Ok(());
             }
         }
+    }
+
+    /// A board above node 31 sends no beat.
+    fn ask_beat(&mut self) -> Outcome {
+        if self.link.seen.beat.is_some() {
+            return Ok(());
+        }
+        let read = self.link.read_number(BEAT);
+        let beat = self.tolerate(read)?;
+        let read = self.link.mode();
+        let mode = self.tolerate(read)?;
+        if let (Some(beat), Some(mode)) = (beat, mode) {
+            self.desk.note_asked(Beat::new(beat as u16), mode);
+        }
+        Ok(())
+    }
+
+    /// Answers what only a bus that answers knows, and carries out typed lines.
+    fn do_asked(&mut self) -> Outcome {
+        let asks = self.desk.asks();
+        for ticket in asks.reasons {
+            let done = match self.link.refusal() {
+                Ok(None) => Ok(()),
+                Ok(Some(reason)) => Err(alarm_words(&reason)),
+                Err(trouble) => {
+                    self.link.check_alive()?;
+                    Err(Failure::from(trouble).words().unwrap_or_else(broken))
+                }
+            };
+            self.desk.answer(ticket, done);
+        }
+        for Line { ticket, text, zh } in asks.lines {
+            if self.typed.is_some() {
+                let alarm = Alarm::of(Code::ProgramUnderWay, &[]);
+                self.desk.answer(ticket, Err(alarm_words(&alarm)));
+                continue;
+            }
+            let lang = if zh { Lang::Zh } else { Lang::En };
+            match Typed::begin(self.global, &text, lang) {
+                Ok(typed) => {
+                    self.typed = Some(typed);
+                    self.desk.answer(ticket, Ok(()));
+                }
+                Err(error) => self.desk.answer(ticket, Err(typed::not_begun(&error).0)),
+            }
+        }
+        // A line may take long: who has typed it is told of its end as everybody else is.
+        if let Some((words, tone)) = self.typed.as_ref().and_then(Typed::answer) {
+            self.typed = None;
+            let text = object(|json| {
+                json.flag("ok", tone == Tone::Good);
+                json.text("en", &words.en);
+                json.text("zh", &words.zh);
+            });
+            self.feed.tell("line", text);
+        }
+        self.desk.note_typed(self.typed.is_some());
+        Ok(())
     }
 
     fn read_log(&mut self) -> Outcome {
@@ -193,6 +294,7 @@ impl<'a> Side<'a> {
                 Some(mode) => json.text("mode", mode.name()),
                 None => json.null("mode"),
             }
+            self.desk.beat(json);
             levels(json, &record, &status);
             match zero {
                 Some(zero) => {

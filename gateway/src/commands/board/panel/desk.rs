@@ -1,0 +1,440 @@
+//! What pages order, between the server's threads and the bus.
+//!
+//! ```text
+//! server's threads ─ order, jog ─► desk ─► turn ─► frames, wherever the link waits
+//!                  ◄─── answer ───  │ └─ asks ───► the panel's own thread: why an order was refused, lines that are typed
+//! ```
+//!
+//! Time and what was heard are arguments of [`Desk::turn`]; nothing here waits for the bus. So no transfer and no page
+//! delays a hold. What the machine lets in is judged on the board. This file must not know who orders.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use leadscrew_core::bus::{Beat, BoardStatus, Frame, JogRequest, NodeId, Order};
+use leadscrew_core::operating::{OperatingMode, PressState, Towards};
+use leadscrew_panel::{Jog, Machine};
+
+use super::super::by_hand;
+use super::super::monitor::hand::Hand;
+use super::super::monitor::homing::Homing;
+use super::super::monitor::keys::{self, Situation, Speed};
+use super::super::monitor::orders::{self, Orders};
+use super::super::monitor::view::OLD;
+use super::wish::Wish;
+use crate::cli::AxisWay;
+use crate::json::Json;
+use crate::link::Seen;
+use crate::words::{Both, both};
+
+/// An answer has come within this time: the board has confirmed, and said why not.
+const ANSWERED: Duration = Duration::from_secs(10);
+/// Frames of presses that wait for the next turn, which comes within milliseconds.
+const FRAMES: usize = 8;
+
+/// What became of an order: done, or why not.
+pub type Done = Result<(), Both>;
+
+/// One order, and the beat that its page has seen.
+struct Asked {
+    ticket: u64,
+    wish: Wish,
+    echo: Option<Beat>,
+}
+
+/// A line to be carried out, and whether its answer is to be Chinese.
+pub struct Line {
+    /// Answers whether it has begun.
+    pub ticket: u64,
+    /// The line.
+    pub text: String,
+    /// The answer is Chinese.
+    pub zh: bool,
+}
+
+/// What the panel's own thread is asked.
+#[derive(Default)]
+pub struct Asks {
+    /// Orders of which the board has to say whether it has refused them.
+    pub reasons: Vec<u64>,
+    /// Lines.
+    pub lines: Vec<Line>,
+}
+
+struct Shared {
+    waiting: VecDeque<Asked>,
+    orders: Orders,
+    /// Those that the order on its way answers, and the beat that it shows.
+    ordered: Option<(Order, Vec<u64>, Option<Beat>)>,
+    hand: Hand,
+    step: Option<u64>,
+    homing: Homing,
+    presses: VecDeque<Frame>,
+    asks: Asks,
+    done: BTreeMap<u64, Done>,
+    tickets: u64,
+    /// The number of statuses heard, and when the last one came.
+    statuses: (u64, Option<Instant>),
+    /// The newest of what was heard.
+    told: Told,
+    /// A typed line is being carried out.
+    typed: bool,
+}
+
+/// What a page is told in answer to a frame of a press.
+#[derive(Clone, Copy, Default)]
+struct Told {
+    beat: Option<Beat>,
+    mode: Option<OperatingMode>,
+    /// Of this side's last press.
+    press: Option<(u8, PressState)>,
+    status: BoardStatus,
+    beats: bool,
+}
+
+/// Takes the orders of pages.
+pub struct Desk {
+    node: NodeId,
+    session: u8,
+    shared: Mutex<Shared>,
+    news: Condvar,
+}
+
+impl Desk {
+    /// Nothing is ordered.
+    pub fn new(node: NodeId) -> Self {
+        let session = by_hand::session();
+        Self {
+            node,
+            session,
+            shared: Mutex::new(Shared {
+                waiting: VecDeque::new(),
+                orders: Orders::new(node),
+                ordered: None,
+                hand: Hand::new(node, session),
+                step: None,
+                homing: Homing::default(),
+                presses: VecDeque::new(),
+                asks: Asks::default(),
+                done: BTreeMap::new(),
+                tickets: 0,
+                statuses: (0, None),
+                told: Told::default(),
+                typed: false,
+            }),
+            news: Condvar::new(),
+        }
+    }
+
+    fn shared(&self) -> MutexGuard<'_, Shared> {
+        // What a panic has left is asked again by a person; the board moves nothing by it.
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Has what pages have ordered act, and gives the frames that follow.
+    pub fn turn(&self, seen: &Seen, now: Instant) -> Vec<Frame> {
+        let mut shared = self.shared();
+        shared.hear(seen, self.session, now);
+        while let Some(asked) = shared.waiting.pop_front() {
+            shared.begin(asked, seen, now);
+        }
+        let status = seen.status.unwrap_or_default();
+        let mut frames: Vec<Frame> = shared.homing.frame(status.state, now).into_iter().collect();
+        let echo = shared.ordered.as_ref().and_then(|(.., echo)| *echo);
+        frames.extend(shared.orders.frame(seen, echo, now));
+        frames.extend(shared.hand.frame(seen, now));
+        frames.extend(shared.presses.drain(..));
+        shared.end();
+        drop(shared);
+        self.news.notify_all();
+        frames
+    }
+
+    /// What the panel's own thread is asked; each once.
+    pub fn asks(&self) -> Asks {
+        std::mem::take(&mut self.shared().asks)
+    }
+
+    /// Answers one of those.
+    pub fn answer(&self, ticket: u64, done: Done) {
+        self.shared().done.insert(ticket, done);
+        self.news.notify_all();
+    }
+
+    /// A typed line is being carried out, or none.
+    pub fn note_typed(&self, typed: bool) {
+        self.shared().typed = typed;
+    }
+
+    /// Takes what a board that sends no beat was asked.
+    pub fn note_asked(&self, beat: Beat, mode: OperatingMode) {
+        let told = &mut self.shared().told;
+        told.beat = Some(beat);
+        told.mode = Some(mode);
+    }
+
+    /// The newest beat, and this side's last press.
+    pub fn beat(&self, json: &mut Json) {
+        self.shared().told.fields(json);
+    }
+
+    fn order_wish(&self, wish: Wish, echo: Option<Beat>) -> Done {
+        let mut shared = self.shared();
+        shared.tickets += 1;
+        let ticket = shared.tickets;
+        let asked = Asked { ticket, wish, echo };
+        // Hold and stop are not behind what others have ordered in the same moment.
+        if asked.wish.halts() {
+            shared.waiting.push_front(asked);
+        } else {
+            shared.waiting.push_back(asked);
+        }
+        let unanswered = |shared: &mut Shared| !shared.done.contains_key(&ticket);
+        let (mut shared, _) = self
+            .news
+            .wait_timeout_while(shared, ANSWERED, unanswered)
+            .unwrap_or_else(PoisonError::into_inner);
+        // What is not begun yet must not begin when nobody waits for it any more.
+        shared.waiting.retain(|asked| asked.ticket != ticket);
+        shared.done.remove(&ticket).unwrap_or_else(|| {
+            Err(both!(
+                "the board has not answered to the order: look at the machine",
+                "控制板对指令没有应答：请查看机床"
+            ))
+        })
+    }
+}
+
+impl Shared {
+    fn hear(&mut self, seen: &Seen, session: u8, now: Instant) {
+        if seen.statuses != self.statuses.0 {
+            self.statuses = (seen.statuses, Some(now));
+        }
+        self.told.status = seen.status.unwrap_or_default();
+        if let Some(told) = seen.beat {
+            self.told.beats = true;
+            self.told.beat = Some(told.beat);
+            self.told.mode = Some(told.mode);
+            let own = told.session == session;
+            self.told.press = own.then_some((told.press, told.state));
+        }
+    }
+
+    fn situation(&self, now: Instant) -> Situation {
+        let (_, at) = self.statuses;
+        let status = self.told.status;
+        Situation {
+            mode: self.told.mode,
+            state: status.state,
+            program: status.flags.program,
+            hold: status.flags.hold,
+            old: at.is_none_or(|at| now.saturating_duration_since(at) > OLD),
+            beats: self.told.beats,
+            tells_release: true,
+            typed: self.typed,
+        }
+    }
+
+    /// Whether a page with this beat, or this side, knows too little to order anything but hold, stop and reset.
+    fn is_old(&self, echo: Option<Beat>, now: Instant) -> bool {
+        let age = self.told.beat.zip(echo);
+        let age = age.and_then(|(newest, echo)| newest.age_of(echo));
+        self.situation(now).old || age.is_none_or(|ms| Duration::from_millis(u64::from(ms)) > OLD)
+    }
+
+    fn begin(&mut self, asked: Asked, seen: &Seen, now: Instant) {
+        let Asked { ticket, wish, echo } = asked;
+        if wish.needs_fresh() && self.is_old(echo, now) {
+            self.done.insert(ticket, Err(keys::old()));
+            return;
+        }
+        match wish {
+            Wish::Order(order) => self.give(order, ticket, echo, seen, now),
+            Wish::Levels(levels) => {
+                self.orders.set(levels, now);
+                self.done.insert(ticket, Ok(()));
+            }
+            Wish::Step(way, length) => match length.of_slide(way) {
+                _ if self.step.is_some() => {
+                    self.done.insert(ticket, Err(orders::on_its_way()));
+                }
+                Ok(slide) => {
+                    self.hand.step(way.on_z, slide, seen, now);
+                    self.step = Some(ticket);
+                }
+                Err(mistake) => {
+                    self.done.insert(ticket, Err(mistake.0));
+                }
+            },
+            Wish::Line { text, zh } => match keys::refusal(keys::Wish::Line, self.situation(now)) {
+                Some(words) => {
+                    self.done.insert(ticket, Err(words));
+                }
+                None => {
+                    self.typed = true;
+                    self.asks.lines.push(Line { ticket, text, zh });
+                }
+            },
+        }
+    }
+
+    fn give(&mut self, order: Order, ticket: u64, echo: Option<Beat>, seen: &Seen, now: Instant) {
+        // A hold adds nothing to a hold or a stop that is on its way, and must not take the place of the stop.
+        if let Some((under_way, tickets, _)) = &mut self.ordered
+            && (*under_way == order || (*under_way, order) == (Order::Stop, Order::Hold))
+            && matches!(order, Order::Hold | Order::Stop)
+        {
+            tickets.push(ticket);
+            return;
+        }
+        if !self.orders.give(order, seen, now) {
+            self.done.insert(ticket, Err(orders::on_its_way()));
+            return;
+        }
+        if let Some((_, replaced, _)) = self.ordered.replace((order, vec![ticket], echo)) {
+            for ticket in replaced {
+                self.done.insert(ticket, Err(halted()));
+            }
+        }
+        if matches!(order, Order::Home(_)) {
+            self.homing.begin(now);
+        }
+    }
+
+    /// Tells what has come to its end.
+    fn end(&mut self) {
+        if let Some(outcome) = self.orders.outcome()
+            && let Some((order, tickets, _)) = self.ordered.take()
+        {
+            for ticket in tickets {
+                match outcome.words() {
+                    None if order.needs_echo() => self.asks.reasons.push(ticket),
+                    None => {
+                        self.done.insert(ticket, Ok(()));
+                    }
+                    Some(words) => {
+                        self.done.insert(ticket, Err(words));
+                    }
+                }
+            }
+        }
+        if let Some(ticket) = self.step.take_if(|_| self.hand.is_idle()) {
+            match self.hand.ended().map(|end| end.words()) {
+                None => {
+                    self.done.insert(ticket, Ok(()));
+                }
+                Some(Some(words)) => {
+                    self.done.insert(ticket, Err(words));
+                }
+                Some(None) => self.asks.reasons.push(ticket),
+            }
+        }
+    }
+
+    /// Why this frame of a press is not passed on; a release always is.
+    fn no_press(&self, jog: &Jog, now: Instant) -> Option<Both> {
+        let way = ways(jog).into_iter().flatten().next()?;
+        keys::refusal(keys::Wish::Arrow(way, Speed::Feed), self.situation(now))
+    }
+}
+
+impl Told {
+    fn fields(&self, json: &mut Json) {
+        match self.beat {
+            Some(beat) => json.integer("beat", i64::from(beat.ms())),
+            None => json.null("beat"),
+        }
+        match self.press {
+            Some((press, state)) => {
+                json.integer("press", i64::from(press));
+                json.text(
+                    "pressed",
+                    match state {
+                        PressState::None => "none",
+                        PressState::Runs => "runs",
+                        PressState::Ended => "ended",
+                        PressState::Limit => "limit",
+                        PressState::Refused => "refused",
+                    },
+                );
+            }
+            None => {
+                json.null("press");
+                json.null("pressed");
+            }
+        }
+    }
+}
+
+impl Machine for Desk {
+    fn order(&self, order: &leadscrew_panel::Order) -> Option<String> {
+        let wish = Wish::of(&order.op, &order.args)?;
+        let done = self.order_wish(wish, order.echo.map(Beat::new));
+        Some(super::object(|json| fields(json, &done)))
+    }
+
+    fn jog(&self, jog: &Jog) -> String {
+        self.press(jog, Instant::now())
+    }
+}
+
+impl Desk {
+    fn press(&self, jog: &Jog, now: Instant) -> String {
+        let mut shared = self.shared();
+        let why = shared.no_press(jog, now);
+        if why.is_none() && shared.presses.len() < FRAMES {
+            let [x, z] = ways(jog).map(|way| way.map(|way| way.towards));
+            let frame = JogRequest {
+                session: self.session,
+                press: jog.press,
+                x,
+                z,
+                rapid: jog.rapid,
+                mm_per_min: jog.mm_per_min,
+                echo: Beat::new(jog.echo),
+            };
+            shared.presses.push_back(frame.frame(self.node));
+        }
+        let told = shared.told;
+        drop(shared);
+        super::object(|json| {
+            fields(json, &why.map_or(Ok(()), Err));
+            told.fields(json);
+        })
+    }
+}
+
+/// Which way each axis of a press goes.
+fn ways(jog: &Jog) -> [Option<AxisWay>; 2] {
+    let way = |on_z, way: i8| {
+        let towards = match way {
+            0 => return None,
+            1.. => Towards::Plus,
+            _ => Towards::Minus,
+        };
+        Some(AxisWay { on_z, towards })
+    };
+    let [x, z] = jog.axes;
+    [way(false, x), way(true, z)]
+}
+
+/// An order in whose place a hold or a stop was given.
+fn halted() -> Both {
+    both!(
+        "a hold or a stop has taken the place of this order",
+        "进给保持或停止已取代此指令"
+    )
+}
+
+/// What a page is told of an order.
+pub fn fields(json: &mut Json, done: &Done) {
+    json.flag("ok", done.is_ok());
+    if let Err(words) = done {
+        json.text("en", &words.en);
+        json.text("zh", &words.zh);
+    }
+}
+
+#[cfg(test)]
+mod tests;

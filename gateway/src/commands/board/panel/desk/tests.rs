@@ -1,0 +1,177 @@
+//! Orders between pages and the bus, without either: time and what was heard are given.
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+use leadscrew_core::bus::{BoardBeat, BoardCommand};
+use serde_json::{Value, json};
+
+use super::*;
+
+const NODE: NodeId = NodeId::BOARD;
+
+/// What was heard: the count of the last order, and a beat.
+fn heard(count: u8, beat: u16) -> Seen {
+    let mut seen = Seen::default();
+    seen.status = Some(BoardStatus {
+        count,
+        ..BoardStatus::default()
+    });
+    seen.statuses = u64::from(beat);
+    seen.beat = Some(BoardBeat {
+        beat: Beat::new(beat),
+        mode: OperatingMode::Manual,
+        session: 0,
+        press: 0,
+        state: PressState::None,
+        refused: 0,
+    });
+    seen
+}
+
+/// A page that orders, in a thread of its own: the answer comes when the board has confirmed.
+fn orders(desk: &Arc<Desk>, op: &str, echo: Option<u16>) -> JoinHandle<Value> {
+    let before = desk.shared().tickets;
+    let own = Arc::clone(desk);
+    let order = leadscrew_panel::Order {
+        op: op.to_owned(),
+        args: Value::Null,
+        echo,
+    };
+    let page = std::thread::spawn(move || {
+        let answer = own.order(&order).unwrap();
+        serde_json::from_str(&answer).unwrap()
+    });
+    while desk.shared().tickets == before {
+        std::thread::yield_now();
+    }
+    page
+}
+
+fn sent(frames: &[Frame]) -> Vec<(u8, Order, Option<Beat>)> {
+    let decoded = frames.iter().filter_map(BoardCommand::decode);
+    decoded
+        .map(|(_, command)| (command.count, command.order.unwrap(), command.echo))
+        .collect()
+}
+
+#[test]
+fn an_order_shows_the_age_of_what_its_page_has_seen() {
+    let (desk, now) = (Arc::new(Desk::new(NODE)), Instant::now());
+    desk.turn(&heard(4, 1_000), now);
+    let page = orders(&desk, "start", Some(800));
+    let echo = Some(Beat::new(800));
+    let frames = desk.turn(&heard(4, 1_010), now);
+    assert_eq!(sent(&frames), [(5, Order::Run, echo)]);
+    // The repetition is no fresher.
+    let frames = desk.turn(&heard(4, 1_030), now + Duration::from_millis(20));
+    assert_eq!(sent(&frames), [(5, Order::Run, echo)]);
+    assert!(desk.turn(&heard(5, 1_040), now).is_empty());
+    // Whether it was let in the board has to say.
+    let asks = desk.asks();
+    assert_eq!(asks.reasons, [1]);
+    desk.answer(1, Err(both!("4501 wrong", "4501 错")));
+    let answer = json!({"ok": false, "en": "4501 wrong", "zh": "4501 错"});
+    assert_eq!(page.join().unwrap(), answer);
+}
+
+#[test]
+fn by_old_values_nothing_is_ordered_but_hold_stop_and_reset() {
+    let (desk, now) = (Arc::new(Desk::new(NODE)), Instant::now());
+    let refused = |op: &str, echo, at| {
+        let page = orders(&desk, op, echo);
+        assert!(desk.turn(&heard(4, 1_000), at).is_empty());
+        assert_eq!(page.join().unwrap()["ok"], false, "{op} {echo:?}");
+    };
+    desk.turn(&heard(4, 1_000), now);
+    for echo in [None, Some(749), Some(1_001), Some(40_000)] {
+        refused("resume", echo, now);
+    }
+    let later = now + Duration::from_millis(251);
+    refused("home", Some(1_000), later);
+    for (op, order) in [
+        ("reset", Order::Reset),
+        ("hold", Order::Hold),
+        ("stop", Order::Stop),
+    ] {
+        let page = orders(&desk, op, None);
+        let frames = desk.turn(&heard(4, 1_000), later);
+        let given = sent(&frames);
+        assert_eq!(given.len(), 1);
+        assert_eq!((given[0].1, given[0].2), (order, None));
+        desk.turn(&heard(given[0].0, 1_000), later);
+        assert_eq!(page.join().unwrap(), json!({"ok": true}));
+    }
+}
+
+#[test]
+fn a_stop_passes_what_is_on_its_way_and_no_hold_takes_its_place() {
+    let (desk, now) = (Arc::new(Desk::new(NODE)), Instant::now());
+    desk.turn(&heard(4, 1_000), now);
+    let resume = orders(&desk, "resume", Some(1_000));
+    assert_eq!(sent(&desk.turn(&heard(4, 1_000), now)).len(), 1);
+    let second = orders(&desk, "reset", None);
+    let stop = orders(&desk, "stop", None);
+    let frames = desk.turn(&heard(4, 1_000), now);
+    assert_eq!(sent(&frames), [(6, Order::Stop, None)]);
+    assert_eq!(resume.join().unwrap()["ok"], false);
+    assert_eq!(second.join().unwrap()["ok"], false);
+    let hold = orders(&desk, "hold", None);
+    let later = now + Duration::from_millis(20);
+    let frames = desk.turn(&heard(4, 1_000), later);
+    assert_eq!(sent(&frames), [(6, Order::Stop, None)]);
+    desk.turn(&heard(6, 1_000), later);
+    for page in [stop, hold] {
+        assert_eq!(page.join().unwrap(), json!({"ok": true}));
+    }
+}
+
+#[test]
+fn a_press_is_as_many_frames_as_came_and_a_release_always_goes() {
+    let (desk, now) = (Desk::new(NODE), Instant::now());
+    let jog = |way: i8, echo| {
+        let jog = Jog {
+            press: 9,
+            axes: [way, 0],
+            rapid: false,
+            mm_per_min: 300,
+            echo,
+        };
+        let answer = desk.press(&jog, now);
+        serde_json::from_str::<Value>(&answer).unwrap()
+    };
+    // Nothing is known of the board yet.
+    assert_eq!(jog(1, 5)["ok"], false);
+    desk.turn(&heard(4, 1_000), now);
+    let answer = jog(-1, 990);
+    assert_eq!(
+        answer,
+        json!({"ok": true, "beat": 1_000, "press": null, "pressed": null})
+    );
+    jog(0, 991);
+    let frames = desk.turn(&heard(4, 1_000), now);
+    let frames: Vec<_> = frames.iter().filter_map(JogRequest::decode).collect();
+    let expected = |x, echo| JogRequest {
+        session: desk.session,
+        press: 9,
+        x,
+        z: None,
+        rapid: false,
+        mm_per_min: 300,
+        echo: Beat::new(echo),
+    };
+    let pressed = expected(Some(Towards::Minus), 990);
+    assert_eq!(frames, [(NODE, pressed), (NODE, expected(None, 991))]);
+    // None is renewed from here, however often there is a turn.
+    for ms in 0..1_000 {
+        assert!(
+            desk.turn(&heard(4, 1_000), now + Duration::from_millis(ms))
+                .is_empty()
+        );
+    }
+    // A queue that nobody empties does not grow.
+    for _ in 0..100 {
+        jog(0, 992);
+    }
+    assert_eq!(desk.turn(&heard(4, 1_000), now).len(), FRAMES);
+}

@@ -1,0 +1,249 @@
+//! The page in headless Chromium: buttons and keys as somebody would use them, and what the machine does then.
+//!
+//! Chromium is driven over a pair of pipes. `cargo xtask page --check` runs this; without Chromium it fails.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::process::{Child, Command};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::Page;
+use crate::{LIMIT, LONG, User, good};
+
+struct Browser {
+    child: Child,
+    input: File,
+    output: BufReader<File>,
+    number: u64,
+}
+
+impl Browser {
+    fn start(user: &User) -> Self {
+        let [input, output] = ["in", "out"].map(|name| user.0.join(name));
+        let made = Command::new("mkfifo").args([&input, &output]).status();
+        assert!(made.unwrap().success());
+        let log = File::create(user.0.join("chromium.log")).unwrap();
+        let child = Command::new("sh")
+            .arg("-c")
+            .arg("exec chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run \
+                --disable-background-networking --lang=en --remote-debugging-pipe --user-data-dir=profile 3<in 4>out")
+            .current_dir(&user.0)
+            .stdout(log.try_clone().unwrap())
+            .stderr(log)
+            .spawn()
+            .unwrap();
+        Self {
+            child,
+            input: OpenOptions::new().write(true).open(input).unwrap(),
+            output: BufReader::new(File::open(output).unwrap()),
+            number: 0,
+        }
+    }
+
+    /// The result of a command of the browser's own protocol.
+    #[track_caller]
+    fn asks(&mut self, session: Option<&str>, method: &str, params: Value) -> Value {
+        let mut answer = self.answer(session, method, params);
+        assert!(answer["error"].is_null(), "{answer}");
+        answer["result"].take()
+    }
+
+    /// The same with what may be wrong with it.
+    fn answer(&mut self, session: Option<&str>, method: &str, params: Value) -> Value {
+        self.number += 1;
+        let mut message = json!({"id": self.number, "method": method, "params": params});
+        if let Some(session) = session {
+            message["sessionId"] = session.into();
+        }
+        write!(self.input, "{message}\0").unwrap();
+        loop {
+            let mut answer = Vec::new();
+            self.output.read_until(0, &mut answer).unwrap();
+            assert_eq!(answer.pop(), Some(0), "Chromium has ended");
+            let answer: Value = serde_json::from_slice(&answer).unwrap();
+            if answer["id"] == self.number {
+                return answer;
+            }
+        }
+    }
+
+    /// A tab at this address.
+    fn tab(&mut self, address: &str) -> Tab<'_> {
+        let target = self.asks(None, "Target.createTarget", json!({"url": address}));
+        let target = target["targetId"].as_str().unwrap().to_owned();
+        let params = json!({"targetId": target, "flatten": true});
+        let session = self.asks(None, "Target.attachToTarget", params);
+        let session = session["sessionId"].as_str().unwrap().to_owned();
+        let mut tab = Tab {
+            browser: self,
+            session,
+            target,
+        };
+        tab.wait("document.getElementById('mx')?.textContent > ''");
+        tab
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+struct Tab<'a> {
+    browser: &'a mut Browser,
+    session: String,
+    target: String,
+}
+
+impl Tab<'_> {
+    #[track_caller]
+    fn asks(&mut self, method: &str, params: Value) -> Value {
+        let session = self.session.clone();
+        self.browser.asks(Some(&session), method, params)
+    }
+
+    /// What an expression is; nothing while the page is being loaded.
+    fn says(&mut self, expression: &str) -> Value {
+        let params = json!({"expression": expression, "returnByValue": true});
+        let session = self.session.clone();
+        let mut answer = self
+            .browser
+            .answer(Some(&session), "Runtime.evaluate", params);
+        answer["result"]["result"]["value"].take()
+    }
+
+    #[track_caller]
+    fn wait(&mut self, expression: &str) {
+        let end = Instant::now() + LIMIT;
+        while self.says(expression) != true {
+            assert!(Instant::now() < end, "{expression}");
+        }
+    }
+
+    /// The mouse button goes down or up over what is chosen so.
+    #[track_caller]
+    fn mouse(&mut self, which: &str, kind: &str) {
+        let place = self.says(&format!(
+            "(() => {{ const one = document.querySelector('{which}'); one.scrollIntoView({{block: 'center'}}); \
+             const at = one.getBoundingClientRect(); return [at.x + at.width / 2, at.y + at.height / 2]; }})()"
+        ));
+        let params =
+            json!({"type": kind, "x": place[0], "y": place[1], "button": "left", "clickCount": 1});
+        self.asks("Input.dispatchMouseEvent", params);
+    }
+
+    #[track_caller]
+    fn click(&mut self, which: &str) {
+        self.mouse(which, "mousePressed");
+        self.mouse(which, "mouseReleased");
+    }
+
+    /// Does it again each second until this is so: on a busy computer what is shown may be too old to order by.
+    #[track_caller]
+    fn until(&mut self, expression: &str, mut act: impl FnMut(&mut Self)) {
+        let end = Instant::now() + LIMIT;
+        while self.says(expression) != true {
+            act(self);
+            let again = Instant::now() + Duration::from_secs(1);
+            while self.says(expression) != true && Instant::now() < again {}
+            assert!(Instant::now() < end, "{expression}");
+        }
+    }
+
+    fn operate(&mut self) {
+        self.click("#take");
+        // Where a lease of before has not lapsed, it changes hands after a notice.
+        self.wait("document.body.classList.contains('operates')");
+    }
+
+    fn close(self) {
+        let params = json!({"targetId": self.target});
+        self.browser.asks(None, "Target.closeTarget", params);
+    }
+}
+
+fn z(user: &User) -> f64 {
+    user.json(&["status"])["mz"].as_f64().unwrap()
+}
+
+/// Moves Z while the button is down, until the axis has gone so far. On a busy computer a press may end for want of frames;
+/// then it is pressed anew.
+fn press(user: &User, tab: &mut Tab<'_>, far: f64) {
+    let (end, mut from) = (Instant::now() + LIMIT, z(user));
+    let goal = from - far;
+    tab.mouse("[data-jog=\"Z-\"]", "mousePressed");
+    while from > goal {
+        let now = z(user);
+        if now == from {
+            tab.mouse("[data-jog=\"Z-\"]", "mouseReleased");
+            tab.mouse("[data-jog=\"Z-\"]", "mousePressed");
+        }
+        from = now;
+        assert!(Instant::now() < end, "{now}");
+    }
+}
+
+#[test]
+fn somebody_operates_the_machine_with_mouse_and_keys() {
+    let user = User::with_machine();
+    let page = Page::start(&user);
+    let address = format!(
+        "http://{}/#{}",
+        page.address,
+        page.token.as_deref().unwrap()
+    );
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&address);
+    // Nothing is ordered by a page that does not operate, and it says so.
+    let says =
+        |part: &str| format!("document.getElementById('answer').textContent.includes('{part}')");
+    tab.until(&says("does not operate"), |tab| {
+        tab.click("[data-level=\"feed\"]");
+    });
+    tab.operate();
+    press(&user, &mut tab, 0.5);
+    tab.mouse("[data-jog=\"Z-\"]", "mouseReleased");
+    let at = user.wait_for("idle")["mz"].clone();
+    assert_eq!(user.wait_for("idle")["mz"], at);
+    // A start that is not held is none; one that is held is told that nothing waits.
+    tab.until(
+        "document.querySelector('[data-mode=\"automatic\"]').ariaPressed === 'true'",
+        |tab| {
+            tab.click("[data-mode=\"automatic\"]");
+        },
+    );
+    tab.click("#start");
+    tab.until(&says("4334"), |tab| {
+        tab.mouse("#start", "mouseReleased");
+        tab.mouse("#start", "mousePressed");
+    });
+    tab.mouse("#start", "mouseReleased");
+    // Space is a hold wherever the focus is, and a reload orders nothing.
+    let mut run = user.run(LONG);
+    tab.wait("document.body.dataset.state === 'run'");
+    let key = json!({"type": "keyDown", "key": " ", "code": "Space", "text": " "});
+    tab.asks("Input.dispatchKeyEvent", key);
+    user.wait_for("hold");
+    tab.asks("Page.reload", json!({}));
+    tab.wait(
+        "document.body?.dataset.state === 'hold' && !document.body.classList.contains('operates')",
+    );
+    assert_eq!(user.json(&["status"])["state"], "hold");
+    tab.click("#stop");
+    user.wait_for("alarm");
+    let _ = run.wait().unwrap();
+    good(&user.does(&["reset"]));
+    good(&user.does(&["mode", "manual"]));
+    // A page that is closed in the middle of a press.
+    tab.wait("document.querySelector('[data-mode=\"manual\"]').ariaPressed === 'true'");
+    tab.operate();
+    press(&user, &mut tab, 0.5);
+    tab.close();
+    let at = user.wait_for("idle")["mz"].clone();
+    assert_eq!(user.wait_for("idle")["mz"], at);
+}

@@ -1,0 +1,45 @@
+//! What the server asks the side of the bus for. Knows neither.
+
+use serde_json::Value;
+
+/// One frame of a press.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Jog {
+    /// The number of the press.
+    pub press: u8,
+    /// Which way X and Z are to go: above 0 towards plus, below towards minus. Both 0: let go.
+    pub axes: [i8; 2],
+    /// At the rapid of moving by hand.
+    pub rapid: bool,
+    /// Speed of the slide in mm/min; 0: the machine's own.
+    pub mm_per_min: u16,
+    /// The newest beat that the page has.
+    pub echo: u16,
+}
+
+/// One order: its name, what belongs to it, and the newest beat that the page has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Order {
+    /// Its name.
+    pub op: String,
+    /// What belongs to it.
+    pub args: Value,
+    /// The newest beat that the page has; hold, stop and reset need none.
+    pub echo: Option<u16>,
+}
+
+impl Order {
+    /// Hold and stop: they need no lease, and pass all queues.
+    pub(crate) fn halts(&self) -> bool {
+        matches!(self.op.as_str(), "hold" | "stop")
+    }
+}
+
+/// The side of the bus. It is called by the thread of each connection.
+pub trait Machine: Send + Sync {
+    /// Does an order and says what has become of it, as JSON; `None`: there is no such order.
+    fn order(&self, order: &Order) -> Option<String>;
+
+    /// Passes one frame on, and says what has become of its press, as JSON.
+    fn jog(&self, jog: &Jog) -> String;
+}
