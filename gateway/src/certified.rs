@@ -1,8 +1,8 @@
 //! What a board says of the cut of a thread, with how well it can know it [D381].
 //!
 //! The board compares its drive's own positions with the measured angle. What it cannot know is the instant of such a
-//! position (9072, within 9075), what lies within a count of the drive or of the spindle's encoder, and whatever is behind the
-//! motor. From the first three follows the uncertainty of each figure.
+//! position (9072, within 9075), what lies within a count of the drive or of the spindle's encoder, and whatever is behind
+//! the motor. From the first three follows the uncertainty of each figure.
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::link::{CutTally, ThreadKind, ThreadRecord};

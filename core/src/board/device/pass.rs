@@ -1,8 +1,8 @@
 //! One pass of a thread, as its axis went: where the groove lies, and the error of its lead, over its second half.
 //!
-//! A pass ends when it ends, so its half is not known before. Errors are summed up in [`BLOCKS`] blocks of equal size; where
-//! all are full, two become one. At the end the blocks of the second half are left: the mean is theirs, and the slope is
-//! what their later half lies off their earlier one. In between the spindle is taken to turn evenly.
+//! A pass ends when it ends, so its half is not known before. Errors are summed up in [`BLOCKS`] blocks of equal size;
+//! where all are full, two become one. At the end the blocks of the second half are left: the mean is theirs, and the
+//! slope is what their later half lies off their earlier one. In between the spindle is taken to turn evenly.
 
 use super::actual::Sample;
 use crate::link::PassCut;
