@@ -4,6 +4,7 @@
 use leadscrew_board_sim::plant::ServoOptions;
 use leadscrew_core::link::identity;
 
+use crate::certified::Judge;
 use crate::checking::{self, Detail, Report};
 use crate::cli::Drive;
 use crate::diagnostics::{self, Diagnostic};
@@ -53,7 +54,7 @@ impl<'a> Execution<'a> {
             return Ok(execution);
         }
         if setup.global.json {
-            execution.print_json(&Summary::new(&setup.params), false)?;
+            execution.print_json(&Summary::new(&setup.params), false, None)?;
         }
         Err(Failure::Wrong)
     }
@@ -110,7 +111,7 @@ impl<'a> Execution<'a> {
         let above = tolerance.and_then(|tolerance| self.above(summary, tolerance));
         let within = above.is_none();
         if self.setup.global.json {
-            self.print_json(summary, self.is_whole() && within)?;
+            self.print_json(summary, self.is_whole() && within, tolerance)?;
         }
         if !self.ended.alarms.is_empty() {
             return Err(Failure::Machine);
@@ -129,7 +130,10 @@ impl<'a> Execution<'a> {
 
     /// Why a tolerance is not met: by the board's measurement of a thread, or by the simulation's own knowledge.
     fn above(&self, summary: &Summary, tolerance: Tolerance) -> Option<Both> {
-        let mut above = self.ended.threads.above(tolerance);
+        let mut above = self
+            .ended
+            .threads
+            .above(tolerance, &self.judge(Some(tolerance)));
         if let Some(truly) = summary.above(tolerance) {
             above.get_or_insert_default().join(&truly);
         }
@@ -142,15 +146,20 @@ impl<'a> Execution<'a> {
     }
 
     /// The threads, for a person: a line each.
-    pub fn threads(&self) -> String {
-        self.ended.threads.text(self.setup.lang)
+    pub fn threads(&self, tolerance: Option<Tolerance>) -> String {
+        let judge = self.judge(tolerance);
+        self.ended.threads.text(&judge, self.setup.lang)
     }
 
-    fn print_json(&self, summary: &Summary, ok: bool) -> Outcome {
+    fn judge(&self, tolerance: Option<Tolerance>) -> Judge {
+        Judge::new(&self.setup.params, tolerance)
+    }
+
+    fn print_json(&self, summary: &Summary, ok: bool, tolerance: Option<Tolerance>) -> Outcome {
         output::json(|json| {
             json.flag("ok", ok);
             summary.fields(&self.measured(), json);
-            self.ended.threads.fields(json);
+            self.ended.threads.fields(&self.judge(tolerance), json);
             self.origin_fields(json);
         })
     }

@@ -20,6 +20,7 @@
 //! ```
 
 pub mod beside;
+pub mod certified;
 pub mod checking;
 pub mod cli;
 pub mod commands;

@@ -19,6 +19,7 @@ use leadscrew_language::flow::Passes;
 use leadscrew_language::heading::Allowed;
 
 use crate::beside;
+use crate::certified::Judge;
 use crate::cli::{DialectName, Drive, Global};
 use crate::commands::board::{self, Base, Table};
 use crate::diagnostics::{self, Diagnostic};
@@ -413,7 +414,7 @@ impl Answer<'_> {
                 Self::Run { .. } if *bus != Address::Sim => board::no_figures(bus, o),
                 Self::Run { .. } => {
                     Summary::new(&loaded.params).fields(&Synchronism::default(), o);
-                    Threads::default().fields(o);
+                    Threads::default().fields(&Judge::default(), o);
                 }
             }
             loaded.report_fields(o);

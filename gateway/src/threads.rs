@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::link::{ThreadCertificate, ThreadKind, ThreadRecord, ThreadState};
 
+use crate::certified::{Judge, Verdict};
 use crate::json::Json;
 use crate::number;
 use crate::place::SourceLine;
@@ -86,19 +87,38 @@ impl Threads {
             .map(move |(number, record)| (number - before, record))
     }
 
-    /// The lines of threads whose largest error is above `tolerance`, each once, and the largest error.
-    pub fn above(&self, tolerance: Tolerance) -> Option<Above> {
-        let largest = |record: &&ThreadRecord| record.tally.largest.nm();
-        let beyond = |record: &&ThreadRecord| tolerance.is_below(largest(record));
-        let mut lines = Vec::new();
-        let mut worst = None;
-        for record in self.records.values().filter(beyond) {
-            if !lines.contains(&record.line) {
-                lines.push(record.line);
+    /// The lines of threads whose largest error is above `tolerance`, each once, and the largest error: of the setpoint, or
+    /// of the cut, where it is beyond it whatever its uncertainty.
+    pub fn above(&self, tolerance: Tolerance, judge: &Judge) -> Option<Above> {
+        let mut above: Option<Above> = None;
+        for record in self.records.values() {
+            let setpoint = record.tally.largest.nm();
+            let set = tolerance.is_below(setpoint).then_some(setpoint);
+            let is_beyond = judge.verdict(record) == Some(Verdict::Beyond);
+            let cut = is_beyond.then(|| record.cut.worst().nm());
+            if set.is_none() && cut.is_none() {
+                continue;
             }
-            worst = worst.max(Some(largest(&record)));
+            let above = above.get_or_insert_default();
+            above.worst_nm = above.worst_nm.max(set.unwrap_or(0));
+            above.cut_nm = above.cut_nm.max(cut);
+            if !above.lines.contains(&record.line) {
+                above.lines.push(record.line);
+            }
         }
-        worst.map(|worst_nm| Above { worst_nm, lines })
+        above
+    }
+
+    /// The lines of threads whose cut is not known well enough for the tolerance, each once.
+    fn open(&self, judge: &Judge) -> Vec<u32> {
+        let mut lines: Vec<u32> = self
+            .records
+            .values()
+            .filter(|record| judge.verdict(record) == Some(Verdict::Open))
+            .map(|record| record.line)
+            .collect();
+        lines.dedup();
+        lines
     }
 
     /// Their errors as measured by the board, together.
@@ -110,22 +130,53 @@ impl Threads {
         all
     }
 
-    /// `threads` and `threads_missing` of a result.
-    pub fn fields(&self, json: &mut Json) {
+    /// `threads`, `threads_missing` and `cut_apart_um` of a result.
+    pub fn fields(&self, judge: &Judge, json: &mut Json) {
         json.array_at("threads", |json| {
             for (number, record) in self.numbered() {
-                json.object(|json| fields(json, number, record));
+                json.object(|json| {
+                    fields(json, number, record);
+                    judge.field(record, json);
+                });
             }
         });
         json.number("threads_missing", self.missing());
+        match judge.shift(self.records.values()) {
+            Some(shift) => shift.fields("cut_apart_um", json),
+            None => json.null("cut_apart_um"),
+        }
     }
 
-    /// A line for each thread, and a line where certificates are missing.
-    pub fn text(&self, lang: Lang) -> String {
+    /// A line for each thread and one for its cut, a line for the shift between threads, one where a tolerance cannot be
+    /// judged, and one where certificates are missing.
+    pub fn text(&self, judge: &Judge, lang: Lang) -> String {
         let mut text = String::new();
         for (number, record) in self.numbered() {
             text.push_str(line(number, record).get(lang));
             text.push('\n');
+            if let Some(cut) = judge.words(record) {
+                let told = both!(
+                    "   cut: {en}\n",
+                    "   切削：{zh}\n",
+                    en = cut.en,
+                    zh = cut.zh
+                );
+                text.push_str(told.get(lang));
+            }
+        }
+        if let Some(shift) = judge.shift(self.records.values()) {
+            text.push_str(&judge.shift_words(shift, lang));
+        }
+        let open = self.open(judge);
+        if !open.is_empty() {
+            let lines = named(&open);
+            let told = both!(
+                "tolerance: not judged by the cut, which is not known well enough{en}\n",
+                "公差：切削结果的不确定度过大，未据此判断{zh}\n",
+                en = lines.en,
+                zh = lines.zh
+            );
+            text.push_str(told.get(lang));
         }
         if self.missing() > 0 {
             let missing = both!(
@@ -142,8 +193,10 @@ impl Threads {
 /// The threads out of tolerance.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Above {
-    /// The largest error in nanometres.
+    /// The largest error of a setpoint in nanometres; 0 where all are within.
     pub worst_nm: i64,
+    /// The largest error of a cut.
+    pub cut_nm: Option<i64>,
     /// Source lines of the threads and holes; empty where they are unknown.
     pub lines: Vec<u32>,
 }
@@ -152,6 +205,7 @@ impl Above {
     /// Adds the findings of another judgement.
     pub fn join(&mut self, other: &Self) {
         self.worst_nm = self.worst_nm.max(other.worst_nm);
+        self.cut_nm = self.cut_nm.max(other.cut_nm);
         self.lines.extend(&other.lines);
         self.lines.sort_unstable();
         self.lines.dedup();
@@ -159,35 +213,58 @@ impl Above {
 
     /// Text: why a tolerance is not met.
     pub fn words(&self, tolerance: Tolerance) -> Both {
-        let named: Vec<String> = self
-            .lines
-            .iter()
-            .take(NAMED)
-            .map(|line| SourceLine(*line).to_string())
-            .collect();
-        let more = self.lines.len().saturating_sub(NAMED);
-        let further = match more {
-            0 => both!("", ""),
-            _ => both!(" and {more} more", "，另有 {more} 行"),
-        };
-        let place = match &named[..] {
-            [] => Both::default(),
-            named => both!(
-                ": line {lines}{en}",
-                "：第 {lines} 行{zh}",
-                lines = named.join(", "),
-                en = further.en,
-                zh = further.zh
-            ),
-        };
+        let place = named(&self.lines);
+        let most = number::text::<6>(tolerance.pm);
+        if let Some(cut) = self.cut_nm
+            && self.worst_nm == 0
+        {
+            return both!(
+                "the worst error of the cut {error} µm is above the tolerance of {most} µm{en}",
+                "切削的最大误差 {error} µm，超过允许值 {most} µm{zh}",
+                error = number::rounded::<3>(cut, 1),
+                en = place.en,
+                zh = place.zh
+            );
+        }
+        let cut = self.cut_nm.map_or_else(Both::default, |cut| {
+            both!(
+                " and that of the cut {error} µm",
+                "、切削的最大误差 {error} µm",
+                error = number::rounded::<3>(cut, 1)
+            )
+        });
         both!(
-            "the worst synchronism error {error} µm is above the tolerance of {most} µm{en}",
-            "最大同步误差 {error} µm，超过允许值 {most} µm{zh}",
+            "the worst synchronism error {error} µm{cut_en} is above the tolerance of {most} µm{en}",
+            "最大同步误差 {error} µm{cut_zh}，超过允许值 {most} µm{zh}",
             error = number::text::<3>(self.worst_nm),
-            most = number::text::<6>(tolerance.pm),
+            cut_en = cut.en,
+            cut_zh = cut.zh,
             en = place.en,
             zh = place.zh
         )
+    }
+}
+
+/// `: line 4, 7 and 3 more`; nothing for no lines.
+fn named(lines: &[u32]) -> Both {
+    let named: Vec<String> = lines
+        .iter()
+        .take(NAMED)
+        .map(|line| SourceLine(*line).to_string())
+        .collect();
+    let further = match lines.len().saturating_sub(NAMED) {
+        0 => both!("", ""),
+        more => both!(" and {more} more", "，另有 {more} 行"),
+    };
+    match &named[..] {
+        [] => Both::default(),
+        named => both!(
+            ": line {lines}{en}",
+            "：第 {lines} 行{zh}",
+            lines = named.join(", "),
+            en = further.en,
+            zh = further.zh
+        ),
     }
 }
 
@@ -269,7 +346,8 @@ fn line(number: u32, record: &ThreadRecord) -> Both {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use leadscrew_core::link::Tally;
+    use leadscrew_core::link::{CutTally, Tally};
+    use leadscrew_core::params::Params;
     use leadscrew_core::units::Length;
 
     fn thread(number: u32, line: u32, state: ThreadState, nm: i64) -> ThreadCertificate {
@@ -286,9 +364,17 @@ mod tests {
                     largest: Length::from_nm(nm),
                     squares: 16,
                 },
+                cut: CutTally::NONE,
             },
         }
     }
+
+    fn judge() -> Judge {
+        Judge::new(&Params::slant_bed(), None)
+    }
+
+    const UNKNOWN: &str = "   cut: not known: no position of the drive came that could be judged (9021; a lead that \
+                           changes is not judged)\n";
 
     use ThreadState::{CutShort, Finished, UnderWay};
 
@@ -300,13 +386,19 @@ mod tests {
         assert!(threads.is_under_way());
         assert_eq!(threads.whole(), 7);
         assert_eq!(
-            threads.text(Lang::En),
-            "1: line 5: thread, 6 passes, not known how it ended: worst 0.003 µm, 0.002 µm RMS over 4 ticks\n"
+            threads.text(&judge(), Lang::En),
+            format!(
+                "1: line 5: thread, 6 passes, not known how it ended: worst 0.003 µm, 0.002 µm RMS over 4 ticks\n{UNKNOWN}"
+            )
         );
-        assert!(threads.text(Lang::Zh).contains("，如何结束不得而知："));
+        assert!(
+            threads
+                .text(&judge(), Lang::Zh)
+                .contains("，如何结束不得而知：")
+        );
         let mut given_up = threads.clone();
         given_up.give_up();
-        assert!(given_up.text(Lang::En).contains("cut short"));
+        assert!(given_up.text(&judge(), Lang::En).contains("cut short"));
         assert_eq!(given_up.whole(), 8);
         assert_eq!(
             threads.take([thread(9, 6, CutShort, 5), thread(8, 5, Finished, 4)]),
@@ -316,29 +408,31 @@ mod tests {
         assert!(!threads.is_under_way());
         assert_eq!(threads.whole(), 9);
         assert_eq!(
-            threads.text(Lang::En),
-            "1: line 5: thread, 6 passes: worst 0.004 µm, 0.002 µm RMS over 4 ticks\n\
-             2: line 6: thread, 6 passes, cut short: worst 0.005 µm, 0.002 µm RMS over 4 ticks\n"
+            threads.text(&judge(), Lang::En),
+            format!(
+                "1: line 5: thread, 6 passes: worst 0.004 µm, 0.002 µm RMS over 4 ticks\n{UNKNOWN}\
+                 2: line 6: thread, 6 passes, cut short: worst 0.005 µm, 0.002 µm RMS over 4 ticks\n{UNKNOWN}"
+            )
         );
         threads.take([thread(12, 7, Finished, 1)]);
         assert_eq!(threads.missing(), 2);
         assert!(
             threads
-                .text(Lang::En)
+                .text(&judge(), Lang::En)
                 .ends_with("\nthreads: 2 more were cut before their certificates could be read\n")
         );
-        assert!(threads.text(Lang::Zh).starts_with(
+        assert!(threads.text(&judge(), Lang::Zh).starts_with(
             "1：第 5 行：螺纹，走刀 6 次：最大 0.004 µm，均方根 0.002 µm，4 个周期\n"
         ));
         let mut json = Json::new();
-        json.object(|json| threads.fields(json));
+        json.object(|json| threads.fields(&judge(), json));
         let value: serde_json::Value = serde_json::from_slice(&json.into_bytes()).unwrap();
         assert_eq!(value["threads_missing"], 2);
         assert_eq!(
             value["threads"][1],
             serde_json::json!({
                 "n": 2, "line": 6, "kind": "thread", "state": "cut_short", "passes": 6, "measured": 4,
-                "sync_error_um": {"max": 0.005, "rms": 0.002}, "late": 0
+                "sync_error_um": {"max": 0.005, "rms": 0.002}, "late": 0, "cut": null
             })
         );
     }
@@ -352,8 +446,8 @@ mod tests {
             thread(3, 6, Finished, 1301),
         ]);
         let tolerance = |nm: i64| Tolerance { pm: nm * 1000 };
-        assert_eq!(threads.above(tolerance(3000)), None);
-        let above = threads.above(tolerance(1300)).unwrap();
+        assert_eq!(threads.above(tolerance(3000), &judge()), None);
+        let above = threads.above(tolerance(1300), &judge()).unwrap();
         assert_eq!((above.worst_nm, &above.lines[..]), (3000, &[5, 6][..]));
         assert_eq!(
             above.words(tolerance(1300)).en,
@@ -361,6 +455,7 @@ mod tests {
         );
         let many = Above {
             worst_nm: 1,
+            cut_nm: None,
             lines: (1..=10).collect(),
         };
         assert!(

@@ -51,6 +51,10 @@ impl Profile {
             following: (following > 0)
                 .then_some((Length::from_nm(following), figure("following_ms") as u16)),
             undelayed: self.word("actual.following_error") == Some("undelayed"),
+            age_us: self
+                .whole("actual.age_us")
+                .and_then(|age| u32::try_from(age).ok())
+                .unwrap_or(0),
             late: streamed("late.extrapolate")
                 .zip(streamed("late.fault"))
                 .map(|(extrapolate, fault)| Late {

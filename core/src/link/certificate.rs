@@ -3,6 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use super::cut::CutTally;
 use super::writer::{Put, Writer};
 use super::{LinkError, VERSION, Version};
 use crate::call::{Position, TapSpindle};
@@ -79,7 +80,7 @@ pub struct Certificate {
 
 impl Certificate {
     /// The largest size of a certificate in bytes.
-    pub const BYTES: usize = 96;
+    pub const BYTES: usize = 72;
 
     /// Writes the certificate to the front of `bytes` and gives the number of bytes.
     ///
@@ -167,8 +168,10 @@ pub struct ThreadRecord {
     pub kind: ThreadKind,
     /// The state of the thread or hole.
     pub state: ThreadState,
-    /// Its synchronism errors.
+    /// Its synchronism errors: those of the setpoint.
     pub tally: Tally,
+    /// Those of the drive's own positions.
+    pub cut: CutTally,
 }
 
 /// The certificate of a thread or a hole.
@@ -182,7 +185,7 @@ pub struct ThreadCertificate {
 
 impl ThreadCertificate {
     /// The largest size of a thread certificate in bytes.
-    pub const BYTES: usize = 43;
+    pub const BYTES: usize = 87;
 }
 
 /// Writes the certificate of a run and after it those of its threads to the front of `bytes`. Gives the number of
@@ -390,6 +393,7 @@ mod tests {
                 largest: Length::from_nm(i64::MIN),
                 squares: u64::MAX,
             },
+            cut: CutTally::of_parts(u16::MAX - (1 << 14), u32::MAX >> 1, i32::MIN),
         };
         let run = LONGEST;
         let mut bytes = [0; Certificate::BYTES + 2 * ThreadCertificate::BYTES];

@@ -18,6 +18,7 @@ pub mod bounds;
 mod call;
 mod certificate;
 mod change;
+mod cut;
 mod event;
 mod image;
 mod reader;
@@ -35,6 +36,7 @@ pub use certificate::{
     encode_certificates,
 };
 pub use change::{decode_changes, encode_changes};
+pub use cut::{CutTally, PassCut};
 pub use event::{EventReader, Logged, decode_alarm, encode_alarm, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;

@@ -3,7 +3,7 @@
 
 use super::Event;
 use super::writer::{Put, Writer};
-use super::{Certificate, Status, Tally, ThreadKind, ThreadRecord, ThreadState, Version};
+use super::{Certificate, CutTally, Status, Tally, ThreadKind, ThreadRecord, ThreadState, Version};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::BoardState;
 use crate::call::{Aux, Position};
@@ -52,8 +52,9 @@ records! {
         referenced, unreferenced, parameters
     }
     Certificate { version, program, ticks, setpoint_hash, measured, largest, squares, late }
-    ThreadRecord { line, kind, state, tally }
+    ThreadRecord { line, kind, state, tally, cut }
     Tally { passes, late, measured, largest, squares }
+    CutTally { samples, passes, on_x, lead, least, most, slope, worst, reach, scatter, slowest, fastest }
 }
 
 /// Variants without a value, encoded as their number. Every number is at most 127 and takes one byte.
@@ -337,6 +338,7 @@ mod tests {
                     largest: Length::from_nm(number),
                     squares: number as u64,
                 },
+                cut: CutTally::of_parts(half, !word, word as i32),
             });
         }
     }

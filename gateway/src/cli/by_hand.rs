@@ -294,6 +294,9 @@ pub struct Tune {
     /// Age of 6064h at the SYNC that it is sent for, as its maker tells it; 9072 of the axis where it is not given
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=20_000))]
     pub age: Option<u32>,
+    /// How well that age is known, plus or minus; with `--write` it becomes 9075 of the axis
+    #[arg(long, value_name = "US", requires = "age", value_parser = clap::value_parser!(u32).range(1..=20_000))]
+    pub age_within: Option<u32>,
     /// Write 9003, 9070, 9071 and 9072 of the axis, as one transaction
     #[arg(long)]
     pub write: bool,

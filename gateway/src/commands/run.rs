@@ -140,7 +140,7 @@ pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
             );
             text.push_str(told.get(setup.lang));
         }
-        text.push_str(&execution.threads());
+        text.push_str(&execution.threads(args.tolerance));
         output::write(text.as_bytes())?;
     }
     verdict

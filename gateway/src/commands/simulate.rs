@@ -51,7 +51,7 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
     }
     if !setup.global.json {
         diagnostics::say(&summary.text(&execution.measured(), setup.lang));
-        diagnostics::say(&execution.threads());
+        diagnostics::say(&execution.threads(args.tolerance));
         if let Some(file) = setup.machine() {
             let told = both!("machine {file}\n", "机床 {file}\n");
             diagnostics::say(told.get(setup.lang));

@@ -133,6 +133,7 @@ impl Summary {
             .collect();
         (!lines.is_empty()).then_some(Above {
             worst_nm: self.errors.worst_nm,
+            cut_nm: None,
             lines,
         })
     }
@@ -354,6 +355,7 @@ mod tests {
             summary.above(Tolerance { pm: 399_999 }),
             Some(Above {
                 worst_nm: 400,
+                cut_nm: None,
                 lines: vec![7]
             })
         );

@@ -32,6 +32,7 @@ fn drive(kv: u32, ff_percent: u16, buffer: u8, count_nm: i64) -> ServoOptions {
         count: Length::from_nm(count_nm),
         following: None,
         undelayed: false,
+        age_us: 0,
         late: None,
     }
 }

@@ -198,6 +198,16 @@ fn an_ideal_drive_changes_nothing_and_another_only_what_is_said_of_it() {
         "{words}"
     );
     real.as_object_mut().unwrap().remove("cut");
+    // What the board sees of the cut is the drive's.
+    let mut ideal = ideal;
+    for told in [&mut real, &mut ideal] {
+        for thread in told["threads"].as_array_mut().unwrap() {
+            assert!(thread.as_object_mut().unwrap().remove("cut").is_some());
+        }
+        for key in ["cut_apart_um", "cut_apart_um_u"] {
+            assert!(told.as_object_mut().unwrap().remove(key).is_some());
+        }
+    }
     assert_eq!(real, ideal);
 }
 

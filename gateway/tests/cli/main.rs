@@ -114,6 +114,7 @@ fn write(folder: &Folder, name: &str, text: &str) -> String {
     program
 }
 
+mod certified;
 mod check;
 mod corners;
 mod dialects;

@@ -168,6 +168,13 @@ impl DriveMaster {
         self.status
     }
 
+    /// The actual position of the last status, if it came since the tick before the last one.
+    #[must_use]
+    pub fn fresh(&self) -> Option<Increments> {
+        let status = self.status.filter(|_| self.quiet == Periods::new(1))?;
+        Some(status.actual)
+    }
+
     /// The target of the drive: its actual position until it is enabled, then the last demand. A path starts here: its
     /// first demand is this position.
     #[must_use]

@@ -66,6 +66,8 @@ impl Scale {
 
     /// `numerator` increments for every `denominator` nanometres (µ°). `None` if one of them is 0 or there would be 16
     /// or more increments to a nanometre.
+    // Three functions call it.
+    #[inline(never)]
     #[must_use]
     pub const fn new(numerator: u32, denominator: u32) -> Option<Self> {
         let (Some(n), Some(d)) = (NonZeroU32::new(numerator), NonZeroU32::new(denominator)) else {
@@ -176,6 +178,8 @@ impl Scale {
     /// The position in nanometres (µ°) nearest to an increment value, halves upwards. Takes one division: for starting
     /// and for messages, not for the tick. Where an increment is a nanometre or more, [`Scale::increments`] of the
     /// result is the same increment value.
+    // Three functions call it.
+    #[inline(never)]
     #[must_use]
     pub const fn position(&self, increments: Increments) -> i64 {
         let numerator = self.numerator.get() as i64;

@@ -374,6 +374,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xBD8A_319D),
     // A handwheel at the board: 9048.
     (2, 0x2143_2CC7),
+    // How well the age of an actual position is known: 9075.
+    (2, 0x5AFF_874E),
 ];
 
 #[test]

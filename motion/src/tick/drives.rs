@@ -345,6 +345,16 @@ impl Drives {
         demands
     }
 
+    /// The position of the drive of X or Z, without what it counts in addition, if a status came for this tick. Call this
+    /// after [`send`](Self::send).
+    pub(super) fn has_told(&self, on_x: bool) -> Option<Increments> {
+        let [x, z, _] = &self.axes;
+        let [off_x, off_z, _] = self.offsets;
+        let (drive, offset) = if on_x { (x, off_x) } else { (z, off_z) };
+        let actual = drive.fresh()?;
+        Some(Increments::new(actual.get().wrapping_sub(offset)))
+    }
+
     /// The spindles.
     pub(super) const fn spindles(&mut self) -> &mut Spindles {
         &mut self.spindles

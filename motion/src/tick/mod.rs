@@ -39,7 +39,7 @@ pub use nodes::DriveNodes;
 pub use operator::{Operator, overridden};
 pub use queue::{Events, Segments};
 pub use queues::{BackgroundEnds, Queues, TickEnds};
-pub use reference::{Measured, ThreadKind};
+pub use reference::{Followed, Measured, ThreadKind};
 pub use snapshot::{Contacts, Snapshot};
 pub use stored::{Found, StoreError};
 pub use tick_side::{Inputs, Tick, TickSide};

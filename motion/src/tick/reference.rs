@@ -4,9 +4,10 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use super::ticker::Ticker;
+use crate::bus::Increments;
 use crate::call::{Position, TapAxis, TapSpindle};
-use crate::motion::{Cut, Law, Setpoint, Task};
-use crate::units::Length;
+use crate::motion::{Cut, Law, Setpoint, TapLine, Task};
+use crate::units::{Length, Turns};
 
 /// The kind of synchronism between an axis and the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -35,6 +36,45 @@ pub struct Measured {
     pub kind: ThreadKind,
     /// The thread or hole.
     pub cut: Cut,
+    /// What the drive has told since the tick before; `None` where it has told nothing, and outside of threads.
+    pub followed: Option<Followed>,
+}
+
+/// Where the drive of an axis in a thread says that it is. It is judged in the background [D380].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Followed {
+    /// 6064h, without what the drive counts in addition to the position.
+    pub actual: Increments,
+    /// X is the long axis.
+    pub on_x: bool,
+    lead_nm: i32,
+    off_nm: i32,
+}
+
+impl Followed {
+    /// `lead`: way of the helix in a turn, with its sign. `off`: the setpoint of the tick before, less the helix at the
+    /// angle of this tick. Each within ±2 m.
+    #[must_use]
+    pub const fn new(actual: Increments, on_x: bool, lead: Length, off: Length) -> Self {
+        Self {
+            actual,
+            on_x,
+            lead_nm: lead.nm() as i32,
+            off_nm: off.nm() as i32,
+        }
+    }
+
+    /// Way of the helix in a turn, with its sign.
+    #[must_use]
+    pub const fn lead(&self) -> Length {
+        Length::from_nm(self.lead_nm as i64)
+    }
+
+    /// The setpoint of the tick before, less the helix at the angle of this tick.
+    #[must_use]
+    pub const fn off(&self) -> Length {
+        Length::from_nm(self.off_nm as i64)
+    }
 }
 
 /// The law of an axis, its setpoint, and the cut.
@@ -47,8 +87,8 @@ struct Held {
 }
 
 impl Held {
-    fn error(&self, ticker: &Ticker) -> Length {
-        match &self.law {
+    fn measured(&self, ticker: &Ticker) -> Measured {
+        let (error, kind, followed) = match &self.law {
             Law::Thread(helix) => {
                 let on_x = helix.long_x();
                 let at = if on_x {
@@ -56,27 +96,43 @@ impl Held {
                 } else {
                     self.position.z
                 };
-                at - helix.at(ticker.effective_angle(on_x))
+                let angle = ticker.effective_angle(on_x);
+                let error = at - helix.at(angle);
+                let told = ticker.has_told(on_x).zip(helix.lead_nm());
+                let followed = told.map(|(actual, lead_nm)| Followed {
+                    actual,
+                    on_x,
+                    lead_nm,
+                    off_nm: off(error, lead_nm, angle - ticker.observer().angle()),
+                });
+                (error, ThreadKind::Thread, followed)
             }
-            Law::Tap(line) | Law::Float(line) => {
-                let on_x = line.gear.axis() == TapAxis::X;
-                line.error(self.position, ticker.effective_angle(on_x))
-            }
-        }
-    }
-
-    fn measured(&self, ticker: &Ticker) -> Measured {
+            Law::Tap(line) => (line_error(self, line, ticker), ThreadKind::RigidTap, None),
+            Law::Float(line) => (
+                line_error(self, line, ticker),
+                ThreadKind::FloatingTap,
+                None,
+            ),
+        };
         Measured {
-            error: self.error(ticker),
+            error,
             line: self.line,
-            kind: match &self.law {
-                Law::Thread(_) => ThreadKind::Thread,
-                Law::Tap(_) => ThreadKind::RigidTap,
-                Law::Float(_) => ThreadKind::FloatingTap,
-            },
+            kind,
             cut: self.cut,
+            followed,
         }
     }
+}
+
+fn line_error(held: &Held, line: &TapLine, ticker: &Ticker) -> Length {
+    let on_x = line.gear.axis() == TapAxis::X;
+    line.error(held.position, ticker.effective_angle(on_x))
+}
+
+/// The error of a setpoint by another angle, `ahead` before that of `error`. Both angles are less than half a turn apart.
+const fn off(error: Length, lead_nm: i32, ahead: Turns) -> i32 {
+    let way = (lead_nm as i64).wrapping_mul(ahead.raw() as i32 as i64) >> 32;
+    (error.nm() as i32).wrapping_add(way as i32)
 }
 
 impl Reference {

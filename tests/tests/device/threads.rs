@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use leadscrew_board_sim::Sim;
-use leadscrew_board_sim::plant::{PlantOptions, Ripple};
+use leadscrew_board_sim::plant::{DriveOptions, PlantOptions, Ripple};
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::bus::{NmtState, NodeId, Object, Order, SdoProtocol};
 use leadscrew_core::call::{Call, CallKind};
@@ -119,7 +119,7 @@ fn cut_calls(
         .unwrap()
         .map(Result::unwrap)
         .collect();
-    let last = cut.threads.iter().rev().take(8);
+    let last = cut.threads.iter().rev().take(5);
     assert!(last.eq(told.iter().map(|thread| (&thread.number, &thread.record))));
     let segmented = gateway.read(&mut sim, Object::new(0x5041, 0), SdoProtocol::Segmented);
     assert_eq!(segmented, Ok(bytes));
@@ -755,7 +755,7 @@ fn a_board_waits_for_whoever_takes_the_certificates_of_this_program() {
             if sim.awaits_program() {
                 waited += 1;
                 // Somebody looks on: nothing is taken by that.
-                assert_eq!(read(&mut gateway, &mut sim), 8);
+                assert_eq!(read(&mut gateway, &mut sim), 5);
                 assert!(sim.awaits_program());
                 let newest = sim.board().device().threads().next().expect("a hole");
                 let whole = newest.number - u32::from(newest.record.state == UnderWay);
@@ -771,7 +771,7 @@ fn a_board_waits_for_whoever_takes_the_certificates_of_this_program() {
             while sim.event().is_some() {}
             gateway.listen(&mut sim);
         }
-        assert_eq!(kept(&sim), [(4, RigidTap, Finished, 1); 8]);
+        assert_eq!(kept(&sim), [(4, RigidTap, Finished, 1); 5]);
         assert_eq!(waited > 0, takes, "{waited}");
     }
 }
@@ -809,7 +809,7 @@ fn nobody_is_waited_for_who_is_gone() {
         tick += 1;
     }
     assert_eq!(waited, 0);
-    assert_eq!(kept(&sim), [(4, RigidTap, Finished, 1); 8]);
+    assert_eq!(kept(&sim), [(4, RigidTap, Finished, 1); 5]);
 }
 
 /// A tap that K198 has left in its hole is not through with it, though a program ends there that no reader would let pass.
@@ -831,4 +831,31 @@ fn a_hole_in_which_the_program_ends_is_not_whole() {
     }
     assert!(!sim.is_busy());
     assert_eq!(kept(&sim), [(4, RigidTap, CutShort, 1)]);
+}
+
+/// Statuses that come once in 240 SYNCs say nothing of strokes of 300 ticks.
+#[test]
+fn without_positions_of_the_drive_no_groove_is_known() {
+    let text = THREAD.replace("Z-30", "Z6");
+    let known = cut(&text);
+    let params = with("9021", 240);
+    let options = PlantOptions {
+        drives: DriveOptions {
+            transmission: 240,
+            ..DriveOptions::default()
+        },
+        ..PlantOptions::default()
+    };
+    let unknown = cut_calls(calls(&text, &params), &params, &options, |_, _| {});
+    assert_eq!(known.threads.len(), 1);
+    for record in known.threads.values() {
+        assert_eq!(u16::from(record.cut.passes), record.tally.passes);
+        // An ideal drive is where its setpoint is, to a count of 0.1 µm.
+        let [least, most] = record.cut.grooves();
+        assert!(least.nm() >= -100 && most.nm() <= 100, "{record:?}");
+    }
+    for record in unknown.threads.values() {
+        assert!(record.tally.passes > 1);
+        assert_eq!(record.cut.passes, 0, "{record:?}");
+    }
 }

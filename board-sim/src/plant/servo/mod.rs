@@ -27,6 +27,9 @@ const STEPS_LOG: u32 = 3;
 /// Inner steps of a SYNC period.
 const STEPS: i64 = 1 << STEPS_LOG;
 
+/// Inner steps that are kept: the oldest age, and one more to go between.
+const PAST: usize = STEPS as usize * ServoOptions::OLDEST as usize + 2;
+
 /// The farthest position, in 2⁻¹⁶ nanometres: 2⁴² nanometres.
 const FARTHEST: i64 = 1 << 58;
 
@@ -48,6 +51,8 @@ pub struct Servo {
     integral: i64,
     /// Position of the tool, behind the play.
     load: i64,
+    /// The motor after the last inner steps, the newest first: 6064h may be of some time ago.
+    past: [i64; PAST],
     /// Where the interpolation was at the last step.
     wanted: i64,
     /// Microseconds for which the following error has been too large.
@@ -75,6 +80,7 @@ impl Servo {
             a: 0,
             integral: 0,
             load: z,
+            past: [z; PAST],
             wanted: z,
             beyond_us: 0,
             missed: 0,
@@ -94,6 +100,7 @@ impl Servo {
     fn rest_at(&mut self, z: i64) {
         self.path.stand(z);
         self.z = z;
+        self.past = [z; PAST];
         self.wanted = z;
         (self.v, self.a, self.integral) = (0, 0, 0);
         (self.beyond_us, self.missed) = (0, 0);
@@ -159,6 +166,8 @@ impl Servo {
             .z
             .saturating_add(rounded(i128::from(self.v), 16) as i64)
             .clamp(FARTHEST.wrapping_neg(), FARTHEST);
+        self.past.rotate_right(1);
+        self.past[0] = self.z;
         self.take_load_along();
     }
 
@@ -204,10 +213,15 @@ impl Servo {
             .clamp(self.z.saturating_sub(half), self.z.saturating_add(half));
     }
 
-    /// 6064h: what the encoder says.
+    /// 6064h: what the encoder says, or has said at its age.
     #[must_use]
     pub fn actual(&self) -> Increments {
-        let seen = self.constants.encoder.seen(self.z);
+        let age = self.constants.age;
+        let back = usize::try_from(age >> 16).unwrap_or(0);
+        let at = |back: usize| self.past.get(back).copied().unwrap_or(self.z);
+        let (later, earlier) = (at(back), at(back.saturating_add(1)));
+        let part = product(earlier.saturating_sub(later), age & 0xffff, 16) as i64;
+        let seen = self.constants.encoder.seen(later.saturating_add(part));
         Increments::new(self.constants.scale.nearest(seen) as i32)
     }
 

@@ -71,6 +71,8 @@ pub struct ServoOptions {
     pub following: Option<(Length, u16)>,
     /// 60F4h and its supervision take the newest target, which still waits in the buffer.
     pub undelayed: bool,
+    /// Age of 6064h at its SYNC in microseconds, up to [`Self::OLDEST`] periods.
+    pub age_us: u32,
     /// Targets that have not come; `None`: the last one stays.
     pub late: Option<Late>,
 }
@@ -78,6 +80,8 @@ pub struct ServoOptions {
 impl ServoOptions {
     /// The most targets that wait.
     pub const LONGEST_BUFFER: u8 = 16;
+    /// The most periods of age.
+    pub const OLDEST: u32 = 4;
 
     /// The loops alone, Kv 30 1/s: no feed-forward, no integral, a current without delay, neither friction nor play, and
     /// limits far away. What the formulas are about, and what shows the lag of a drive.
@@ -98,6 +102,7 @@ impl ServoOptions {
         count: Length::ZERO,
         following: None,
         undelayed: false,
+        age_us: 0,
         late: None,
     };
 
@@ -145,6 +150,8 @@ pub(super) struct Constants {
     /// In 2⁻¹⁶ nanometres.
     pub(super) half_play: i64,
     pub(super) undelayed: bool,
+    /// Inner steps of the age of 6064h, in 2⁻¹⁶.
+    pub(super) age: i64,
     pub(super) late: Option<Late>,
 }
 
@@ -167,6 +174,7 @@ impl Constants {
             || tick_us > LONGEST_TICK_US
             || options.buffer > ServoOptions::LONGEST_BUFFER
             || options.feed_forward_milli > 1500
+            || options.age_us > tick_us.wrapping_mul(ServoOptions::OLDEST)
             || !late
         {
             return None;
@@ -231,6 +239,9 @@ impl Constants {
                 .contains(&play)
                 .then_some(play.wrapping_shl(15))?,
             undelayed: options.undelayed,
+            age: i64::from(options.age_us)
+                .wrapping_mul(super::STEPS << 16)
+                .checked_div(tick_us.into())?,
             late: options.late,
         })
     }

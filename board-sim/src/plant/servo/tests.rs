@@ -407,6 +407,7 @@ fn nothing_overflows_whatever_comes() {
                 count: Length::from_nm(draw(5_000) as i64),
                 following: None,
                 undelayed: false,
+                age_us: 0,
                 late: None,
             };
             let increments = (1 + draw(1000) as u32, 1 + draw(1_000_000) as u32);

@@ -22,6 +22,7 @@
 //! It must not know motion, drives or the meaning of a call.
 
 mod accessors;
+mod actual;
 mod change;
 pub mod dictionary;
 mod health;
@@ -33,6 +34,7 @@ pub mod objects;
 mod offset_store;
 mod operating;
 mod own_wheel;
+mod pass;
 mod program_buffer;
 mod protection;
 mod recorder;
@@ -384,7 +386,9 @@ impl Device {
             if self.joined {
                 self.values.recorder.write(elapsed, &snapshot);
             }
-            self.values.recorder.judge(&snapshot, measured, late);
+            self.values
+                .recorder
+                .judge(elapsed, &snapshot, measured, late, params);
         }
         if !snapshot.takes_calls() {
             self.values.program_buffer.close();

@@ -1,9 +1,11 @@
 //! The record of a run: every setpoint, and the errors of the synchronised ones.
 
+use super::actual::Actual;
 use super::threads::Threads;
 use crate::bus::{BoardState, Periods};
 use crate::link::Event;
 use crate::link::{Certificate, LinkError, SetpointHash, Tally, VERSION};
+use crate::params::Params;
 use crate::tick::{Measured, Snapshot};
 
 /// The record since the program was started, and of its threads.
@@ -14,6 +16,7 @@ pub struct RunRecorder {
     gap: bool,
     hash: SetpointHash,
     tally: Tally,
+    actual: Actual,
     /// Since power-up: the threads of a program stay when the next program begins.
     pub threads: Threads,
 }
@@ -25,6 +28,7 @@ impl RunRecorder {
             gap: false,
             hash: SetpointHash::new(),
             tally: Tally::NONE,
+            actual: Actual::new(),
             threads: Threads::new(),
         }
     }
@@ -48,12 +52,21 @@ impl RunRecorder {
         self.hash.push(setpoint.position, spindle, runs);
     }
 
-    /// Takes the error of the setpoint before, if it was measured, and the state of the machine. `late`: late setpoints
-    /// since power-up.
-    pub fn judge(&mut self, snapshot: &Snapshot, measured: Option<&Measured>, late: u32) {
+    /// Takes the error of the setpoint before, if it was measured, and the state of the machine. `elapsed`: at least one
+    /// period; `late`: late setpoints since power-up.
+    pub fn judge(
+        &mut self,
+        elapsed: Periods,
+        snapshot: &Snapshot,
+        measured: Option<&Measured>,
+        late: u32,
+        params: &Params,
+    ) {
+        let followed = measured.and_then(|measured| measured.followed.as_ref());
+        let sample = self.actual.judge(elapsed, snapshot, followed, params);
         if let Some(measured) = measured {
             self.tally.take(measured.error);
-            self.threads.measure(measured, late);
+            self.threads.measure(measured, sample.as_ref(), late);
         } else {
             self.threads.leave_stroke();
         }

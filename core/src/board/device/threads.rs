@@ -9,17 +9,19 @@
 
 use heapless::Vec;
 
+use super::actual::Sample;
+use super::pass::Pass;
 use crate::bus::Abort;
 use crate::link::Event;
 use crate::link::{
-    BATCH_BYTES, Certificate, LinkError, Tally, ThreadCertificate, ThreadKind, ThreadRecord,
-    ThreadState, encode_certificates,
+    BATCH_BYTES, Certificate, CutTally, LinkError, Tally, ThreadCertificate, ThreadKind,
+    ThreadRecord, ThreadState, encode_certificates,
 };
 use crate::motion::Cut;
 use crate::tick::{Measured, Snapshot};
 
 /// Certificates kept. The newest may be under way.
-const KEPT: usize = 8;
+const KEPT: usize = 5;
 
 const _: () = assert!(
     Certificate::BYTES + KEPT * ThreadCertificate::BYTES <= BATCH_BYTES,
@@ -34,6 +36,7 @@ pub struct Threads {
     cut: Option<u8>,
     /// An axis was held to the spindle at the last measurement.
     in_stroke: bool,
+    pass: Pass,
     /// Late setpoints before the newest certificate.
     late_before: u32,
     /// Number of the newest certificate, from 1 since power-up.
@@ -51,6 +54,7 @@ impl Threads {
         Self {
             cut: None,
             in_stroke: false,
+            pass: Pass::new(),
             late_before: 0,
             newest: 0,
             taken: None,
@@ -96,6 +100,7 @@ impl Threads {
 
     /// Ends the newest in this state, if it has not ended yet.
     fn end(&mut self, state: ThreadState) {
+        self.close_pass();
         if let Some(newest) = self.records.first_mut()
             && newest.state == ThreadState::UnderWay
         {
@@ -103,8 +108,18 @@ impl Threads {
         }
     }
 
-    /// Takes a measured error.
-    pub fn measure(&mut self, measured: &Measured, late: u32) {
+    /// The pass is over: its groove counts.
+    #[inline(never)]
+    fn close_pass(&mut self) {
+        if let Some(pass) = self.pass.close()
+            && let Some(newest) = self.records.first_mut()
+        {
+            newest.cut.close(&pass);
+        }
+    }
+
+    /// Takes a measured error, and that of the drive's own position where one has come.
+    pub fn measure(&mut self, measured: &Measured, sample: Option<&Sample>, late: u32) {
         if self.cut != Some(measured.cut.number) {
             // The program has gone on.
             self.end(ThreadState::Finished);
@@ -114,6 +129,7 @@ impl Threads {
                 kind: measured.kind,
                 state: ThreadState::UnderWay,
                 tally: Tally::NONE,
+                cut: CutTally::NONE,
             };
             // There is room now.
             let _ = self.records.insert(0, record);
@@ -128,6 +144,7 @@ impl Threads {
         let tally = &mut newest.tally;
         if !self.in_stroke {
             self.in_stroke = true;
+            self.pass.begin();
             // A hole counts as one pass, however often the tap turns round in it.
             if newest.kind == ThreadKind::Thread || tally.passes == 0 {
                 tally.passes = tally.passes.saturating_add(1);
@@ -136,11 +153,19 @@ impl Threads {
         let late = late.saturating_sub(self.late_before);
         tally.late = u16::try_from(late).unwrap_or(u16::MAX);
         tally.take(measured.error);
+        if let Some(change) = self.pass.take(sample)
+            && let Some(sample) = sample
+        {
+            newest.cut.on_x = sample.on_x;
+            let (error, lead) = (sample.error, sample.lead);
+            newest.cut.take(error, change, lead, sample.per_second);
+        }
     }
 
     /// No axis is held to the spindle.
-    pub const fn leave_stroke(&mut self) {
+    pub fn leave_stroke(&mut self) {
         self.in_stroke = false;
+        self.close_pass();
     }
 
     /// Takes the state of the machine. The last error comes with the tick after the end.
@@ -210,6 +235,7 @@ mod tests {
             line: u32::from(number),
             kind: ThreadKind::Thread,
             cut: Cut { number, last },
+            followed: None,
         }
     }
 
@@ -218,7 +244,7 @@ mod tests {
         for tick in 0..4_i64 {
             now.setpoint.locked = tick < 3;
             if tick > 0 {
-                threads.measure(&measured(cut.0, cut.1, tick.saturating_neg()), 0);
+                threads.measure(&measured(cut.0, cut.1, tick.saturating_neg()), None, 0);
             } else {
                 threads.leave_stroke();
             }
@@ -281,14 +307,14 @@ mod tests {
         let (mut threads, mut now) = (Threads::new(), snapshot());
         now.setpoint.locked = true;
         for _ in 0..3 {
-            threads.measure(&measured(1, true, 5), 0);
+            threads.measure(&measured(1, true, 5), None, 0);
             threads.go_on(&now);
         }
         threads.note(&Event::Reset);
         now.state = State::Idle;
         now.in_program = false;
         now.setpoint.locked = false;
-        threads.measure(&measured(1, true, 9), 0);
+        threads.measure(&measured(1, true, 9), None, 0);
         threads.go_on(&now);
         threads.leave_stroke();
         threads.go_on(&now);
@@ -297,7 +323,7 @@ mod tests {
         assert_eq!((tally.measured, tally.largest), (4, Length::from_nm(9)));
         // Nothing is under way: it can be taken.
         assert_eq!(threads.take(1), Ok(()));
-        for number in 2..=8 {
+        for number in 2..=5 {
             stroke(&mut threads, &mut now, (number, true), true);
         }
         assert!(!threads.is_full());
@@ -315,7 +341,7 @@ mod tests {
             if !ends {
                 threads.note(&Event::Reset);
                 // Its last error comes after that.
-                threads.measure(&measured(7, true, 2), 0);
+                threads.measure(&measured(7, true, 2), None, 0);
                 threads.leave_stroke();
                 assert_eq!(all(&threads).len(), 1);
             }
@@ -343,7 +369,7 @@ mod tests {
             for line in [0, 1, 7] {
                 let (mut threads, mut now) = (Threads::new(), snapshot());
                 now.setpoint.locked = true;
-                threads.measure(&measured(1, last, 5), 0);
+                threads.measure(&measured(1, last, 5), None, 0);
                 threads.go_on(&now);
                 if ends {
                     (now.done.number, now.done.last) = (1, last);
@@ -356,7 +382,7 @@ mod tests {
                 now.state = State::Alarm(Alarm::new(Code::TapFeed, span));
                 now.in_program = false;
                 now.setpoint.locked = false;
-                threads.measure(&measured(1, last, 6), 0);
+                threads.measure(&measured(1, last, 6), None, 0);
                 threads.go_on(&now);
                 assert_eq!(all(&threads), [(1, 1, state, 1)], "{last} {ends} {line}");
             }
@@ -367,7 +393,7 @@ mod tests {
     fn another_program_waits_for_nobody_who_has_taken_those_of_the_last_one() {
         let (mut threads, mut now) = (Threads::new(), snapshot());
         assert_eq!(threads.take(0), Ok(()));
-        for number in 1..=8 {
+        for number in 1..=5 {
             stroke(&mut threads, &mut now, (number, true), true);
         }
         assert!(threads.is_full());
@@ -383,7 +409,7 @@ mod tests {
             stroke(&mut threads, &mut now, (number, true), number < 20);
         }
         let kept: Vec<u32> = all(&threads).iter().map(|thread| thread.0).collect();
-        assert_eq!(kept, [20, 19, 18, 17, 16, 15, 14, 13]);
+        assert_eq!(kept, [20, 19, 18, 17, 16]);
         // The twentieth is under way, and there is no twenty-first.
         assert_eq!(
             (threads.taken(), threads.take(20)),
@@ -391,7 +417,7 @@ mod tests {
         );
         assert_eq!(threads.take(21), Err(Abort::TooHigh));
         assert_eq!((threads.take(19), threads.taken()), (Ok(()), 19));
-        for number in 21..=27 {
+        for number in 21..=24 {
             assert!(!threads.is_full(), "{number}");
             stroke(&mut threads, &mut now, (number, true), true);
         }
@@ -405,16 +431,16 @@ mod tests {
             .collect();
         assert_eq!(read.unwrap(), threads.certificates().collect::<Vec<_>>());
         assert!(threads.is_full());
-        assert_eq!((threads.take(27), threads.is_full()), (Ok(()), false));
+        assert_eq!((threads.take(24), threads.is_full()), (Ok(()), false));
     }
 
     #[test]
     fn what_is_late_meanwhile_is_counted_as_far_as_there_is_room() {
         let mut threads = Threads::new();
-        threads.measure(&measured(1, true, 0), 7);
-        threads.measure(&measured(1, true, 0), 10);
-        threads.measure(&measured(2, true, 0), 10);
-        threads.measure(&measured(2, true, 0), 1_000_000);
+        threads.measure(&measured(1, true, 0), None, 7);
+        threads.measure(&measured(1, true, 0), None, 10);
+        threads.measure(&measured(2, true, 0), None, 10);
+        threads.measure(&measured(2, true, 0), None, 1_000_000);
         let late: Vec<u16> = threads
             .certificates()
             .map(|thread| thread.record.tally.late)

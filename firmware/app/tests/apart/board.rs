@@ -105,6 +105,7 @@ impl Apart {
                 kind,
                 state,
                 tally,
+                ..
             } = thread.record;
             (thread.number, line, kind, state, tally.passes)
         };

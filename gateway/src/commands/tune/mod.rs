@@ -64,6 +64,7 @@ pub fn run(global: &Global, args: &Tune) -> Outcome {
         dead_time,
         feed_forward,
         age,
+        age_within: args.age_within,
         found,
         known,
     };

@@ -40,6 +40,8 @@ pub struct Told {
     pub feed_forward: u32,
     /// In µs.
     pub age: u32,
+    /// How well that is known.
+    pub age_within: Option<u32>,
     pub found: Found,
     pub known: Known,
 }
@@ -71,12 +73,17 @@ impl Told {
     /// What is written.
     pub fn values(&self) -> Vec<String> {
         let letter = self.before.letter;
-        vec![
+        let mut values = vec![
             format!("9003.{letter}={}", self.latency()),
             format!("9070.{letter}={}", self.gain()),
             format!("9071.{letter}={}", self.feed_forward),
             format!("9072.{letter}={}", self.age),
-        ]
+        ];
+        values.extend(
+            self.age_within
+                .map(|within| format!("9075.{letter}={within}")),
+        );
+        values
     }
 
     pub fn words(&self) -> Both {

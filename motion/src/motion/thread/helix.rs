@@ -24,6 +24,21 @@ impl Helix {
         self.long_x
     }
 
+    /// Its lead in whole nanometres, negative where the long axis goes down while the angle grows; `None` for a lead that
+    /// changes, or of more than 2 m.
+    #[must_use]
+    pub fn lead_nm(&self) -> Option<i32> {
+        if !self.travel.variable.is_none() {
+            return None;
+        }
+        let lead = i32::try_from(self.travel.lead.0).ok()?;
+        Some(if self.backward == self.reverse {
+            lead
+        } else {
+            lead.wrapping_neg()
+        })
+    }
+
     /// The long axis' position on the helix at a spindle angle.
     #[must_use]
     pub fn at(&self, angle: Turns) -> Length {

@@ -2,6 +2,7 @@
 
 use super::{Notice, Ticker};
 use crate::alarm::{Alarm, Code};
+use crate::bus::Increments;
 use crate::call::TapSpindle;
 use crate::motion::{Cut, Executor, Law, Task};
 use crate::operating::PressState;
@@ -136,6 +137,12 @@ impl Ticker {
             self.given.ahead_z
         };
         self.observer.predict(ahead.less_one())
+    }
+
+    /// Where the drive of X or Z says that it was at the last SYNC; `None` where its status did not come with this tick.
+    #[must_use]
+    pub(in crate::tick) fn has_told(&self, on_x: bool) -> Option<Increments> {
+        self.drives.has_told(on_x)
     }
 
     /// The spindle whose angle is in the setpoint.

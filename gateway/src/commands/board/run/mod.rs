@@ -15,6 +15,7 @@ use leadscrew_core::zones::Zones;
 pub use self::tell::no_figures;
 use self::work::Ran;
 use super::{Base, Machine, Table};
+use crate::certified::Judge;
 use crate::checking::Report;
 use crate::cli::{Global, Run};
 use crate::commands::run::passes;
@@ -64,11 +65,12 @@ pub struct Done<'a> {
 pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let done = perform(global, source, args, Work::Program, &mut |_, _| Ok(()))?;
     let (setup, ran) = (&done.setup, &done.ran);
+    let judge = Judge::new(&setup.params, args.tolerance);
     if global.json {
         let ok = done.verdict.is_ok();
-        tell::result(setup, &done.report, ran, &done.origin, ok)?;
+        tell::result(setup, &done.report, ran, &done.origin, ok, &judge)?;
     } else {
-        tell::summary(setup, source, ran, &done.origin, &done.verdict)?;
+        tell::summary(setup, source, ran, &done.origin, &done.verdict, &judge)?;
     }
     done.verdict
 }
@@ -127,7 +129,14 @@ pub fn perform<'a>(
     let report = tell_report(&setup, source)?;
     if !report.alarms.is_empty() {
         if global.json {
-            tell::result(&setup, &report, &Ran::default(), &origin, false)?;
+            tell::result(
+                &setup,
+                &report,
+                &Ran::default(),
+                &origin,
+                false,
+                &Judge::new(&setup.params, None),
+            )?;
         }
         return Err(Failure::Wrong);
     }
@@ -160,7 +169,7 @@ pub fn perform<'a>(
         let last = link.offsets_revision()?;
         ran.revision = Some(link.commit_offsets(table, last)?);
     }
-    let verdict = tell::verdict(&ran, args.tolerance);
+    let verdict = tell::verdict(&setup, &ran, args.tolerance);
     Ok(Done {
         setup,
         link,

@@ -10,6 +10,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::offsets::Revision;
 
 use super::work::Ran;
+use crate::certified::Judge;
 use crate::checking::{Report, plural};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
@@ -24,7 +25,7 @@ use crate::values::Tolerance;
 use crate::words::{both, pick};
 
 /// The verdict on a run that was carried to its end.
-pub fn verdict(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
+pub fn verdict(setup: &Setup, ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
     if !ran.alarms.is_empty() {
         Err(Failure::Machine)
     } else if ran.interrupted {
@@ -36,7 +37,7 @@ pub fn verdict(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
             line = SourceLine(ran.line)
         )))
     } else {
-        within(ran, tolerance)
+        within(setup, ran, tolerance)
     }
 }
 
@@ -45,7 +46,7 @@ pub fn lost(setup: &Setup, ran: &Ran, lost: &Failure) -> Outcome {
     if setup.global.json {
         output::json(|json| {
             lost.fields(setup.lang, json);
-            ran.threads.fields(json);
+            ran.threads.fields(&Judge::new(&setup.params, None), json);
             for (key, told) in [("alarms", &ran.alarms), ("warnings", &ran.warnings)] {
                 json.array_at(key, |json| {
                     for diagnostic in told {
@@ -55,7 +56,11 @@ pub fn lost(setup: &Setup, ran: &Ran, lost: &Failure) -> Outcome {
             }
         })
     } else {
-        output::write(ran.threads.text(setup.lang).as_bytes())
+        output::write(
+            ran.threads
+                .text(&Judge::new(&setup.params, None), setup.lang)
+                .as_bytes(),
+        )
     }
 }
 
@@ -66,6 +71,7 @@ pub fn summary(
     ran: &Ran,
     origin: &Origin,
     verdict: &Outcome,
+    judge: &Judge,
 ) -> Outcome {
     let word = match verdict {
         Ok(()) => pick(setup.lang, "done", "完成"),
@@ -101,7 +107,7 @@ pub fn summary(
         zh = error.zh
     );
     output::write(text.get(setup.lang).as_bytes())?;
-    output::write(ran.threads.text(setup.lang).as_bytes())?;
+    output::write(ran.threads.text(judge, setup.lang).as_bytes())?;
     if let Some(Revision(revision)) = ran.revision {
         let told = both!(
             "offsets and tools: written by the program, revision {revision}\n",
@@ -143,7 +149,14 @@ impl Figures {
     }
 
     /// Writes the known values, with what was seen of the run.
-    fn fields(&self, bus: &Address, ran: &Ran, path_nm: Option<i64>, json: &mut Json) {
+    fn fields(
+        &self,
+        bus: &Address,
+        ran: &Ran,
+        path_nm: Option<i64>,
+        judge: &Judge,
+        json: &mut Json,
+    ) {
         json.text("bus", &bus.to_string());
         json.number("moves", ran.moves);
         json.number("ticks", self.ticks);
@@ -160,7 +173,7 @@ impl Figures {
         self.errors.field("sync_error_um", json);
         self.errors.field("measured_error_um", json);
         json.integer("late", i64::from(ran.late));
-        ran.threads.fields(json);
+        ran.threads.fields(judge, json);
         if let Some(Revision(revision)) = ran.revision {
             json.integer("offsets_revision", revision.into());
         }
@@ -169,15 +182,17 @@ impl Figures {
 
 /// The figures of a run that has not begun.
 pub fn no_figures(bus: &Address, json: &mut Json) {
-    Figures::default().fields(bus, &Ran::default(), None, json);
+    Figures::default().fields(bus, &Ran::default(), None, &Judge::default(), json);
 }
 
 /// Compares the board's measurements of each thread, and of the run, with the requested tolerance.
-fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
+fn within(setup: &Setup, ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
     let Some(tolerance) = tolerance else {
         return Ok(());
     };
-    let mut above = ran.threads.above(tolerance);
+    let mut above = ran
+        .threads
+        .above(tolerance, &Judge::new(&setup.params, Some(tolerance)));
     if let Some(run) = &ran.certificate
         && tolerance.is_below(run.largest.nm())
     {
@@ -192,12 +207,19 @@ fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
 }
 
 /// The result object. The path is the sum of the moves; it is known where all of them were carried out.
-pub fn result(setup: &Setup, report: &Report, ran: &Ran, origin: &Origin, ok: bool) -> Outcome {
+pub fn result(
+    setup: &Setup,
+    report: &Report,
+    ran: &Ran,
+    origin: &Origin,
+    ok: bool,
+    judge: &Judge,
+) -> Outcome {
     let figures = Figures::of(ran, setup);
     let path_nm = ok.then(|| report.path_nm.round() as i64);
     output::json(|json| {
         json.flag("ok", ok);
-        figures.fields(&setup.global.bus, ran, path_nm, json);
+        figures.fields(&setup.global.bus, ran, path_nm, judge, json);
         for (key, first, then) in [
             ("alarms", &report.alarms, &ran.alarms),
             ("warnings", &report.warnings, &ran.warnings),

@@ -34,7 +34,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// Time between two readings of the event log.
 const LOG: Duration = Duration::from_millis(250);
 /// Time between two readings of the certificates of threads: while many are cut, and while few are cut. A board keeps
-/// eight.
+/// five.
 const THREADS: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(250)];
 /// A cut under way when an alarm comes is at rest after this time.
 const REST: Duration = Duration::from_secs(5);
