@@ -1,4 +1,4 @@
-use leadscrew_core::link::{Tally, ThreadKind, ThreadRecord, VERSION};
+use leadscrew_core::link::{CutTally, Tally, ThreadKind, ThreadRecord, VERSION};
 use leadscrew_core::units::Length;
 
 use super::*;
@@ -33,6 +33,7 @@ fn thread(number: u32, state: ThreadState) -> ThreadCertificate {
                 largest: Length::from_nm(3000),
                 squares: 16_000_000,
             },
+            cut: CutTally::NONE,
         },
     }
 }

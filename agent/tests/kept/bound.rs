@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use leadscrew_agent::record::{Event, Start, State, Thread, What};
 use leadscrew_agent::{Body, Keeper, Memory, Moment, Numbered, Record, Store, StoreError};
-use leadscrew_core::link::{Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState};
+use leadscrew_core::link::{
+    CutTally, Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState,
+};
 
 use crate::disk::Disk;
 use crate::machine::{Board, read};
@@ -35,6 +37,7 @@ fn thread(number: u32) -> Body {
         kind: ThreadKind::Thread,
         state: ThreadState::Finished,
         tally: Tally::NONE,
+        cut: CutTally::NONE,
     };
     let certificate = ThreadCertificate { number, record };
     Body::Thread(Thread::of(Start::default(), 1, &certificate))

@@ -6,7 +6,7 @@ use leadscrew_agent::model::{Entry, Met};
 use leadscrew_agent::record::What;
 use leadscrew_agent::{Body, Keeper, Moment, Numbered, Observation, Store, StoreError};
 use leadscrew_core::link::{
-    Certificate, Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState, VERSION,
+    Certificate, CutTally, Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState, VERSION,
 };
 use leadscrew_core::units::Length;
 
@@ -54,6 +54,7 @@ impl Board {
                     largest: Length::from_nm(number.into()),
                     ..Tally::NONE
                 },
+                cut: CutTally::NONE,
             },
         });
         let run = Certificate {

@@ -349,7 +349,7 @@ fn each_thread_is_judged_by_itself() {
     assert_eq!(simulated["threads"], told["threads"]);
     let ran = leadscrew(&["run", &program, "--spindle-ripple", "10@5"]);
     let lines: Vec<String> = stdout(&ran).lines().map(str::to_owned).collect();
-    assert_eq!(lines.len(), 7, "{lines:?}");
+    assert_eq!(lines.len(), 8, "{lines:?}");
     assert!(
         lines[4].starts_with("1: line 4: rigid tap: worst "),
         "{lines:?}"
@@ -358,8 +358,9 @@ fn each_thread_is_judged_by_itself() {
         lines[5].starts_with("2: line 9: thread, 3 passes: worst "),
         "{lines:?}"
     );
+    assert!(lines[6].starts_with("   cut: grooves "), "{lines:?}");
     assert!(
-        lines[6].starts_with("3: line 12: ordinary tap: worst "),
+        lines[7].starts_with("3: line 12: ordinary tap: worst "),
         "{lines:?}"
     );
 }
