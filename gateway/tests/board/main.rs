@@ -700,7 +700,13 @@ fn a_missing_permission_says_how_to_get_it_in_both_languages() {
     // Nobody's: an administrator would be let in.
     std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
     let program = dir.join("leadscrew");
-    std::fs::copy(env!("CARGO_BIN_EXE_leadscrew"), &program).unwrap();
+    // By another process: while this one has a program open to write, a child that another test starts may keep it open,
+    // and nobody can start it (ETXTBSY).
+    let copied = Command::new("cp")
+        .arg(env!("CARGO_BIN_EXE_leadscrew"))
+        .arg(&program)
+        .status();
+    assert!(copied.unwrap().success());
     let bus = format!("slcan:unix:{}", path.display());
     let ask = |lang: &str| {
         let mut command = Command::new(&program);
