@@ -60,7 +60,7 @@ class Reader:
 
     def certificates(self):
         """That of the run: ticks measured, largest error, sum of squares. And of each thread: number, line, kind, state,
-        passes, late, and the same."""
+        passes, late, and the same; what it says of the cut is left out."""
         self.number()
         self.take(4)
         self.number()
@@ -73,6 +73,11 @@ class Reader:
         while self.data:
             of = (self.number(), self.number(), *self.take(2), self.number(), self.number())
             threads.append((of, (self.number(), self.signed(), self.number())))
+            # Of the cut: positions, passes, axis, and nine numbers.
+            self.number()
+            self.take(2)
+            for _ in range(9):
+                self.number()
         return run, threads
 
 
