@@ -117,6 +117,7 @@ impl Threads {
             .filter(|record| judge.verdict(record) == Some(Verdict::Open))
             .map(|record| record.line)
             .collect();
+        lines.sort_unstable();
         lines.dedup();
         lines
     }
@@ -463,5 +464,18 @@ mod tests {
                 .en
                 .ends_with("line 1, 2, 3, 4, 5, 6, 7, 8 and 2 more")
         );
+    }
+
+    /// Two lines that a loop cuts in turn are named once each.
+    #[test]
+    fn a_line_whose_cut_is_not_known_is_named_once() {
+        let mut threads = Threads::default();
+        threads.take(
+            (1..=4)
+                .rev()
+                .map(|number| thread(number, 5 + number % 2, Finished, 1)),
+        );
+        let judge = Judge::new(&Params::slant_bed(), Some(Tolerance { pm: 1_000_000 }));
+        assert_eq!(threads.open(&judge), [5, 6]);
     }
 }

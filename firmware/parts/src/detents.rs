@@ -23,11 +23,9 @@ impl Detents {
         let more = edges.wrapping_sub(self.edges).cast_signed();
         self.edges = edges;
         self.beyond = self.beyond.saturating_add(more as i32);
-        // The nearest detent, where the counter is beyond the middle.
-        let half = (EDGES / 2 + 1) * self.beyond.signum();
-        let detents = self.beyond.saturating_add(half) / EDGES;
-        let detents = if self.beyond.abs() >= EDGES - 1 {
-            detents
+        // The nearest detent, once the counter is beyond the middle.
+        let detents = if self.beyond.abs() > EDGES / 2 {
+            self.beyond.saturating_add(EDGES / 2 * self.beyond.signum()) / EDGES
         } else {
             0
         };
@@ -59,6 +57,8 @@ mod tests {
             (-9, -2),
             (-12, -3),
             (400, 100),
+            (405, 101),
+            (394, 98),
         ] {
             assert_eq!(wheel.of(edges as u16).cast_signed(), count, "{edges}");
         }
@@ -72,7 +72,9 @@ mod tests {
             let mut edges = 0_u32;
             while edges < 900_000 {
                 edges += step;
-                wheel.of(edges as u16);
+                let detent = wheel.of(edges as u16);
+                let beyond = (edges as u16).wrapping_sub(detent.wrapping_mul(4));
+                assert!(beyond.cast_signed().abs() <= 2, "{step}: {edges}");
             }
             let rest = edges.next_multiple_of(4);
             assert_eq!(wheel.of(rest as u16), (rest / 4) as u16, "{step}");
