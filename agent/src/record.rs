@@ -2,8 +2,7 @@
 //!
 //! They hold plain values that any program can read. What a metric is called stands elsewhere.
 
-use leadscrew_core::bus::BoardState;
-use leadscrew_core::link::{Certificate, Status, ThreadCertificate, ThreadKind, ThreadState};
+use leadscrew_core::link::{Certificate, Status, ThreadCertificate};
 use serde::{Deserialize, Serialize};
 
 /// A time of the computer's clock: milliseconds since 1970.
@@ -145,7 +144,7 @@ impl State {
     #[must_use]
     pub fn of(status: &Status, mode: &str) -> Self {
         Self {
-            state: state_name(status.state).to_owned(),
+            state: status.state.name().to_owned(),
             mode: mode.to_owned(),
             alarm: status.alarm.map_or(0, |alarm| alarm.code.number()),
             program: status.program,
@@ -162,21 +161,6 @@ impl State {
             load_percent: None,
             bus_errors: 0,
         }
-    }
-}
-
-/// The word for a state in what programs read.
-#[must_use]
-pub const fn state_name(state: BoardState) -> &'static str {
-    match state {
-        BoardState::Starting => "starting",
-        BoardState::Idle => "idle",
-        BoardState::Run => "run",
-        BoardState::Hold => "hold",
-        BoardState::Dwell => "dwell",
-        BoardState::Wait => "wait",
-        BoardState::Stopping => "stopping",
-        BoardState::Alarm => "alarm",
     }
 }
 
@@ -324,8 +308,8 @@ impl Thread {
             number: certificate.number,
             program,
             line: record.line,
-            kind: kind_name(record.kind).to_owned(),
-            end: end_name(record.state).to_owned(),
+            kind: record.kind.name().to_owned(),
+            end: record.state.name().to_owned(),
             passes: tally.passes,
             late: tally.late,
             errors: Errors {
@@ -334,22 +318,6 @@ impl Thread {
                 squares: tally.squares,
             },
         }
-    }
-}
-
-const fn kind_name(kind: ThreadKind) -> &'static str {
-    match kind {
-        ThreadKind::Thread => "thread",
-        ThreadKind::RigidTap => "rigid_tap",
-        ThreadKind::FloatingTap => "tap",
-    }
-}
-
-const fn end_name(state: ThreadState) -> &'static str {
-    match state {
-        ThreadState::UnderWay => "under_way",
-        ThreadState::Finished => "finished",
-        ThreadState::CutShort => "cut_short",
     }
 }
 

@@ -117,15 +117,11 @@ impl Judge {
     pub fn new(params: &Params, tolerance: Option<Tolerance>) -> Self {
         let tick = f64::from(params.tick_us()) * 1e-6;
         let known = |axis: Axis| {
-            let within = params.actual_age_within_us(axis);
             let counts = f64::from(params.drive_numerator(axis).max(1));
             Known {
                 letter: char::from(axis.letter()),
-                within: match within {
-                    0 => tick,
-                    us => f64::from(us) * 1e-6,
-                },
-                is_known: within != 0,
+                within: f64::from(params.actual_age_doubt_us(axis)) * 1e-6,
+                is_known: params.actual_age_within_us(axis) != 0,
                 count: f64::from(params.drive_denominator(axis)) / counts,
             }
         };

@@ -269,28 +269,12 @@ fn named(lines: &[u32]) -> Both {
     }
 }
 
-const fn kind(kind: ThreadKind) -> &'static str {
-    match kind {
-        ThreadKind::Thread => "thread",
-        ThreadKind::RigidTap => "rigid_tap",
-        ThreadKind::FloatingTap => "tap",
-    }
-}
-
-const fn state(state: ThreadState) -> &'static str {
-    match state {
-        ThreadState::UnderWay => "under_way",
-        ThreadState::Finished => "finished",
-        ThreadState::CutShort => "cut_short",
-    }
-}
-
 fn fields(json: &mut Json, number: u32, record: &ThreadRecord) {
     let tally = &record.tally;
     json.number("n", number);
     SourceLine(record.line).fields(json);
-    json.text("kind", kind(record.kind));
-    json.text("state", state(record.state));
+    json.text("kind", record.kind.name());
+    json.text("state", record.state.name());
     json.number("passes", tally.passes);
     json.number("measured", tally.measured);
     Synchronism::from(tally).field("sync_error_um", json);

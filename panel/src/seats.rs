@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::io::{self, Write as _};
 use std::net::{Shutdown, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::refusal::Refusal;
 
@@ -15,23 +15,18 @@ use crate::refusal::Refusal;
 const URGENT: usize = 16;
 
 /// A place among few; free again when it is dropped.
-pub struct Seat<'a>(&'a AtomicUsize);
+pub struct Seat(Arc<AtomicUsize>);
 
-impl<'a> Seat<'a> {
+impl Seat {
     /// One of `limit`.
-    pub fn take(taken: &'a AtomicUsize, limit: usize) -> Option<Self> {
+    pub fn take(taken: &Arc<AtomicUsize>, limit: usize) -> Option<Self> {
         let one_more = |count| (count < limit).then_some(count + 1);
         let free = taken.fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_more);
-        free.ok().map(|_| Self(taken))
-    }
-
-    /// One that has been counted.
-    pub const fn counted(taken: &'a AtomicUsize) -> Self {
-        Self(taken)
+        free.ok().map(|_| Self(Arc::clone(taken)))
     }
 }
 
-impl Drop for Seat<'_> {
+impl Drop for Seat {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::Relaxed);
     }
@@ -98,7 +93,7 @@ mod tests {
 
     #[test]
     fn a_seat_is_free_again() {
-        let taken = AtomicUsize::new(0);
+        let taken = Arc::default();
         let first = Seat::take(&taken, 2);
         let second = Seat::take(&taken, 2);
         assert!(first.is_some() && second.is_some() && Seat::take(&taken, 2).is_none());

@@ -51,8 +51,8 @@ struct Shared {
     sessions: Mutex<Sessions>,
     feed: Arc<Feed>,
     posted: Posted,
-    connections: AtomicUsize,
-    streams: AtomicUsize,
+    connections: Arc<AtomicUsize>,
+    streams: Arc<AtomicUsize>,
     urgent: Urgent,
     /// Connections for which only a place for hold and stop was left.
     late: AtomicU64,
@@ -85,8 +85,8 @@ impl Server {
             sessions: Mutex::new(Sessions::new(tokens)),
             posted: Posted::new(machine, Arc::clone(&feed)),
             feed,
-            connections: AtomicUsize::new(0),
-            streams: AtomicUsize::new(0),
+            connections: Arc::default(),
+            streams: Arc::default(),
             urgent: Urgent::default(),
             late: AtomicU64::new(0),
             over: AtomicBool::new(false),
@@ -120,20 +120,16 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             thread::sleep(PAUSE);
             continue;
         };
-        if shared.connections.load(Ordering::Relaxed) >= CONNECTIONS {
+        let Some(seat) = Seat::take(&shared.connections, CONNECTIONS) else {
             serve_late(stream, shared);
             continue;
-        }
-        // This thread alone adds, so the count cannot pass the limit.
-        shared.connections.fetch_add(1, Ordering::Relaxed);
+        };
         let own = Arc::clone(shared);
-        let spawned = thread::Builder::new().spawn(move || {
-            let _seat = Seat::counted(&own.connections);
+        // Where no thread is to be had, connection and seat go with what it would have done.
+        let _ = thread::Builder::new().spawn(move || {
             serve(stream, &own);
+            drop(seat);
         });
-        if spawned.is_err() {
-            shared.connections.fetch_sub(1, Ordering::Relaxed);
-        }
     }
 }
 

@@ -11,6 +11,7 @@ mod server;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, PoisonError};
 
+use leadscrew_core::bus::BoardState;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
@@ -26,10 +27,6 @@ pub use server::Server;
 type Labels = Vec<(&'static str, String)>;
 type Float = Gauge<f64, AtomicU64>;
 
-/// Every state that a machine can be in: one of them is 1.
-const STATES: [&str; 8] = [
-    "starting", "idle", "run", "hold", "dwell", "wait", "stopping", "alarm",
-];
 /// Metres in a micrometre: figures are in units without a prefix.
 const UM: f64 = 1e-6;
 /// Bounds of the errors against the spindle, in metres: what a good thread has, to what no gauge takes.
@@ -275,7 +272,7 @@ impl Metrics {
     }
 
     fn state(&self, state: &State) {
-        for name in STATES {
+        for name in BoardState::ALL.map(BoardState::name) {
             let gauge = self.state.get_or_create(&vec![("state", name.to_owned())]);
             gauge.set((name == state.state).into());
         }

@@ -239,18 +239,21 @@ fn errors(places: [Place; 3], errors: &Errors) -> Said {
     ]
 }
 
-/// A record as metrics with aliases. `historical`: it is older than the birth.
-#[must_use]
-pub fn of_record(record: &Numbered, historical: bool) -> Vec<Metric> {
+/// What a record says, its number and kind first.
+fn all(record: &Numbered) -> impl Iterator<Item = (Place, Option<Value>)> {
     let (kind, said) = said(&record.record.body);
-    let at = record.record.at;
     let first = [
         (RECORD_NUMBER, long(record.number)),
         (RECORD_KIND, text(kind)),
     ];
-    first
-        .into_iter()
-        .chain(said)
+    first.into_iter().chain(said)
+}
+
+/// A record as metrics with aliases. `historical`: it is older than the birth.
+#[must_use]
+pub fn of_record(record: &Numbered, historical: bool) -> Vec<Metric> {
+    let at = record.record.at;
+    all(record)
         .map(|(Place(place), value)| Metric {
             alias: Some(place as u64),
             timestamp: Some(at.0),
@@ -281,13 +284,8 @@ impl Default for Values {
 impl Values {
     /// Takes what a record says.
     pub fn take(&mut self, record: &Numbered) {
-        let (kind, said) = said(&record.record.body);
         let at = record.record.at;
-        let first = [
-            (RECORD_NUMBER, long(record.number)),
-            (RECORD_KIND, text(kind)),
-        ];
-        for (Place(place), value) in first.into_iter().chain(said) {
+        for (Place(place), value) in all(record) {
             if let Some(known) = self.known.get_mut(place) {
                 *known = value.map(|value| (at, value));
             }

@@ -11,7 +11,7 @@ use leadscrew_core::link::{
 use leadscrew_core::units::Length;
 
 /// Certificates that a board keeps.
-const KEPT: u32 = 8;
+const KEPT: u32 = 5;
 
 /// A board that has cut so many threads, each with an entry of its log.
 #[derive(Clone, Copy, Debug, Default)]

@@ -304,8 +304,9 @@ impl<'a> BackgroundSide<'a> {
 
     /// The handwheel at the board's own input stands at `count`, which wraps; 9048 says which inputs choose what it leads.
     pub fn own_wheel(&mut self, count: u16) {
-        self.state.device.own_wheel(count, &self.state.params);
-        self.carry_out();
+        if self.state.device.own_wheel(count, &self.state.params) {
+            self.carry_out();
+        }
     }
 
     /// Takes a frame of CAN FD from the bus.

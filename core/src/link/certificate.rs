@@ -120,6 +120,18 @@ pub enum ThreadState {
     CutShort,
 }
 
+impl ThreadState {
+    /// The name in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::UnderWay => "under_way",
+            Self::Finished => "finished",
+            Self::CutShort => "cut_short",
+        }
+    }
+}
+
 /// The synchronism errors during a cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Tally {

@@ -58,6 +58,16 @@ impl Params {
         }
         params
     }
+
+    /// By how many microseconds the age of 6064h of an axis (9072) may be wrong: 9075, or a whole SYNC period where that is
+    /// 0 and nobody knows the age.
+    #[must_use]
+    pub const fn actual_age_doubt_us(&self, axis: Axis) -> u32 {
+        match self.actual_age_within_us(axis) {
+            0 => self.tick_us(),
+            within => within,
+        }
+    }
 }
 
 impl Default for Params {

@@ -21,6 +21,18 @@ pub enum ThreadKind {
     FloatingTap,
 }
 
+impl ThreadKind {
+    /// The name in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Thread => "thread",
+            Self::RigidTap => "rigid_tap",
+            Self::FloatingTap => "tap",
+        }
+    }
+}
+
 /// The data for judging the next measured angle. At first there are none.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reference(Option<Held>);

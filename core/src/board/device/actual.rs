@@ -93,10 +93,7 @@ impl Actual {
         let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
         let actual = Length::from_nm(scale.position(followed.actual));
         let speed = (now.speed.raw() >> 16).wrapping_mul(lead.nm()) >> 16;
-        let within = match params.actual_age_within_us(axis) {
-            0 => tick,
-            within => within,
-        };
+        let within = params.actual_age_doubt_us(axis);
         let delay = params.latency_us(axis).saturating_add(age);
         let delay = delay.saturating_add(within);
         Some(Sample {

@@ -328,9 +328,9 @@ impl Device {
         true
     }
 
-    /// The handwheel at the board's own input.
-    pub fn own_wheel(&mut self, count: u16, params: &Params) {
-        self.values.own_wheel(count, params);
+    /// The handwheel at the board's own input. True where it asks for anything.
+    pub fn own_wheel(&mut self, count: u16, params: &Params) -> bool {
+        self.values.own_wheel(count, params)
     }
 
     /// Takes a frame of CAN FD. No such frame is for a board, but it may have setpoints of another node for the board's

@@ -37,18 +37,18 @@ pub struct OwnWheel {
 }
 
 impl ObjectValues {
-    /// The wheel at the board's own input stands at `count`, which wraps.
-    pub fn own_wheel(&mut self, count: u16, params: &Params) {
+    /// The wheel at the board's own input stands at `count`, which wraps. True where it asks for anything.
+    pub fn own_wheel(&mut self, count: u16, params: &Params) -> bool {
         let now = self.operating.beat().ms();
         let wheel = &mut self.own_wheel;
         if now.wrapping_sub(wheel.looked) < LOOK_MS {
-            return;
+            return false;
         }
         wheel.looked = now;
         let before = core::mem::replace(&mut wheel.count, count);
         let Some((leads, factor)) = self.chosen(params) else {
             self.own_wheel.leads = None;
-            return;
+            return false;
         };
         let has_turned = count != before;
         let wheel = &mut self.own_wheel;
@@ -59,13 +59,14 @@ impl ObjectValues {
         }
         if wheel.leads != Some(leads) {
             if !has_turned {
-                return;
+                return false;
             }
             wheel.leads = Some(leads);
             wheel.claim = wheel.claim.wrapping_add(1);
             self.ask(leads, factor, before, params);
         }
         self.ask(leads, factor, count, params);
+        true
     }
 
     fn ask(&mut self, leads: Led, factor: WheelFactor, count: u16, params: &Params) {

@@ -70,15 +70,27 @@ fn with_table(text: &str, table: Offsets) -> (Vec<Event>, Option<Alarm>) {
     read_with(text.as_bytes(), &Params::sheets(), options)
 }
 
-fn last_thread(events: &[Event]) -> ThreadCall {
-    let mut threads = events.iter().filter_map(|event| match event {
+fn threads(events: &[Event]) -> Vec<ThreadCall> {
+    let of = |event: &Event| match event {
         Event::Call(Call {
             kind: CallKind::Thread(thread),
             ..
         }) => Some(*thread),
         _ => None,
-    });
-    threads.next_back().unwrap()
+    };
+    events.iter().filter_map(of).collect()
+}
+
+fn last_thread(events: &[Event]) -> ThreadCall {
+    *threads(events).last().unwrap()
+}
+
+fn warnings(events: &[Event]) -> Vec<Alarm> {
+    let of = |event: &Event| match event {
+        Event::Warning(alarm) => Some(*alarm),
+        Event::Call(_) => None,
+    };
+    events.iter().filter_map(of).collect()
 }
 
 /// A program that cuts a thread of this lead (µm) along Z; its own place, speed, cycle and depth.
@@ -157,9 +169,9 @@ fn follow(random: &mut Random) {
     assert_eq!(table.beyond(), None);
     let (events, alarm) = with_table(&second, table);
     assert_eq!(alarm, None, "{second}");
-    let told = events
-        .iter()
-        .filter(|event| matches!(event, Event::Warning(alarm) if alarm.code == Code::PickedUp));
+    let told = warnings(&events)
+        .into_iter()
+        .filter(|told| told.code == Code::PickedUp);
     assert_eq!(told.count(), 1, "{second}");
     let again = Begin::of(&last_thread(&events));
 
@@ -245,23 +257,16 @@ fn a_chain_follows_as_a_whole() {
     let text = "M3 S300\nG0 X40 Z5\nG32 Z-1 F2\nZ-4 F4\nG0 X50\nZ5\nX40\nG32 Z-1 F2\n";
     let (events, alarm) = with_table(text, picked_up(40, 1, 30_000_000));
     assert_eq!(alarm, None);
-    let told: Vec<_> = events
+    let told = warnings(&events);
+    let told: Vec<_> = told
         .iter()
-        .filter_map(|event| match event {
-            Event::Warning(alarm) => Some((alarm.code, alarm.span.line)),
-            Event::Call(_) => None,
-        })
+        .map(|told| (told.code, told.span.line))
         .collect();
     assert_eq!(told, [(Code::PickedUp, 3)]);
-    let angles: Vec<_> = events
+    let threads = threads(&events);
+    let angles: Vec<_> = threads
         .iter()
-        .filter_map(|event| match event {
-            Event::Call(Call {
-                kind: CallKind::Thread(thread),
-                ..
-            }) => Some(thread.first_angle.mdeg()),
-            _ => None,
-        })
+        .map(|thread| thread.first_angle.mdeg())
         .collect();
     // Three turns to Z -1.
     assert_eq!(angles, [30_000, 30_000, 30_000]);
@@ -285,11 +290,7 @@ fn the_warning_names_place_and_angles() {
         "M3 S300\nG0 X40 Z5\nG32 Z-20 F2\n",
         picked_up(40, 2, 30_000_000),
     );
-    let found = events.iter().find_map(|event| match event {
-        Event::Warning(alarm) => Some(*alarm),
-        Event::Call(_) => None,
-    });
-    let alarm = found.unwrap();
+    let alarm = warnings(&events)[0];
     let angle = |udeg| Arg::Angle(Angle::from_udeg(udeg));
     let [a, b, c, d] = [
         Arg::Letter(b'Z'),

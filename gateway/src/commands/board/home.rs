@@ -11,7 +11,7 @@ use leadscrew_core::link::{Event, Status};
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::{Axes, Axis};
 
-use super::{open, state_name};
+use super::open;
 use crate::cli::{Global, HomeAxis};
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
@@ -147,7 +147,7 @@ fn tell(global: &Global, node: u8, status: &Status, missing: Axes) -> Outcome {
         return output::json(|json| {
             json.flag("ok", missing.is_empty() && status.alarm.is_none());
             json.integer("node", i64::from(node));
-            json.text("state", state_name(status.state));
+            json.text("state", status.state.name());
             json.text("referenced", &names(status.referenced));
             json.text("unreferenced", &names(missing));
             match status.alarm {

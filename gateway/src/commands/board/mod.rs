@@ -60,18 +60,3 @@ pub const fn state_words(state: BoardState, lang: Lang) -> &'static str {
         BoardState::Alarm => pick(lang, "alarm", "报警"),
     }
 }
-
-/// The same for machines.
-#[must_use]
-pub const fn state_name(state: BoardState) -> &'static str {
-    match state {
-        BoardState::Starting => "starting",
-        BoardState::Idle => "idle",
-        BoardState::Run => "run",
-        BoardState::Hold => "hold",
-        BoardState::Dwell => "dwell",
-        BoardState::Wait => "wait",
-        BoardState::Stopping => "stopping",
-        BoardState::Alarm => "alarm",
-    }
-}

@@ -3,7 +3,7 @@
 
 use leadscrew_core::bus::{BoardCommand, BoardState, Object, Order};
 
-use super::{open, state_name, state_words};
+use super::{open, state_words};
 use crate::cli::{Global, OverrideName};
 use crate::failure::{Failure, Outcome};
 use crate::link::Link;
@@ -27,7 +27,7 @@ pub(super) fn tell(global: &Global, link: &Link) -> Outcome {
         return output::json(|json| {
             json.flag("ok", true);
             json.integer("node", i64::from(link.node().get()));
-            json.text("state", state_name(status.state));
+            json.text("state", status.state.name());
             match status.alarm {
                 Some(number) => json.integer("alarm", i64::from(number)),
                 None => json.null("alarm"),

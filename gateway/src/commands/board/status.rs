@@ -10,7 +10,7 @@ use leadscrew_core::operating::{Interlock, OperatingMode};
 use leadscrew_core::params::Contact;
 use leadscrew_core::signals::Signals;
 
-use super::{names, open, state_name, state_words};
+use super::{names, open, state_words};
 use crate::cli::Global;
 use crate::commands::{contact_numbers, or_none};
 use crate::diagnostics::{Diagnostic, figure};
@@ -43,7 +43,7 @@ pub fn status(global: &Global) -> Outcome {
             json.flag("ok", true);
             json.text("bus", &global.bus.to_string());
             json.integer("node", i64::from(node));
-            json.text("state", state_name(status.state));
+            json.text("state", status.state.name());
             json.text("mode", mode.name());
             match &alarm {
                 Some(alarm) => json.object_at("alarm", |json| alarm.fields(json, false)),

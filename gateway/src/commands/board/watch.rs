@@ -4,6 +4,7 @@
 
 use std::time::{Duration, Instant};
 
+use leadscrew_core::bus::Object;
 use leadscrew_core::link::{Logged, Status};
 
 use super::mdi;
@@ -18,6 +19,40 @@ pub const STATUS: Duration = Duration::from_millis(100);
 pub const LOG: Duration = Duration::from_secs(1);
 /// Entries of the log that are older than a view and shown all the same.
 const BEFORE: u32 = 8;
+
+/// Parameters with the bit rates of the bus in kbit/s: that of all frames, and that of the data of CAN FD frames.
+const RATES: [Object; 2] = [Object::new(0x2000 + 9020, 0), Object::new(0x2000 + 9032, 0)];
+
+/// These bit rates, as far as the board tells them.
+pub fn bit_rates(link: &mut Link) -> [u64; 2] {
+    let [kbit, fd_kbit] = RATES.map(|rate| link.read_number(rate).ok());
+    let kbit = kbit.unwrap_or(1000);
+    [kbit, fd_kbit.unwrap_or(kbit)]
+}
+
+/// Starts a board that has started again: it says no process data before somebody has.
+pub struct Starts(u32);
+
+impl Starts {
+    /// As many as were heard so far.
+    pub const fn new(link: &Link) -> Self {
+        Self(link.seen.boots)
+    }
+
+    /// True where the board has started again since.
+    ///
+    /// # Errors
+    /// The board has gone.
+    pub fn attend(&mut self, link: &mut Link) -> Outcome<bool> {
+        link.check_alive()?;
+        let again = link.seen.boots != self.0;
+        if again {
+            self.0 = link.seen.boots;
+            link.start_node()?;
+        }
+        Ok(again)
+    }
+}
 
 /// Work that comes again after a time.
 pub struct Every {
@@ -46,7 +81,7 @@ pub struct Watch {
     /// What its positions are counted from.
     pub zeros: Zeros,
     last_event: u32,
-    boots: u32,
+    starts: Starts,
 }
 
 impl Watch {
@@ -58,21 +93,16 @@ impl Watch {
         Ok(Self {
             zeros: Zeros::default(),
             last_event: link.newest_event()?.saturating_sub(BEFORE),
-            boots: link.seen.boots,
+            starts: Starts::new(link),
         })
     }
 
-    /// Starts a board that has started again: it says no process data before somebody has.
+    /// As [`Starts::attend`].
     ///
     /// # Errors
     /// The board has gone.
     pub fn attend(&mut self, link: &mut Link) -> Outcome {
-        link.check_alive()?;
-        if link.seen.boots != self.boots {
-            self.boots = link.seen.boots;
-            link.start_node()?;
-        }
-        Ok(())
+        self.starts.attend(link).map(drop)
     }
 
     /// The entries of the log that have come since.

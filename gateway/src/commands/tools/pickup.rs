@@ -5,18 +5,18 @@
 
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::link::Status;
-use leadscrew_core::offsets::{Offset, Offsets, PickedUp};
+use leadscrew_core::offsets::{Offsets, PickedUp};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Axis, Turns};
 
 use super::home::Home;
-use super::touch::{knows_where, stands};
+use super::touch::{knows_where, offset, place, stands};
 use crate::cli::{Global, Pickup};
 use crate::commands::ending;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::tools::{self, Change, Field, Groove, Key, Raw, changes, value};
+use crate::tools::{self, Change, Groove, Key, changes, value};
 use crate::words::{Both, both};
 
 /// Picks a thread up, or lets it go.
@@ -34,10 +34,10 @@ pub fn pickup(global: &Global, args: &Pickup) -> Outcome {
             knows_where(&status, axis)?;
         }
         let angle = Some(angle(&status)?);
-        let [x, z] = [Axis::X, Axis::Z].map(|axis| tip(&status, &table, tool, axis));
-        for (axis, at) in [(Axis::X, x), (Axis::Z, z)] {
+        for axis in [Axis::X, Axis::Z] {
+            let tip = place(&status, axis) - offset(&table, tool, axis);
             let key = Key::Thread(Groove::Tip(axis));
-            key.set(&mut table, at).map_err(Failure::WrongBecause)?;
+            key.set(&mut table, tip).map_err(Failure::WrongBecause)?;
         }
         table.thread.angle = angle;
     } else {
@@ -49,14 +49,6 @@ pub fn pickup(global: &Global, args: &Pickup) -> Outcome {
         home.commit(&table)?;
     }
     tell(global, &home, &table, &changes)
-}
-
-/// Where the tip of a tool is by the machine, in 0.1 µm, X in diameter.
-fn tip(status: &Status, table: &Offsets, tool: u8, axis: Axis) -> Raw {
-    let Offset { x, z } = Offset::of_slide([status.position.x, status.position.z]);
-    let nm = if axis == Axis::X { x.nm() } else { z.nm() };
-    let of = |field| Key::Tool(tool, field).get(table);
-    (nm + nm.signum() * 50) / 100 - of(Field::Geometry(axis)) - of(Field::Wear(axis))
 }
 
 /// The angle of the spindle, where it stands and counts from its index.

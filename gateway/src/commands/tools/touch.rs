@@ -109,8 +109,7 @@ impl Touched {
     /// A work offset, by a tool whose offset is known; 0: none.
     fn work(&self, table: &mut Offsets, code: u8, tool: u8) -> Result<Key, crate::words::Both> {
         let axis = self.axis;
-        let of = |field: Field| Key::Tool(tool, field).get(table);
-        let offset = of(Field::Geometry(axis)) + of(Field::Wear(axis));
+        let offset = offset(table, tool, axis);
         let key = Key::Work(code, axis);
         let shift = Key::Shift(axis).get(table);
         key.set(table, self.machine - shift - offset - self.value)?;
@@ -140,8 +139,14 @@ pub fn knows_where(status: &Status, axis: Axis) -> Outcome {
     Err(Failure::WrongBecause(alarm_words(&alarm)))
 }
 
+/// Geometry and wear of a tool, in 0.1 µm; 0: no tool.
+pub fn offset(table: &Offsets, tool: u8, axis: Axis) -> Raw {
+    let of = |field| Key::Tool(tool, field).get(table);
+    of(Field::Geometry(axis)) + of(Field::Wear(axis))
+}
+
 /// The commanded position in 0.1 µm, X in diameter, rounded.
-fn place(status: &Status, axis: Axis) -> Raw {
+pub fn place(status: &Status, axis: Axis) -> Raw {
     let nm = match axis {
         Axis::X => status.position.x.nm() * 2,
         _ => status.position.z.nm(),

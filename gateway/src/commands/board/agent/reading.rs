@@ -3,17 +3,18 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use leadscrew_agent::Observation;
 use leadscrew_agent::metrics::Pulse;
 use leadscrew_agent::model::{Entry, Met};
 use leadscrew_agent::record::{State, Trouble, What};
-use leadscrew_agent::{Observation, record};
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::board::Event;
 use leadscrew_core::board::device::objects::CYCLE_PERIOD;
-use leadscrew_core::bus::{BoardStatus, Object};
+use leadscrew_core::bus::BoardStatus;
 use leadscrew_core::link::{Logged, Status, ThreadCertificate, ThreadState};
 
 use super::super::open;
+use super::super::watch::{Starts, bit_rates};
 use super::Agent;
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
@@ -29,7 +30,7 @@ const LOOK: Duration = Duration::from_millis(100);
 const STATUS: Duration = Duration::from_secs(2);
 /// Between two readings while things change.
 const CHANGED: Duration = Duration::from_millis(500);
-/// Between two readings of the certificates while threads are cut: 0.9 % of such a bus, and time for seven threads that
+/// Between two readings of the certificates while threads are cut: 0.9 % of such a bus, and time for four threads that
 /// the board keeps beside it.
 const THREADS: Duration = Duration::from_millis(1500);
 /// The same where a reading brought several.
@@ -38,14 +39,12 @@ const MANY: (u32, Duration) = (3, Duration::from_millis(250));
 const LOAD: [Duration; 2] = [Duration::from_secs(5), Duration::from_millis(500)];
 /// Thousandths of a turn in a turn.
 const MILLI: i32 = 1000;
-/// Parameters with the bit rates of the bus in kbit/s.
-const RATES: [Object; 2] = [Object::new(0x2000 + 9020, 0), Object::new(0x2000 + 9032, 0)];
 
 /// A board that is read.
 pub struct Reading<'a> {
     global: &'a Global,
     link: Link,
-    boots: u32,
+    starts: Starts,
     record: Status,
     read: Instant,
     mode: &'static str,
@@ -71,15 +70,14 @@ impl<'a> Reading<'a> {
         let mut link = open(global)?;
         link.greet()?;
         link.hear_status()?;
-        let [kbit, fd_kbit] = RATES.map(|rate| link.read_number(rate).ok());
-        let kbit = kbit.unwrap_or(1000);
+        let rates = bit_rates(&mut link);
         // The load of the bus is everybody's.
         link.hear_everything()?;
         link.seen.traffic = Traffic::default();
         let now = Instant::now();
         let mut reading = Self {
             global,
-            boots: link.seen.boots,
+            starts: Starts::new(&link),
             record: link.status()?,
             read: now,
             mode: "",
@@ -87,7 +85,7 @@ impl<'a> Reading<'a> {
             cut: true,
             threads: (now, 0, 0),
             ended: true,
-            rates: [kbit, fd_kbit.unwrap_or(kbit)],
+            rates,
             load: (None, now, true),
             link,
         };
@@ -136,16 +134,12 @@ impl<'a> Reading<'a> {
         let mut last = Instant::now();
         loop {
             self.link.listen(Instant::now() + LOOK, &mut |_| false)?;
-            self.link.check_alive()?;
-            // What cannot be kept is read again, and need not be often.
-            let pause = if agent.full { STATUS } else { LOOK };
-            if self.link.seen.boots != self.boots {
-                // It says no process data before somebody has started it.
-                self.boots = self.link.seen.boots;
-                self.link.start_node()?;
+            if self.starts.attend(&mut self.link)? {
                 let met = self.meet(agent);
                 self.tolerate(met)?;
             }
+            // What cannot be kept is read again, and need not be often.
+            let pause = if agent.full { STATUS } else { LOOK };
             if last.elapsed() >= pause {
                 last = Instant::now();
                 let read = self.look(agent);
@@ -196,7 +190,7 @@ impl<'a> Reading<'a> {
     fn state(&self, said: &BoardStatus) -> State {
         let seen = &self.link.seen;
         let mut state = State::of(&self.record, self.mode);
-        record::state_name(said.state).clone_into(&mut state.state);
+        said.state.name().clone_into(&mut state.state);
         state.alarm = said.alarm.unwrap_or(0);
         (state.hold, state.single_block) = (said.flags.hold, said.flags.single_block);
         if let Some(place) = seen.place {

@@ -27,14 +27,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use leadscrew_core::board::device::objects::BEAT;
-use leadscrew_core::bus::{Beat, BoardSpindle, Frame, NodeId, Object};
+use leadscrew_core::bus::{Beat, BoardSpindle, Frame, NodeId};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{Event as Input, KeyCode, KeyEventKind};
 
 use self::panel::{Ask, Open, Panel};
 use self::typed::Typed;
 use self::view::{Tone, View};
-use super::watch::{Every, LOG, STATUS, Watch};
+use super::watch::{Every, LOG, STATUS, Watch, bit_rates};
 use super::{by_hand, mdi, open};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
@@ -47,10 +47,6 @@ use crate::words::{Both, both};
 const PICTURE: Duration = Duration::from_millis(50);
 /// Over which the load of the bus is measured.
 const LOAD: Duration = Duration::from_millis(500);
-/// Parameter with the bit rate of the bus in kbit/s.
-const BUS_KBIT: Object = Object::new(0x2000 + 9020, 0);
-/// The same of the data of CAN FD frames.
-const FD_KBIT: Object = Object::new(0x2000 + 9032, 0);
 /// Errors and messages kept for the picture.
 const KEPT: usize = 240;
 
@@ -139,8 +135,7 @@ struct Session<'a> {
 
 impl<'a> Session<'a> {
     fn new(global: &'a Global, mut link: Link, keys: bool, tells_release: bool) -> Outcome<Self> {
-        let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
-        let rates = [kbit, link.read_number(FD_KBIT).unwrap_or(kbit)];
+        let rates = bit_rates(&mut link);
         let watch = Watch::new(&mut link)?;
         let node = link.node();
         let session = by_hand::session();

@@ -25,7 +25,7 @@ use super::monitor::told::{Told, of_alarm, told};
 use super::monitor::typed::{self, Typed};
 use super::monitor::view::Tone;
 use super::watch::{Every, LOG, STATUS, Watch};
-use super::{mdi, names, open, state_name};
+use super::{mdi, names, open};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -319,7 +319,7 @@ impl<'a> Side<'a> {
 
 /// State, alarm, overrides and place in the program.
 fn levels(json: &mut Json, record: &Status, status: &BoardStatus) {
-    json.text("state", state_name(status.state));
+    json.text("state", status.state.name());
     match status.alarm {
         Some(number) => json.integer("number", i64::from(number)),
         None => json.null("number"),

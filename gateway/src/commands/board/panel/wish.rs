@@ -95,8 +95,8 @@ impl Wish {
 }
 
 fn mode(name: &str) -> Option<OperatingMode> {
-    (0..=u8::MAX)
-        .map_while(OperatingMode::from_raw)
+    OperatingMode::ALL
+        .into_iter()
         .find(|mode| mode.name() == name)
 }
 
