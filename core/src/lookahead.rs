@@ -11,7 +11,7 @@
 //! as all of them together need.
 //!
 //! A corner is a stop where that takes less time than to slow down for it: between long cuts below half of the feed,
-//! between short ones much later ([`Side`]).
+//! between short ones much later (`Side`).
 //!
 //! # Where a rate has to hold
 //!

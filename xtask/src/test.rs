@@ -57,13 +57,13 @@ pub fn test() -> Result<()> {
     clock.step("crates that are published", packages::check)?;
     clock.step("clippy", clippy)?;
     clock.step("pages that the program writes", renew::check)?;
+    clock.step("documentation", docs::check)?;
     clock.step("tests with overflow checks", || tests(&mut counts))?;
     clock.step("another CANopen master", || {
         counts.passed += canopen::check()?;
         Ok(())
     })?;
     clock.step("no panic is reachable", audit::audit)?;
-    clock.step("documentation", docs::check)?;
     if full {
         clock.step("tests on a CAN bus", || on_a_bus(&mut counts, ""))?;
         clock.step("core for the microcontroller", core_alone)?;
