@@ -91,11 +91,12 @@
 
 #[doc(inline)]
 pub use leadscrew_motion::{
-    alarm, bus, call, checksum, journal, motion, moves, operating, params, signals, spindle, tick,
+    alarm, call, checksum, journal, motion, moves, operating, params, signals, spindle, tick,
     units, zones,
 };
 
 pub mod board;
+pub mod bus;
 pub mod cycle;
 mod feasible;
 pub mod link;

@@ -173,7 +173,7 @@ impl Frame {
     }
 
     /// A frame with a payload of a fixed size. More than eight bytes fail at compile time.
-    pub(crate) const fn of<const N: usize>(id: CobId, payload: [u8; N]) -> Self {
+    pub const fn of<const N: usize>(id: CobId, payload: [u8; N]) -> Self {
         const { assert!(N <= 8, "a classical CAN frame has at most eight bytes") };
         let mut data = [0; 8];
         if let Some((head, _)) = data.split_first_chunk_mut::<N>() {

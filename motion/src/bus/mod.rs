@@ -30,7 +30,6 @@ mod nmt_slave;
 mod object;
 mod pdo;
 mod periods;
-mod sdo;
 mod setpoints;
 mod spindle;
 mod sync;
@@ -59,9 +58,6 @@ pub use nmt_slave::{NmtEvent, NmtSlave};
 pub use object::{Abort, Object, Objects};
 pub use pdo::{AxisMode, AxisReport, DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
 pub use periods::Periods;
-pub use sdo::{
-    BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,
-};
 pub use setpoints::Setpoints;
 pub use spindle::{SpindleDemand, SpindleMaster};
 pub use sync::{SyncProducer, is_sync};

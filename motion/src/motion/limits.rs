@@ -246,6 +246,7 @@ impl PathLimits {
 }
 
 impl AxisLimits {
+    #[inline(never)]
     fn new(
         rapid: Feed,
         cutting: Feed,

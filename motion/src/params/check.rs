@@ -68,6 +68,7 @@ impl Params {
         first
     }
 
+    #[inline(never)]
     fn check_axis<const ALL: bool>(
         &self,
         axis: Axis,
@@ -321,6 +322,7 @@ impl<Report: FnMut(Alarm), const ALL: bool> Reasons<Report, ALL> {
         }
     }
 
+    #[inline(never)]
     fn put(&mut self, code: Code, figures: &[Arg]) {
         (self.0)(Alarm::of(code, figures));
     }

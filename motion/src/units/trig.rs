@@ -157,7 +157,7 @@ impl Direction {
         } else {
             guess
         };
-        let mut phase = Self(if across < 0 {
+        let phase = Self(if across < 0 {
             guess.wrapping_neg()
         } else {
             guess
@@ -172,17 +172,22 @@ impl Direction {
             if v < 0 { size.wrapping_neg() } else { size }
         };
         let (unit_along, unit_across) = (unit(along), unit(across));
-        let times = |a: i64, b: i64| (signed_product(a, b) >> 62) as i64;
-        // The sine of what the guess lacks gives the angle: asin s = s + s³/6 + 3·s⁵/40 + …: after two rounds nothing
-        // that counts is left.
-        for _ in 0..2 {
-            let (sin, cos) = phase.sin_cos();
-            let s = signed_product(unit_across, cos).wrapping_sub(signed_product(unit_along, sin));
-            let s = (s >> 62) as i64;
-            let cube = times(times(s, s), s);
-            phase = phase.turned(times(s.wrapping_add(cube / 6), TURNS_PER_RADIAN));
-        }
+        // After two rounds nothing that counts is left.
         phase
+            .nearer(unit_along, unit_across)
+            .nearer(unit_along, unit_across)
+    }
+
+    /// Nearer to the direction of a unit vector in 2⁻⁶². The sine of what this one lacks gives the angle:
+    /// asin s = s + s³/6 + 3·s⁵/40 + …
+    #[inline(never)]
+    fn nearer(self, along: i64, across: i64) -> Self {
+        let times = |a: i64, b: i64| (signed_product(a, b) >> 62) as i64;
+        let (sin, cos) = self.sin_cos();
+        let s = signed_product(across, cos).wrapping_sub(signed_product(along, sin));
+        let s = (s >> 62) as i64;
+        let cube = times(times(s, s), s);
+        self.turned(times(s.wrapping_add(cube / 6), TURNS_PER_RADIAN))
     }
 }
 

@@ -319,7 +319,7 @@ impl ThreadPlan {
 
     /// The end of the pass's line that is nearer to `home` on the short axis. The run-out does not count.
     #[must_use]
-    #[inline]
+    #[inline(never)]
     pub fn level_towards(&self, home: Length) -> Length {
         let start = self.short_start();
         let end = start + whole(self.line(self.length));

@@ -14,8 +14,8 @@ mod upload;
 use core::time::Duration;
 
 use super::wire::{Bytes, Request};
-use crate::bus::frame::{CobId, Frame, NodeId, Service};
-use crate::bus::object::{Abort, Object};
+use crate::bus::{Abort, Object};
+use crate::bus::{CobId, Frame, NodeId, Service};
 
 pub use download::SdoDownload;
 pub use upload::{SdoBuffer, SdoSink, SdoUpload};

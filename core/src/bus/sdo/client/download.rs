@@ -3,12 +3,12 @@
 use core::time::Duration;
 
 use super::{Line, SdoError, SdoProtocol};
-use crate::bus::frame::{Frame, NodeId};
-use crate::bus::object::{Abort, Object};
 use crate::bus::sdo::server::BlockSize;
 use crate::bus::sdo::wire::{
     Begin, BlockSegment, Checksum, Piece, Request, Response, SEGMENT, Segment,
 };
+use crate::bus::{Abort, Object};
+use crate::bus::{Frame, NodeId};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {

@@ -3,12 +3,12 @@
 use core::time::Duration;
 
 use super::{Line, SdoError, SdoProtocol};
-use crate::bus::frame::{Frame, NodeId};
-use crate::bus::object::{Abort, Object};
 use crate::bus::sdo::server::BlockSize;
 use crate::bus::sdo::wire::{
     Begin, BlockSegment, Bytes, Checksum, Piece, Request, Response, Segment,
 };
+use crate::bus::{Abort, Object};
+use crate::bus::{Frame, NodeId};
 
 /// Up to this length a server may answer a block upload with an expedited or segmented one: blocks are not faster
 /// there.

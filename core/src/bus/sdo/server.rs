@@ -18,9 +18,9 @@ mod reading;
 mod writing;
 
 use super::wire::{Bytes, Checksum};
-use crate::bus::frame::{CobId, Frame, NodeId, Service};
-use crate::bus::object::{Abort, Object, Objects};
-use crate::bus::periods::Periods;
+use crate::bus::Periods;
+use crate::bus::{Abort, Object, Objects};
+use crate::bus::{CobId, Frame, NodeId, Service};
 
 /// Segments in a block, 1–127.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -2,8 +2,8 @@
 //! the client answers with the number of segments that it has received.
 
 use super::{BlockSize, SdoServer, State, TOGGLE, Transfer, reply};
-use crate::bus::object::{Abort, Object, Objects};
 use crate::bus::sdo::wire::{Bytes, SEGMENT};
+use crate::bus::{Abort, Object, Objects};
 
 impl SdoServer {
     /// Begins a read.

@@ -9,7 +9,7 @@
 
 use crc::{CRC_16_XMODEM, Crc, NoTable};
 
-use crate::bus::object::Object;
+use crate::bus::Object;
 
 /// The payload of an SDO frame.
 pub type Bytes = [u8; 8];

@@ -6,8 +6,8 @@
 //! used bytes in the last segment, so the server holds the last segment back until then.
 
 use super::{LAST, SdoServer, State, TOGGLE, Transfer, long, reply};
-use crate::bus::object::{Abort, Object, Objects};
 use crate::bus::sdo::wire::{Bytes, SEGMENT};
+use crate::bus::{Abort, Object, Objects};
 
 impl SdoServer {
     /// Begins a write; an expedited write is complete at once.
