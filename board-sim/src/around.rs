@@ -4,7 +4,11 @@
 //! input, which then stays. Must not know how the board reads its inputs.
 
 use super::turret::{Turret, TurretFault};
-use leadscrew_core::params::{Answer, Contact, FunctionAction, Params};
+use leadscrew_core::params::{Answer, BY_SWITCH, Contact, FunctionAction, Params};
+use leadscrew_core::units::Axis;
+
+/// A reference switch lets go so much before the place where it comes on, in nanometres.
+const HYSTERESIS_NM: i64 = 20_000;
 
 /// The inputs of a board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,6 +20,8 @@ pub struct Around {
     door_open: bool,
     /// What devices answer.
     answers: u16,
+    /// The reference switches of X and Z that stand at an input are on.
+    at_switch: [bool; 2],
     turret: Turret,
 }
 
@@ -28,9 +34,10 @@ impl Around {
     /// Takes over what somebody has set. What devices have done meanwhile stays.
     pub const fn be_as(&mut self, set: &Self) {
         let (answers, mut turret) = (self.answers, self.turret);
+        let at_switch = self.at_switch;
         turret.spoil(set.turret.fault());
         *self = *set;
-        (self.answers, self.turret) = (answers, turret);
+        (self.answers, self.turret, self.at_switch) = (answers, turret, at_switch);
     }
 
     /// What is wrong with the turret from now on.
@@ -46,6 +53,20 @@ impl Around {
             Some(false) => (self.set, self.levels) = (self.set | bit, self.levels & !bit),
             None => self.set &= !bit,
         }
+    }
+
+    /// X or Z stands here, in nanometres. An axis that looks for a switch at an input (9050 = 2) has one whose edge is at
+    /// the place of 9058, and which stays on beyond; it lets go a little later than it comes on.
+    pub fn stand(&mut self, params: &Params, axis: Axis, place: i64) {
+        let [x, z] = &mut self.at_switch;
+        let on = if axis == Axis::X { x } else { z };
+        let beyond = place.saturating_sub(params.home_position(axis));
+        let beyond = match params.home_towards(axis) {
+            Some(0) => beyond.saturating_neg(),
+            _ => beyond,
+        };
+        let edge = if *on { -HYSTERESIS_NM } else { 0 };
+        *on = params.home_method(axis) == BY_SWITCH && beyond >= edge;
     }
 
     /// The inputs that are on while these outputs are.
@@ -85,6 +106,11 @@ impl Around {
             .into_iter()
             .fold(self.answers | chuck, |all, input| all | bit(input));
         let on = on | self.turret.inputs(params, outputs);
+        let switches = [Axis::X, Axis::Z].into_iter().zip(self.at_switch);
+        let on = switches
+            .filter(|(_, on)| *on)
+            .filter_map(|(axis, _)| params.home_input(axis))
+            .fold(on, |all, input| all | bit(input));
         let on = (on & !self.set) | (self.levels & self.set);
         match self.door_open {
             true => on & !door,

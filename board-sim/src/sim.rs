@@ -368,6 +368,12 @@ impl Sim {
         // The gearbox has no sensors: what the board takes to be in is in.
         let gear = self.board.ticker().gear();
         self.plant.shift(self.board.params().gear(gear));
+        let params = self.board.params();
+        for axis in [Axis::X, Axis::Z] {
+            if let Some(place) = self.plant.place(params, axis) {
+                self.around.stand(params, axis, place);
+            }
+        }
         let mut wires = || self.around.wires(self.board.params(), outputs);
         let machine = self.pins.machine.or_else(|| Some(wires()));
         self.board.set_pins(Inputs {

@@ -198,7 +198,13 @@ fn write_accessor(out: &mut String, a: &Accessor) {
             );
         }
         axes => {
+            // An axis that does not have the parameter has no value of it.
+            let all = axes.len() == 3;
             let t = typed(&a.kind, "").0;
+            let t = match all {
+                true => t.to_owned(),
+                false => format!("Option<{t}>"),
+            };
             write_line(
                 out,
                 format_args!(
@@ -209,10 +215,15 @@ fn write_accessor(out: &mut String, a: &Accessor) {
                 let Part::Axis(axis) = part else {
                     panic!("`{name}`: not an axis")
                 };
-                write_line(
-                    out,
-                    format_args!("Axis::{axis} => {},", typed(&a.kind, &raw(slot)).1),
-                );
+                let value = typed(&a.kind, &raw(slot)).1;
+                let value = match all {
+                    true => value,
+                    false => format!("Some({value})"),
+                };
+                write_line(out, format_args!("Axis::{axis} => {value},"));
+            }
+            if !all {
+                write_line(out, format_args!("_ => None,"));
             }
             write_line(out, format_args!("}} }}"));
         }

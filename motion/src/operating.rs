@@ -152,6 +152,15 @@ impl Towards {
             Self::Plus
         }
     }
+
+    /// The other direction.
+    #[must_use]
+    pub const fn opposite(self) -> Self {
+        match self {
+            Self::Plus => Self::Minus,
+            Self::Minus => Self::Plus,
+        }
+    }
 }
 
 /// What a handwheel leads.

@@ -15,7 +15,7 @@ use leadscrew_common::profiles::Chosen;
 use leadscrew_common::state::{StateFile, stored_set};
 use leadscrew_common::words::{Both, both};
 use leadscrew_core::board::{Event, Inputs, KeptSet, Mark, Region};
-use leadscrew_core::bus::{Increments, NodeId, Scale};
+use leadscrew_core::bus::{NodeId, Scale};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Contact, Params};
@@ -339,12 +339,13 @@ impl Machine {
     }
 }
 
-/// Gives each axis that homes its reference switch, at the plus end, with its edge at the position of the mark [D310].
+/// Gives the drive of each axis that homes by itself its reference switch, at the plus end, with its edge at the position
+/// of the mark [D310].
 fn fit_switches(sim: &mut Sim, params: &Params) {
     for axis in Axis::ALL {
         let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
         let mark = scale.and_then(|scale| scale.increments(params.home_position(axis)));
-        if let Some(mark) = mark.filter(|_| params.home_method(axis) != 0) {
+        if let Some(mark) = mark.filter(|_| params.home_method(axis) == 1) {
             let drive = sim.plant().drive(axis);
             drive.set_homing(HomingOptions::at_plus_end(mark.get().into()));
             drive.set_homing_method(HomingOptions::OFF_THE_PLUS_END);
@@ -354,11 +355,7 @@ fn fit_switches(sim: &mut Sim, params: &Params) {
 
 /// Where the axes stand, whatever their drives count.
 fn position(sim: &mut Sim, params: &Params) -> Option<Position> {
-    let mut at = |axis| {
-        let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
-        let place = i32::try_from(sim.plant().drive(axis).place()).ok()?;
-        Some(scale.position(Increments::new(place)))
-    };
+    let mut at = |axis| sim.plant().place(params, axis);
     Some(Position {
         x: Length::from_nm(at(Axis::X)?),
         z: Length::from_nm(at(Axis::Z)?),

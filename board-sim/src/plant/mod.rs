@@ -378,6 +378,20 @@ impl Plant {
         }
     }
 
+    /// Where an axis is, in nanometres (C: millionths of a degree), whatever its drive counts. `None` beyond what a drive
+    /// of these parameters can count.
+    #[must_use]
+    pub fn place(&self, params: &Params, axis: Axis) -> Option<i64> {
+        let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
+        let drive = match axis {
+            Axis::X => &self.x,
+            Axis::Z => &self.z,
+            Axis::C => &self.c,
+        };
+        let place = i32::try_from(drive.place()).ok()?;
+        Some(scale.position(Increments::new(place)))
+    }
+
     /// The spindle's drive, to give it faults.
     pub const fn spindle_drive(&mut self) -> &mut Drive {
         &mut self.spindle_drive
@@ -441,8 +455,8 @@ pub fn axis_drive(
         }
     };
     Ok(match params.home_method(axis) {
-        0 => drive,
-        _ => drive.with_reference(),
+        1 => drive.with_reference(),
+        _ => drive,
     })
 }
 

@@ -223,6 +223,54 @@ fn an_axis_homes_onto_the_switch_at_its_mark_and_stays_there_without_power() {
 }
 
 #[test]
+fn an_axis_homes_onto_a_switch_at_the_board_and_keeps_its_reference_over_other_parameters() {
+    let user = User::new();
+    let file = user.0.join("lathe.toml");
+    let machine = "home_method.Z = 2\nhome_input.Z = 5\nhome_position.Z = \"5 mm\"\nhome_retreat.Z = \"3 mm\"\n";
+    let machine = format!("{machine}home_travel.Z = \"30 mm\"\n");
+    std::fs::write(&file, machine).unwrap();
+    let file = file.to_str().unwrap();
+    // A drive that is 0.3 mm behind on the way to the switch.
+    good(&user.does(&["up", "--machine", file, "--at", "Z=-2", "--drive", "kv30"]));
+    let place = |user: &User| user.json(&["status"])["mz"].as_f64().unwrap();
+    let homes = |user: &User| {
+        good(&user.does(&["home"]));
+        assert!((place(user) - 2.0).abs() < 0.002, "{}", place(user));
+    };
+    homes(&user);
+    good(&user.does(&["sim", "power", "cycle"]));
+    let told = bad(&user.does(&["mdi", "G0 Z0"]), 1);
+    assert!(told.contains("4503 not referenced: Z"), "{told}");
+    homes(&user);
+    let referenced = |user: &User| user.json(&["status"])["referenced"].clone();
+    let before = place(&user);
+    good(&user.does(&["params", "set", "9055.Z=4 mm"]));
+    assert_eq!(referenced(&user), "X Z C");
+    assert!((place(&user) - before).abs() < 0.001, "{}", place(&user));
+    good(&user.does(&["params", "set", "9058.Z=7 mm"]));
+    assert_eq!(referenced(&user), "X C");
+    // The switch of the simulated machine is at the new mark: it is built as the parameters say.
+    good(&user.does(&["home"]));
+    assert!((place(&user) - 3.0).abs() < 0.002, "{}", place(&user));
+    good(&user.does(&["sim", "input", "5", "on"]));
+    let told = bad(&user.does(&["home"]), 4);
+    assert!(
+        told.contains("[4526]: the reference switch of axis Z, input 5"),
+        "{told}"
+    );
+    good(&user.does(&["sim", "input", "5", "auto"]));
+    good(&user.does(&["reset"]));
+    // It has gone back all the way that 9062 lets it.
+    good(&user.does(&["jog", "Z+", "--by", "25"]));
+    good(&user.does(&["home"]));
+    let refused = bad(&user.does(&["params", "set", "9051.Z=0"]), 1);
+    assert!(
+        refused.contains("[4435]: axis Z homes by a switch at the board"),
+        "{refused}"
+    );
+}
+
+#[test]
 fn a_machine_has_the_drives_that_up_names() {
     let user = User::new();
     let told = bad(&user.does(&["up", "--drive", "Z=kv31"]), 2);

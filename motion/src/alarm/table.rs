@@ -634,6 +634,9 @@ codes! {
     /// A gain of a drive that no position loop has: number of the parameter, value in tenths per second.
     GainTooLow = 4434, "a position loop with a gain of {1} times 0.1 /s ({0}) is too slow to be made up for", "write the gain of the drive, 50 (5 /s) or more, or 0 where nothing is to be taken off",
         "位置环增益 {1} × 0.1 /s（{0}）过低，无法补偿", "请填写驱动器的增益（至少 50，即 5 /s），不补偿时填 0";
+    /// An axis that homes by a switch at the board, and no input is that switch.
+    HomeSwitchNone = 4435, "axis {0} homes by a switch at the board (9050.{0} = 2), and no input is its switch", "set 9051.{0} to the input of the machine to which the switch is wired, 1 to 16",
+        "{0} 轴用接在控制板上的开关回零（9050.{0} = 2），但未指定开关的输入", "请将 9051.{0} 设为开关所接的机床输入（1 至 16）";
     /// A turret whose inputs and outputs are missing, or do not fit.
     TurretUnusable = 4433, "the turret (9451 = 2) cannot work", "set its stations (9452: 2 or more), the output that turns it (9454), the first input of its code (9455; the code needs inputs up to 16 at most) and the input of its clamp (9456)",
         "刀塔（9451 = 2）不能工作", "请设定工位数（9452，不少于 2）、转位输出（9454）、工位码的第一个输入（9455，全部码位不超过输入 16）和锁紧输入（9456）";
@@ -1177,8 +1180,11 @@ codes! {
         "主轴接通时{0}：刀具退出，主轴停止", "再次旋转前请检查工件夹持；然后复位";
     // 4520–4529: homing. {0} is the axis.
     /// The drive has not found its mark within 9061 and 9062.
-    HomeNotFound = 4520, "axis {0} has not found its reference mark within what 9061 and 9062 allow", "look whether the switch and its wire work, and at the homing method (6098h); then reset and home again",
-        "{0} 轴在 9061 和 9062 允许的时间或距离内未找到参考标记", "请检查开关及其接线，以及回零方式（6098h）；然后复位并重新回零";
+    HomeNotFound = 4520, "axis {0} has not found its reference mark within what 9061 and 9062 allow", "look whether the switch and its wire work, and at the way to home (9050, 9052; 6098h in the drive); then reset and home again",
+        "{0} 轴在 9061 和 9062 允许的时间或距离内未找到参考标记", "请检查开关及其接线，以及回零方式（9050、9052；驱动器的 6098h）；然后复位并重新回零";
+    /// A switch at the board that stays on, is not where it was left, or that nobody tells; {1} its input.
+    HomeSwitchStuck = 4526, "the reference switch of axis {0}, input {1}, does not follow the axis: it stays on, is not where the axis has left it, or is not told at all", "look at the switch, its wire and its level (9421); it has to stay on over the way in which the axis brakes from 9053, and be off within 9062",
+        "{0} 轴的参考点开关（输入 {1}）不随轴动作：一直接通、不在轴离开它的位置，或没有输入信号", "请检查开关、接线及电平（9421）；从 9053 制动的距离内开关应保持接通，并在 9062 之内断开";
     /// A homing was ended by the operator, by a stop, or by the loss of its operator.
     HomeCancelled = 4521, "homing was cancelled: its axis is not referenced", "home again, after a reset where the machine stands on this alarm",
         "回零已取消：该轴未回零", "请重新回零；机床处于此报警时请先复位";

@@ -210,6 +210,7 @@ impl Scale {
     }
 
     /// A distance in nanometres (µ°) as whole increments, rounded down; saturates at both ends.
+    #[inline(never)]
     #[must_use]
     pub const fn limit(&self, distance: i64) -> u32 {
         if distance <= 0 {

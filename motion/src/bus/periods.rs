@@ -12,6 +12,7 @@ impl Periods {
     }
 
     /// `ms` milliseconds at a SYNC period of `tick_us` microseconds, rounded up; `None` for a period of 0.
+    #[inline(never)]
     #[must_use]
     pub const fn from_ms(ms: u32, tick_us: u32) -> Option<Self> {
         let rounded_up = (ms as u64)

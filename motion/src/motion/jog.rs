@@ -86,6 +86,7 @@ pub struct AxisPress {
 impl AxisPress {
     /// A motion of an axis at `speed`, at most at `top`. `at_rapid`: the override goes to 100 %, else to 150 %. `None`
     /// where the limits of the axis allow no motion at all.
+    #[inline(never)]
     #[must_use]
     pub fn new(
         (axis, towards): (Axis, Towards),

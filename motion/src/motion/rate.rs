@@ -26,6 +26,7 @@ impl PathRate {
 
     /// `feed` at a tick of `tick_us` microseconds, rounded to the nearest; saturates at the range of the type. Negative
     /// feeds count as zero.
+    #[inline(never)]
     #[must_use]
     pub const fn of_feed(feed: Feed, tick_us: u32) -> Self {
         let nm = if feed.nm_per_min() < 0 {

@@ -24,6 +24,9 @@ const FINEST: i64 = 16;
 /// Half a turn in a tick, in rpm·µs: from this speed on the direction of turning is ambiguous.
 const HALF_TURN: u32 = 30_000_000;
 
+/// The value of 9050 for an axis that homes by a switch at the board. C has no such switch.
+pub const BY_SWITCH: u8 = 2;
+
 /// The lowest gain of a position loop, in tenths per second: below it an axis is a fifth of a second behind, and what
 /// makes up for that is larger than a part.
 const LOWEST_GAIN: u32 = 50;
@@ -96,6 +99,11 @@ impl Params {
         );
         let limit = self.following_error_limit(axis).wrapping_mul(numerator);
         blame(limit < denominator, Code::IncrementAboveLimit);
+        let has_switch = self.home_input(axis).is_some_and(|input| input != 0);
+        blame(
+            self.home_method(axis) == BY_SWITCH && !has_switch,
+            Code::HomeSwitchNone,
+        );
         blame(
             numerator >= denominator.wrapping_mul(FINEST),
             Code::IncrementTooFine,

@@ -18,8 +18,7 @@ mod tests;
 mod turret;
 pub mod unit;
 
-pub use check::PROFILE_TICKS;
-pub use check::metres;
+pub use check::{BY_SWITCH, PROFILE_TICKS, metres};
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};
 pub use gear::{GEARS, Gear, gear_of_code};

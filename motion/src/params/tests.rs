@@ -376,6 +376,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x2143_2CC7),
     // How well the age of an actual position is known: 9075.
     (2, 0x5AFF_874E),
+    // A reference by a switch at the board: 9050 = 2, 9051 to 9055.
+    (2, 0x13C3_ED09),
 ];
 
 #[test]

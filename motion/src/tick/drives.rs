@@ -5,6 +5,7 @@
 mod home;
 
 pub(super) use home::Homing;
+use home::Mark;
 
 use heapless::Vec;
 
@@ -47,6 +48,7 @@ pub(super) struct Figures {
     spindle: DriveConfig,
     /// Increments that the drives of the axes count in addition to the position, where they have homed.
     homed: [i32; 3],
+    marks: [Mark; 3],
     /// Number of spindles, 1–4.
     spindles: u8,
     /// Increments of a spindle's drive in a turn.
@@ -95,6 +97,7 @@ impl Figures {
             axes,
             spindle,
             homed,
+            marks: Axis::ALL.map(|axis| Mark::of(params, axis)),
             spindles: params.tap_spindles(),
             per_turn,
             nodes,
@@ -142,6 +145,7 @@ pub(super) struct Drives {
     offsets: [i32; 3],
     /// The same, where the drives' own positions count.
     homed: [i32; 3],
+    marks: [Mark; 3],
     /// The last target of each axis.
     last: [Told; 3],
     /// What makes the axes follow their setpoints, where the lag of a drive is known.
@@ -166,6 +170,7 @@ impl Drives {
             axes: figures.axes.each_ref().map(master),
             offsets: figures.homed,
             homed: figures.homed,
+            marks: figures.marks,
             last: [x.scale.find(0), z.scale.find(0), c.scale.find(0)],
             lags: Lags::of(figures.lags),
             spindles: Spindles::new(
@@ -188,7 +193,7 @@ impl Drives {
     pub(super) fn begin_anew(&mut self, figures: &Figures) -> Axes {
         let changed = home::changed(self, figures);
         let lost = self.axes.each_ref().map(DriveMaster::has_lost);
-        let (offsets, sync) = (self.offsets, self.sync);
+        let (offsets, homed, sync) = (self.offsets, self.homed, self.sync);
         // Error codes by node number.
         let mut told = [None; DRIVES];
         for (place, drive) in told.iter_mut().zip(self.all()) {
@@ -203,13 +208,12 @@ impl Drives {
         for (drive, lost) in self.axes.iter_mut().zip(lost) {
             drive.set_lost(lost);
         }
-        for (axis, (now, before)) in Axis::ALL
+        for axis in Axis::ALL
             .into_iter()
-            .zip(self.offsets.iter_mut().zip(offsets))
+            .filter(|axis| !changed.contains(*axis))
         {
-            if !changed.contains(axis) {
-                *now = before;
-            }
+            home::copy(&mut self.offsets, &offsets, axis);
+            home::copy(&mut self.homed, &homed, axis);
         }
         self.sync = sync;
         changed

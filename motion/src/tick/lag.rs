@@ -187,6 +187,19 @@ impl Lags {
         any.then(|| Self(lags.map(|lag| lag.map(Inverse::new))))
     }
 
+    /// An axis that rests has another place from now on.
+    pub(super) const fn rest(&mut self, axis: Axis, place: i64) {
+        let [x, z, c] = &mut self.0;
+        let inverse = match axis {
+            Axis::X => x,
+            Axis::Z => z,
+            Axis::C => c,
+        };
+        if let Some(inverse) = inverse {
+            inverse.rest(place);
+        }
+    }
+
     /// The targets for setpoints, in nanometres (C: millionths of a degree). A drive that does not follow yet is told where
     /// its axis is.
     #[inline(never)]

@@ -35,6 +35,7 @@ mod home;
 mod interlock;
 mod journal;
 mod left;
+mod search;
 mod setup;
 mod spindle;
 mod state;

@@ -69,6 +69,7 @@ impl Ticks {
 
     /// One tick plus a latency of `us` microseconds, where a tick is `tick_us` long: how far ahead of the sample a
     /// setpoint takes effect. A tick of no length counts as one tick in all.
+    #[inline(never)]
     #[must_use]
     pub const fn one_and(us: u32, tick_us: u32) -> Self {
         match ((us as u64) << 16).checked_div(tick_us as u64) {

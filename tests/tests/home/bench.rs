@@ -60,6 +60,13 @@ impl Bench {
     }
 
     pub fn with(params: &Params, place: i64, options: HomingOptions, method: u8) -> Self {
+        let mut bench = Self::unprepared(params, place, options);
+        bench.prepare(method);
+        bench
+    }
+
+    /// The drive of X has been told nothing of homing.
+    pub fn unprepared(params: &Params, place: i64, options: HomingOptions) -> Self {
         let at = Position {
             x: Length::from_nm(place * 100),
             ..Position::default()
@@ -71,7 +78,7 @@ impl Bench {
         let mut sim = Sim::new(params, &plant).expect("the machine starts");
         assert_eq!(drive(&mut sim).place(), place);
         drive(&mut sim).set_homing(options);
-        let mut bench = Self {
+        Self {
             sim,
             events: Vec::new(),
             ticks: 0,
@@ -79,9 +86,7 @@ impl Bench {
             told: Vec::new(),
             reported: 0,
             modes: Vec::new(),
-        };
-        bench.prepare(method);
-        bench
+        }
     }
 
     /// Writes the method and the slow speed.

@@ -6,3 +6,4 @@ mod methods;
 mod options;
 mod orders;
 mod references;
+mod switches;

@@ -204,9 +204,9 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                 let board: &[Mapped] = match mapping {
                     0x1600 => &command,
                     0x1601 if drive.is_spindle() => &SpindleCommand::MAPPING,
-                    0x1601 if homes(drive, params) == 1 => &AxisMode::MAPPING,
+                    0x1601 if homes(drive, params) => &AxisMode::MAPPING,
                     0x1A00 => &DriveStatus::MAPPING,
-                    0x1A01 if homes(drive, params) != 0 => &AxisReport::MAPPING,
+                    0x1A01 if homes(drive, params) => &AxisReport::MAPPING,
                     _ => continue,
                 };
                 if objects != board {
@@ -221,7 +221,7 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                 }
             }
             Wanted::Number { object, value, .. }
-                if *object == HOME_OFFSET && *value != 0 && homes(drive, params) == 1 =>
+                if *object == HOME_OFFSET && *value != 0 && homes(drive, params) =>
             {
                 conflict(
                     Code::HomeOffset,
@@ -229,9 +229,7 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                 );
             }
             Wanted::Number { object, value, .. }
-                if *object == HOMING_METHOD
-                    && !METHODS.contains(value)
-                    && homes(drive, params) == 1 =>
+                if *object == HOMING_METHOD && !METHODS.contains(value) && homes(drive, params) =>
             {
                 conflict(
                     Code::HomeMethodUnknown,
@@ -248,15 +246,15 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
     found
 }
 
-/// 9050 of the axis of this drive; 0 for a spindle.
-fn homes(drive: DriveName, params: &Params) -> u8 {
+/// The drive of an axis that homes by itself (9050 = 1).
+fn homes(drive: DriveName, params: &Params) -> bool {
     let axis = match drive {
         DriveName::X => Axis::X,
         DriveName::Z => Axis::Z,
         DriveName::C => Axis::C,
-        _ => return 0,
+        _ => return false,
     };
-    params.home_method(axis)
+    params.home_method(axis) == 1
 }
 
 /// The mapping of RPDO1 that the board needs of a drive: its own objects, after those of other drives where all drives get
@@ -279,9 +277,9 @@ fn cob_id_conflict(
     let nodes = DriveNodes::of(params);
     let service = match (object.index, object.sub) {
         (0x1400, 1) => Service::Rpdo1,
-        (0x1401, 1) if drive.is_spindle() || homes(drive, params) == 1 => Service::Rpdo2,
+        (0x1401, 1) if drive.is_spindle() || homes(drive, params) => Service::Rpdo2,
         (0x1800, 1) => Service::Tpdo1,
-        (0x1801, 1) if homes(drive, params) != 0 => Service::Tpdo2,
+        (0x1801, 1) if homes(drive, params) => Service::Tpdo2,
         _ => return None,
     };
     // The drive decides whether it answers a remote request.

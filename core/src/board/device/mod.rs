@@ -481,8 +481,8 @@ impl Device {
     }
 }
 
-/// Axes whose drives tell mode and inputs.
+/// Axes whose drives tell mode and inputs: those that home by themselves.
 fn homing(params: &Params) -> u32 {
-    let with = |axis: &Axis| params.home_method(*axis) != 0;
+    let with = |axis: &Axis| params.home_method(*axis) == 1;
     Axis::ALL.iter().filter(|axis| with(axis)).count() as u32
 }

@@ -368,6 +368,8 @@ impl ThreadRun {
     }
 
     /// Lets the angle run on at its present pace. If the spindle hardly moves, the axis rests where it is.
+    // Rare, and called in three places.
+    #[inline(never)]
     fn coast(&mut self, plan: &ThreadPlan) {
         let pace = self.pace(plan);
         self.master = if pace < plan.speed >> 6 {

@@ -7,7 +7,7 @@ use super::Drives;
 use crate::bus::{DriveMaster, HomeEnd, HomeLimits, Increments, Periods, Scale};
 use crate::call::Position;
 use crate::params::Params;
-use crate::units::{Axes, Axis};
+use crate::units::{Axes, Axis, Length};
 
 /// Time for which the result of an earlier homing may stand in a drive's statusword, in milliseconds.
 const STALE_MS: u32 = 100;
@@ -39,6 +39,22 @@ pub(super) fn limits(params: &Params, axis: Axis, scale: &Scale) -> Option<HomeL
         travel: scale.limit(params.home_travel(axis)),
         stale: Periods::from_ms(STALE_MS, tick_us)?,
     })
+}
+
+/// How the count of an axis' drive becomes the axis' place: 9050, and the place of the mark (9058).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Mark {
+    method: u8,
+    place: i64,
+}
+
+impl Mark {
+    pub(super) fn of(params: &Params, axis: Axis) -> Self {
+        Self {
+            method: params.home_method(axis),
+            place: params.home_position(axis),
+        }
+    }
 }
 
 /// The increments that the drive of an axis counts in addition to its position after homing. A position of the mark that
@@ -104,6 +120,36 @@ impl Drives {
         )
     }
 
+    /// The mark of an axis was passed at `seen`, by what counted before; the machine stands at `at`. Gives its position by
+    /// the mark's own place. `None` where the drive cannot count that far.
+    pub(in crate::tick) fn refer_to_mark(
+        &mut self,
+        axis: Axis,
+        at: Position,
+        seen: Length,
+    ) -> Option<Position> {
+        let [x, z, _] = super::figures(at);
+        let here = if axis == Axis::X { x } else { z };
+        let mark = of(&self.marks, axis).place;
+        let place = here.wrapping_add(mark.wrapping_sub(seen.nm()));
+        let to = super::with(axis, at, place);
+        if !self.place(at, to) {
+            return None;
+        }
+        *of_mut(&mut self.homed, axis) = *of(&self.offsets, axis);
+        if let Some(lags) = &mut self.lags {
+            lags.rest(axis, place);
+        }
+        Some(to)
+    }
+
+    /// Where X or Z is, by a status of its drive that came for the last tick.
+    pub(in crate::tick) fn place_told(&self, axis: Axis) -> Option<Length> {
+        let actual = self.has_told(axis == Axis::X)?;
+        let scale = self.axis(axis).config().scale;
+        Some(Length::from_nm(scale.position(actual)))
+    }
+
     /// The axes whose drives have lost their count since the last call: they have been switched on, or their encoder has
     /// failed.
     #[cold]
@@ -137,17 +183,19 @@ const fn of_mut<T>([x, z, c]: &mut [T; 3], axis: Axis) -> &mut T {
     }
 }
 
+/// Takes over what belongs to an axis.
+pub(super) const fn copy(to: &mut [i32; 3], from: &[i32; 3], axis: Axis) {
+    *of_mut(to, axis) = *of(from, axis);
+}
+
 /// The axes whose drives count in other units with the second set of figures than with the first.
 pub(super) fn changed(before: &Drives, after: &super::Figures) -> Axes {
     let mut changed = Axes::NONE;
     let drives = before.axes.iter().zip(&after.axes);
-    let marks = before.homed.iter().zip(&after.homed);
+    let marks = before.marks.iter().zip(&after.marks);
     for (axis, ((drive, config), (old, new))) in Axis::ALL.into_iter().zip(drives.zip(marks)) {
         let own = drive.config();
-        let same = own.scale == config.scale
-            && own.node == config.node
-            && own.homes.is_some() == config.homes.is_some()
-            && old == new;
+        let same = own.scale == config.scale && own.node == config.node && old == new;
         if !same {
             changed = changed.with(axis);
         }

@@ -6,11 +6,14 @@
 //!                   └─► Stopping
 //! ```
 //!
-//! Knows what a homing comes to; how a drive homes is its master's affair.
+//! Knows what a homing comes to; how a drive homes is its master's affair, and how a switch at the board is found stands in
+//! `search`.
 
+use super::search::{Search, Searched};
 use super::{Ends, Outcome, State, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::HomeEnd;
+use crate::call::Position;
 use crate::params::Params;
 use crate::tick::Event;
 use crate::tick::drives::Homing;
@@ -63,6 +66,8 @@ pub(super) struct Home {
     left: Axes,
     /// The axis that is being homed, also while it comes to rest after a stop.
     axis: Option<Axis>,
+    /// It looks for a switch at the board.
+    pub(super) search: Option<Search>,
 }
 
 impl Home {
@@ -71,6 +76,7 @@ impl Home {
             found: Axes::NONE,
             left: Axes::NONE,
             axis: None,
+            search: None,
         }
     }
 
@@ -135,7 +141,7 @@ impl Ticker {
         };
         self.home.left = self.home.left.without(axis);
         self.home.found = self.home.found.without(axis);
-        if !self.drives.begin_homing(axis) {
+        if !self.begin_search(axis) && !self.drives.begin_homing(axis) {
             self.home.axis = None;
             self.fail_homing(HomeEnd::Abandoned, axis, ends);
         }
@@ -148,13 +154,25 @@ impl Ticker {
         let Some(axis) = self.home.axis else {
             return;
         };
+        if self.home.search.is_some() {
+            return match self.go_on_search(axis) {
+                Searched::Goes => {}
+                Searched::Found => {
+                    self.home.search = None;
+                    self.home_next(ends);
+                }
+                Searched::Failed(code) => {
+                    let input = self.switch(axis).map_or(0, |switch| switch.input.number());
+                    let figures = [Arg::Letter(axis.letter()), Arg::Int(input.into())];
+                    self.raise(&Alarm::of(code, &figures), ends);
+                }
+            };
+        }
         self.drives.halt_homing(axis, self.operator.hold);
         match self.drives.homing(axis) {
             Homing::Found => {
                 let position = self.drives.refer(axis, self.executor.position());
-                self.executor.set_position(position);
-                self.restart(position);
-                self.home.found = self.home.found.with(axis);
+                self.stand_referenced(axis, position);
                 self.home_next(ends);
             }
             Homing::UnderWay(None | Some(HomeEnd::Found)) | Homing::None => {}
@@ -162,6 +180,13 @@ impl Ticker {
                 self.fail_homing(end, axis, ends);
             }
         }
+    }
+
+    /// The axis has its reference, and with that the machine stands at `position`.
+    pub(super) fn stand_referenced(&mut self, axis: Axis, position: Position) {
+        self.executor.set_position(position);
+        self.restart(position);
+        self.home.found = self.home.found.with(axis);
     }
 
     /// What a drive has failed of is the cause; that its homing has ended is what follows from it.
@@ -173,6 +198,7 @@ impl Ticker {
     /// Ends homing for an alarm or a reset: the drive comes to rest.
     pub(super) fn stop_homing(&mut self) {
         self.home.left = Axes::NONE;
+        // The drive of an axis with a switch at the board does not home.
         if let Some(axis) = self.home.axis {
             self.drives.abandon_homing(axis);
         }
@@ -189,8 +215,10 @@ impl Ticker {
             return true;
         }
         self.home.axis = None;
-        let position = self.drives.read(axis, self.executor.position());
-        self.executor.set_position(position);
+        if self.home.search.take().is_none() {
+            let position = self.drives.read(axis, self.executor.position());
+            self.executor.set_position(position);
+        }
         if matches!(self.state, State::Stopping(Outcome::Reset)) {
             emit(
                 &mut ends.events,
@@ -208,15 +236,11 @@ impl Ticker {
 
 /// A homing that has not found its mark.
 fn not_homed(end: HomeEnd, axis: Axis) -> Alarm {
-    let letter = Arg::Letter(axis.letter());
-    match end {
-        HomeEnd::Found | HomeEnd::Abandoned => Alarm::of(Code::HomeCancelled, &[]),
-        HomeEnd::NotFound => Alarm::of(Code::HomeNotFound, &[letter]),
-        HomeEnd::Error(status) => {
-            Alarm::of(Code::HomeError, &[letter, Arg::Statusword(status.raw())])
-        }
-        HomeEnd::Mode(told) => {
-            Alarm::of(Code::HomeModeRefused, &[letter, Arg::Int(i64::from(told))])
-        }
-    }
+    let (code, figure) = match end {
+        HomeEnd::Found | HomeEnd::Abandoned => (Code::HomeCancelled, Arg::None),
+        HomeEnd::NotFound => (Code::HomeNotFound, Arg::None),
+        HomeEnd::Error(status) => (Code::HomeError, Arg::Statusword(status.raw())),
+        HomeEnd::Mode(told) => (Code::HomeModeRefused, Arg::Int(i64::from(told))),
+    };
+    Alarm::of(code, &[Arg::Letter(axis.letter()), figure])
 }

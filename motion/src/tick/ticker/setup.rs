@@ -1,6 +1,7 @@
 //! What a ticker needs of a parameter set.
 
 use super::home::Wanted;
+use super::search::Switch;
 use super::surface;
 use crate::motion::{Arrival, AxisTravel};
 use crate::params::Params;
@@ -66,6 +67,8 @@ pub(super) struct Given {
     /// The most that a command under constant surface speed changes to the next, thousandths of a turn per minute.
     pub surface_step: u32,
     pub home: Wanted,
+    /// The switches at the board by which X and Z find their references.
+    pub switches: [Option<Switch>; 2],
     pub wiring: Wiring,
     pub gears: Gears,
     pub changer: Changer,
@@ -103,6 +106,7 @@ impl Given {
             hold_retracts: params.thread_hold_retracts(),
             surface_step: surface_step(params),
             home: Wanted::of(params),
+            switches: [Axis::X, Axis::Z].map(|axis| Switch::of(params, axis)),
             wiring: Wiring::of(params),
             gears: Gears::of(params),
             changer: Changer::of(params),
