@@ -8,7 +8,8 @@ use std::time::Duration;
 
 use leadscrew_agent::metrics::{Metrics, Pulse, Server};
 use leadscrew_agent::record::{
-    Errors, Event, Gap, Identity, Missing, Presence, Run, Start, State, Thread, Trouble, What,
+    Cut, Errors, Event, Figure, Gap, Identity, Measured, Missing, Presence, Run, Start, State,
+    Thread, Trouble, What,
 };
 use leadscrew_agent::{Body, Moment, Numbered, Record};
 
@@ -88,7 +89,7 @@ fn state(state: &str) -> Body {
     })
 }
 
-fn thread(largest_nm: i64) -> Body {
+fn thread(largest_nm: i64, cut: Cut) -> Body {
     Body::Thread(Thread {
         start: Start::default(),
         number: 1,
@@ -103,6 +104,23 @@ fn thread(largest_nm: i64) -> Body {
             largest_nm,
             squares: 4 * 90_000,
         },
+        cut,
+    })
+}
+
+fn measured(worst_nm: i64) -> Cut {
+    Cut::Measured(Measured {
+        axis: 'Z',
+        age_known: true,
+        positions: 90,
+        passes: 2,
+        lead_nm: 1_500_000,
+        grooves: Some([Figure(1, 2), Figure(3, 4)]),
+        apart: Some(Figure(1_200, 400)),
+        slope: None,
+        worst: Figure(worst_nm.abs(), 600),
+        complete: true,
+        why: String::new(),
     })
 }
 
@@ -170,8 +188,10 @@ fn what_records_say_is_in_the_figures() {
             alarm(4036),
             alarm(4036),
             alarm(1),
-            thread(1_500),
-            thread(700),
+            thread(1_500, measured(3_000)),
+            thread(700, measured(-40_000)),
+            thread(700, Cut::Unknown("no position".to_owned())),
+            thread(700, Cut::Hole),
             Body::Run(run),
             Body::Gap(gap),
         ],
@@ -201,24 +221,34 @@ fn what_records_say_is_in_the_figures() {
         (r#"leadscrew_spindle_speed_rpm{of="measured"}"#, -600.0),
         (
             r#"leadscrew_threads_total{kind="thread",end="finished"}"#,
-            2.0,
+            4.0,
         ),
         (
             r#"leadscrew_thread_largest_error_metres_bucket{le="0.000001"}"#,
-            1.0,
+            3.0,
         ),
         (
             r#"leadscrew_thread_largest_error_metres_bucket{le="0.000002"}"#,
-            2.0,
+            4.0,
         ),
-        ("leadscrew_thread_largest_error_metres_sum", 2.2e-6),
+        ("leadscrew_thread_largest_error_metres_sum", 3.6e-6),
+        (r#"leadscrew_thread_cuts_total{known="yes"}"#, 2.0),
+        (r#"leadscrew_thread_cuts_total{known="no"}"#, 1.0),
+        (
+            r#"leadscrew_thread_cut_error_metres_bucket{le="0.000005"}"#,
+            1.0,
+        ),
+        ("leadscrew_thread_cut_error_metres_count", 2.0),
+        ("leadscrew_thread_cut_error_metres_sum", 43e-6),
+        ("leadscrew_thread_cut_uncertainty_metres_sum", 1.2e-6),
+        ("leadscrew_thread_cut_pass_to_pass_metres_sum", 2.4e-6),
         (
             r#"leadscrew_thread_rms_error_metres_bucket{le="2e-7"}"#,
             0.0,
         ),
         (
             r#"leadscrew_thread_rms_error_metres_bucket{le="5e-7"}"#,
-            2.0,
+            4.0,
         ),
         (r#"leadscrew_runs_total{end="finished"}"#, 1.0),
         (r#"leadscrew_missing_total{of="threads"}"#, 3.0),

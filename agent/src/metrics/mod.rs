@@ -19,7 +19,7 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::registry::Registry;
 
-use crate::record::{Body, Identity, Loss, Numbered, State, Thread, What};
+use crate::record::{Body, Cut, Figure, Identity, Loss, Numbered, State, Thread, What};
 use crate::store::Figures;
 
 pub use server::Server;
@@ -31,6 +31,11 @@ type Float = Gauge<f64, AtomicU64>;
 const UM: f64 = 1e-6;
 /// Bounds of the errors against the spindle, in metres: what a good thread has, to what no gauge takes.
 const ERRORS: [f64; 10] = [1e-7, 2e-7, 5e-7, 1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4];
+
+/// The same of the cut, which has the lag of a drive in it where that is not compensated.
+const CUTS: [f64; 12] = [
+    5e-7, 1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3,
+];
 
 /// What a board says of itself beside its state.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,6 +69,10 @@ pub struct Metrics {
     threads: Family<Labels, Counter>,
     largest: Histogram,
     rms: Histogram,
+    cuts: Family<Labels, Counter>,
+    cut: Histogram,
+    cut_doubt: Histogram,
+    cut_apart: Histogram,
     runs: Family<Labels, Counter>,
     missing: Family<Labels, Counter>,
     broker: Gauge,
@@ -164,6 +173,26 @@ impl Default for Metrics {
                 Histogram::new(ERRORS),
                 "thread_rms_error_metres",
                 "RMS error of each thread against the spindle"
+            ),
+            cuts: figure!(
+                Family::default(),
+                "thread_cuts",
+                "Threads by how much is known of their cut since the agent began"
+            ),
+            cut: figure!(
+                Histogram::new(CUTS),
+                "thread_cut_error_metres",
+                "Largest error of the cut of each thread, by the positions of the drive"
+            ),
+            cut_doubt: figure!(
+                Histogram::new(CUTS),
+                "thread_cut_uncertainty_metres",
+                "Uncertainty of that error, plus or minus"
+            ),
+            cut_apart: figure!(
+                Histogram::new(CUTS),
+                "thread_cut_pass_to_pass_metres",
+                "Distance between the grooves of the passes of each thread"
             ),
             runs: figure!(
                 Family::default(),
@@ -302,6 +331,19 @@ impl Metrics {
         if thread.errors.measured > 0 {
             self.largest.observe(thread.errors.largest_um() * UM);
             self.rms.observe(thread.errors.rms_um() * UM);
+        }
+        // A hole has no groove.
+        if thread.cut == Cut::Hole {
+            return;
+        }
+        count(&self.cuts, "known", thread.cut.known());
+        if let Some(found) = thread.cut.measured() {
+            let [error, doubt] = found.worst.um();
+            self.cut.observe(error * UM);
+            self.cut_doubt.observe(doubt * UM);
+            if let Some([apart, _]) = found.apart.map(Figure::um) {
+                self.cut_apart.observe(apart * UM);
+            }
         }
     }
 

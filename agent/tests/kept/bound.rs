@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leadscrew_agent::record::{Event, Start, State, Thread, What};
+use leadscrew_agent::record::{Cut, Event, Start, State, Thread, What};
 use leadscrew_agent::{Body, Keeper, Memory, Moment, Numbered, Record, Store, StoreError};
 use leadscrew_core::link::{
     CutTally, Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState,
@@ -40,7 +40,7 @@ fn thread(number: u32) -> Body {
         cut: CutTally::NONE,
     };
     let certificate = ThreadCertificate { number, record };
-    Body::Thread(Thread::of(Start::default(), 1, &certificate))
+    Body::Thread(Thread::of(Start::default(), 1, &certificate, Cut::Hole))
 }
 
 fn keep(store: &Store, bodies: impl IntoIterator<Item = Body>) {

@@ -4,10 +4,11 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 use leadscrew_agent::mqtt::{Client, Fault, Login};
+use leadscrew_agent::record::{Cut, Errors, Figure, Measured, Start, Thread};
 use leadscrew_agent::sender::{Sending, Trouble};
 use leadscrew_agent::sparkplug::payload::{Metric, Payload, Value};
 use leadscrew_agent::sparkplug::{Message, Names, Values, metrics};
-use leadscrew_agent::{Moment, Store};
+use leadscrew_agent::{Body, Moment, Numbered, Record, Store};
 use mqttbytes::QoS;
 use mqttbytes::v4::{ConnAck, ConnectReturnCode, Packet, Publish};
 use prost::Message as _;
@@ -343,4 +344,79 @@ fn names_that_are_no_part_of_a_topic_are_refused() {
     for bad in ["", "a/b", "+", "a#", "a\nb"] {
         assert_eq!(Names::new("g", bad, "d").unwrap_err().0, bad);
     }
+}
+
+#[test]
+fn the_cut_is_told_in_full_and_what_is_not_known_as_null() {
+    let thread = |cut| {
+        Body::Thread(Thread {
+            start: Start::default(),
+            number: 1,
+            program: 1,
+            line: 1,
+            kind: "thread".to_owned(),
+            end: "finished".to_owned(),
+            passes: 2,
+            late: 0,
+            errors: Errors {
+                measured: 0,
+                largest_nm: 0,
+                squares: 0,
+            },
+            cut,
+        })
+    };
+    let told = |cut| {
+        let record = Record {
+            at: BIRTH,
+            body: thread(cut),
+        };
+        let record = Numbered { number: 1, record };
+        Payload {
+            metrics: metrics::of_record(&record, false),
+            ..Payload::default()
+        }
+    };
+    let value = |payload: &Payload, name: &str| metric(payload, name).unwrap().value.clone();
+    let measured = told(Cut::Measured(Measured {
+        axis: 'Z',
+        age_known: false,
+        positions: 90,
+        passes: 1,
+        lead_nm: 1_500_000,
+        grooves: Some([Figure(-1_250, 300), Figure(-1_250, 301)]),
+        apart: None,
+        slope: Some(Figure(40, 9)),
+        worst: Figure(2_500, 600),
+        complete: false,
+        why: "groove of one alone".to_owned(),
+    }));
+    let text = |text: &str| Some(Value::String(text.to_owned()));
+    for (name, expected) in [
+        ("Cut/Known", text("partly")),
+        ("Cut/Why", text("groove of one alone")),
+        ("Cut/Axis", text("Z")),
+        ("Cut/Age Known", Some(Value::Boolean(false))),
+        ("Cut/Positions", Some(Value::Int(90))),
+        ("Cut/Passes", Some(Value::Int(1))),
+        ("Cut/Lead", Some(Value::Double(1.5))),
+        ("Cut/Least Groove", Some(Value::Double(-1.25))),
+        ("Cut/Least Groove U", Some(Value::Double(0.3))),
+        ("Cut/Most Groove U", Some(Value::Double(0.301))),
+        ("Cut/Pass to Pass", None),
+        ("Cut/Pass to Pass U", None),
+        ("Cut/Lead Error", Some(Value::Double(0.04))),
+        ("Cut/Worst", Some(Value::Double(2.5))),
+        ("Cut/Worst U", Some(Value::Double(0.6))),
+    ] {
+        assert_eq!(value(&measured, name), expected, "{name}");
+    }
+    let is_null = metric(&measured, "Cut/Pass to Pass").unwrap().is_null;
+    assert_eq!(is_null, Some(true));
+    let unknown = told(Cut::Unknown("no position".to_owned()));
+    assert_eq!(value(&unknown, "Cut/Known"), text("no"));
+    assert_eq!(value(&unknown, "Cut/Why"), text("no position"));
+    assert_eq!(value(&unknown, "Cut/Worst"), None);
+    assert_eq!(value(&told(Cut::NotRead), "Cut/Known"), text("not_read"));
+    assert_eq!(value(&told(Cut::Hole), "Cut/Known"), text("hole"));
 }

@@ -162,6 +162,49 @@ fn a_broker_that_comes_late_gets_the_certificate_and_the_run() {
     assert!(said.contains("the broker takes what is kept"), "{said}");
 }
 
+/// A thread of three passes.
+const THREAD: &str = "G98\nM3 S600\nG0 X30 Z5\nG92 X29 Z-10 F1.5\nX28.6\nX28.3\nM5\nM30\n";
+
+#[test]
+fn the_cut_that_is_told_is_that_of_run() {
+    let user = User::with_machine();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let broker = format!("mqtt://{}", listener.local_addr().unwrap());
+    let agent = start(&user, &["--broker", &broker, "--machine", "lathe"]);
+    let (mut stream, _) = listener.accept().unwrap();
+    let program = user.program(THREAD);
+    let run: serde_json::Value =
+        serde_json::from_str(&good(&user.does(&["run", &program, "--json"]))).unwrap();
+    let all = take_until(&mut stream, "Run/Setpoint Hash");
+    let threads = run["threads"].as_array().unwrap();
+    assert_eq!(threads.len(), 3);
+    let known = text(&all, "Cut/Known");
+    assert_eq!(known, ["yes"; 3]);
+    for (metric, field) in [
+        ("Cut/Worst", "worst_um"),
+        ("Cut/Worst U", "worst_um_u"),
+        ("Cut/Least Groove", "least_um"),
+        ("Cut/Least Groove U", "least_um_u"),
+        ("Cut/Lead Error", "lead_um_per_turn"),
+        ("Cut/Lead Error U", "lead_um_per_turn_u"),
+    ] {
+        let told: Vec<f64> = all
+            .iter()
+            .filter_map(|(name, value)| match value {
+                Value::Double(value) if name == metric => Some(*value),
+                _ => None,
+            })
+            .collect();
+        let said: Vec<f64> = threads
+            .iter()
+            .map(|thread| thread["cut"][field].as_f64().expect(field))
+            .collect();
+        assert_eq!(told, said, "{metric}");
+    }
+    drop(stream);
+    end(agent);
+}
+
 #[test]
 fn what_cannot_be_is_refused_with_what_helps() {
     let user = User::new();

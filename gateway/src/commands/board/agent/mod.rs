@@ -2,10 +2,12 @@
 //!
 //! ```text
 //! reading   what the board says, as observations      words   what is said here, in two languages
+//! cut       what its certificates say of the cut
 //! ```
 //!
 //! It orders nothing, and must not know topics or packets: what is told, kept and sent is `leadscrew_agent`'s.
 
+mod cut;
 mod reading;
 mod words;
 

@@ -16,6 +16,7 @@ use leadscrew_core::link::{Logged, Status, ThreadCertificate, ThreadState};
 use super::super::open;
 use super::super::watch::{Starts, bit_rates};
 use super::Agent;
+use super::cut::Cuts;
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
 use crate::failure::Outcome;
@@ -56,6 +57,7 @@ pub struct Reading<'a> {
     threads: (Instant, u32, u32),
     /// Entries of the log wait, or a program has ended.
     ended: bool,
+    cuts: Cuts,
     rates: [u64; 2],
     /// The load of the bus in per cent; when the measurement, or the pause before it, has begun; it is under way.
     load: (Option<u8>, Instant, bool),
@@ -85,6 +87,7 @@ impl<'a> Reading<'a> {
             cut: true,
             threads: (now, 0, 0),
             ended: true,
+            cuts: Cuts::default(),
             rates,
             load: (None, now, true),
             link,
@@ -248,10 +251,15 @@ impl<'a> Reading<'a> {
             return Ok(());
         }
         let (run, threads) = self.link.certificates()?;
+        let told = agent.keeper.model().memory().last_thread();
+        let (parameters, lang) = (self.record.parameters, self.global.lang());
         let newest = threads.first().map_or(0, |thread| thread.number);
         let under_way = |thread: &ThreadCertificate| thread.record.state == ThreadState::UnderWay;
         let goes_on = threads.first().is_some_and(under_way)
             || self.link.seen.status.is_some_and(|said| said.flags.locked);
+        let threads = self
+            .cuts
+            .judge(&mut self.link, parameters, told, threads, lang)?;
         let kept = agent.observe(&Observation::Certificates(run, threads));
         self.threads = (now, newest, newest.saturating_sub(before));
         if kept {
