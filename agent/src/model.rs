@@ -7,8 +7,7 @@ use leadscrew_core::link::{Certificate, ThreadCertificate, ThreadState};
 use serde::{Deserialize, Serialize};
 
 use crate::record::{
-    Body, Cut, Event, Gap, Identity, Missing, Moment, Presence, Record, Run, Start, State, Thread,
-    What,
+    Body, Cut, Event, Gap, Identity, Missing, Moment, Presence, Run, Start, State, Thread, What,
 };
 
 /// Speeds of a spindle that differ by no more are one: in turns a minute, and as a part of the speed.
@@ -134,7 +133,7 @@ impl Model {
     }
 
     /// What an observation tells that is new, in order.
-    pub fn take(&mut self, at: Moment, seen: &Observation) -> Vec<Record> {
+    pub fn take(&mut self, at: Moment, seen: &Observation) -> Vec<Body> {
         let mut told = Vec::new();
         match seen {
             Observation::Met(met) => self.meet(at, met, &mut told),
@@ -155,7 +154,7 @@ impl Model {
             Observation::Certificates(run, threads) => self.certificates(run, threads, &mut told),
             Observation::Gone(why) => self.presence(false, why, &mut told),
         }
-        told.into_iter().map(|body| Record { at, body }).collect()
+        told
     }
 
     /// Whether this is the start that was read before. A board keeps no count of its starts: its numbers and the ticks of

@@ -18,6 +18,9 @@ pub struct Moment(pub u64);
 pub struct Record {
     /// When the agent knew of it.
     pub at: Moment,
+    /// The machine. Records that an earlier version kept for its one machine name none; their store knows whose they are.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub machine: String,
     /// What it is.
     pub body: Body,
 }

@@ -61,8 +61,7 @@ fn entry(number: u32, what: Option<What>) -> Entry {
 }
 
 fn bodies(model: &mut Model, at: u64, seen: &Observation) -> Vec<Body> {
-    let told = model.take(Moment(at), seen);
-    told.into_iter().map(|record| record.body).collect()
+    model.take(Moment(at), seen)
 }
 
 /// A board that has been met at tick 5000, with a log of 20 entries that were read.

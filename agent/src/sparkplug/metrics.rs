@@ -1,5 +1,7 @@
 //! What each record says of the metrics of a machine, and what they are by the last that said it.
 
+use std::collections::BTreeMap;
+
 use super::payload::{Metric, Properties, Value};
 use super::table::*;
 use crate::record::{Body, Cut, Errors, Figure, Moment, Numbered};
@@ -274,5 +276,33 @@ impl Values {
             ..Metric::default()
         })
         .collect()
+    }
+}
+
+/// The same of each machine, by its name.
+#[derive(Clone, Debug, Default)]
+pub struct Machines(BTreeMap<String, Values>);
+
+impl Machines {
+    /// Takes what a record says of its machine.
+    pub fn take(&mut self, record: &Numbered) {
+        let machine = &record.record.machine;
+        match self.0.get_mut(machine) {
+            Some(values) => values.take(record),
+            None => self.0.entry(machine.clone()).or_default().take(record),
+        }
+    }
+
+    /// What is known of a machine, where it has said anything.
+    #[must_use]
+    pub fn get(&self, machine: &str) -> Option<&Values> {
+        self.0.get(machine)
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Values)> {
+        self.0
+            .iter()
+            .map(|(machine, values)| (machine.as_str(), values))
     }
 }

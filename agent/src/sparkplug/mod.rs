@@ -11,5 +11,5 @@ pub mod payload;
 pub mod session;
 mod table;
 
-pub use metrics::Values;
+pub use metrics::Machines;
 pub use session::{Message, NameError, Names, Session};

@@ -7,8 +7,8 @@ use leadscrew_core::link::{ThreadCertificate, ThreadKind, ThreadState};
 use crate::certified::{self, Judge, is_complete, nothing};
 use crate::link::{Link, LinkResult, Trouble};
 
-/// Judges what one board measured, by its own parameters. They are read where a thread is to be judged, and again where their
-/// checksum is another.
+/// Judges what one board measured, by its own parameters. They are read where a thread is to be judged, and again where
+/// their checksum is another.
 #[derive(Debug, Default)]
 pub struct Cuts {
     judge: Option<(u32, Result<Judge, Trouble>)>,
