@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use crate::model::{Model, Observation};
-use crate::record::{Moment, Numbered};
+use crate::record::{Moment, Numbered, Record};
 use crate::store::{Store, StoreError};
 
-/// A model with its store.
+/// A model of one machine, with the store of all.
 #[derive(Debug)]
 pub struct Keeper {
+    machine: String,
     model: Model,
     store: Option<Arc<Store>>,
 }
@@ -18,9 +19,10 @@ impl Keeper {
     ///
     /// # Errors
     /// The store cannot be read.
-    pub fn new(store: Arc<Store>) -> Result<Self, StoreError> {
-        let model = Model::new(store.memory()?);
+    pub fn new(store: Arc<Store>, machine: &str) -> Result<Self, StoreError> {
+        let model = Model::new(store.memory(machine)?);
         Ok(Self {
+            machine: machine.to_owned(),
             model,
             store: Some(store),
         })
@@ -28,8 +30,9 @@ impl Keeper {
 
     /// Keeps nothing: there is nobody to send it to. Its records have the number 0.
     #[must_use]
-    pub fn without_store() -> Self {
+    pub fn without_store(machine: &str) -> Self {
         Self {
+            machine: machine.to_owned(),
             model: Model::default(),
             store: None,
         }
@@ -48,9 +51,15 @@ impl Keeper {
     pub fn take(&mut self, at: Moment, seen: &Observation) -> Result<Vec<Numbered>, StoreError> {
         let mut next = self.model.clone();
         let records = next.take(at, seen);
+        let of_machine = |body| Record {
+            at,
+            machine: self.machine.clone(),
+            body,
+        };
+        let records: Vec<Record> = records.into_iter().map(of_machine).collect();
         let kept = match &self.store {
             _ if records.is_empty() => Vec::new(),
-            Some(store) => store.keep(&records, next.memory())?,
+            Some(store) => store.keep(&self.machine, &records, next.memory())?,
             None => {
                 let number = |record| Numbered { number: 0, record };
                 records.into_iter().map(number).collect()

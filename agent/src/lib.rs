@@ -1,4 +1,4 @@
-//! What an agent tells of a machine, keeps and sends.
+//! What an agent tells of its machines, keeps and sends.
 //!
 //! ```text
 //! the side of the bus ── Observation ──► model ─► Record ─► store ─► the broker has it ─► removed
@@ -6,9 +6,10 @@
 //!          metrics, values for births  ◄─────────┘          └─► sender: sparkplug in mqtt
 //! ```
 //!
-//! This crate must not know a bus or a command line: what the board says comes to it as values. Nothing here orders, and no
-//! broker can make it. What is published has been kept before; the number under which it is kept goes with it, so that a
-//! repetition is known as one [D405].
+//! A model is of one machine; store, sender and metrics are of all that an agent has. This crate must not know a bus or a
+//! command line: what the board says comes to it as values. Nothing here orders, and no broker can make it. What is
+//! published has been kept before; the number under which it is kept goes with it, so that a repetition is known as one
+//! [D405].
 
 pub mod keeper;
 pub mod metrics;

@@ -7,7 +7,7 @@ use leadscrew_core::link::{Certificate, ThreadCertificate, ThreadState};
 use serde::{Deserialize, Serialize};
 
 use crate::record::{
-    Body, Event, Gap, Identity, Missing, Moment, Presence, Record, Run, Start, State, Thread, What,
+    Body, Cut, Event, Gap, Identity, Missing, Moment, Presence, Run, Start, State, Thread, What,
 };
 
 /// Speeds of a spindle that differ by no more are one: in turns a minute, and as a part of the speed.
@@ -28,8 +28,8 @@ pub enum Observation {
     Parameters(u32),
     /// Entries of the log, in order.
     Log(Vec<Entry>),
-    /// Certificates of the run and of its threads, the newest first.
-    Certificates(Certificate, Vec<ThreadCertificate>),
+    /// Certificates of the run and of its threads, each with its cut, the newest first.
+    Certificates(Certificate, Vec<(ThreadCertificate, Cut)>),
     /// The board does not answer, or the bus is not there.
     Gone(String),
 }
@@ -94,6 +94,12 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// Number of the last certificate of a thread that was told.
+    #[must_use]
+    pub const fn last_thread(&self) -> u32 {
+        self.thread
+    }
+
     fn note(&mut self, at: Moment, tick: u64) {
         (self.tick, self.at) = (tick, at);
         self.power_up = power_up(at, tick, self.tick_us);
@@ -127,7 +133,7 @@ impl Model {
     }
 
     /// What an observation tells that is new, in order.
-    pub fn take(&mut self, at: Moment, seen: &Observation) -> Vec<Record> {
+    pub fn take(&mut self, at: Moment, seen: &Observation) -> Vec<Body> {
         let mut told = Vec::new();
         match seen {
             Observation::Met(met) => self.meet(at, met, &mut told),
@@ -148,7 +154,7 @@ impl Model {
             Observation::Certificates(run, threads) => self.certificates(run, threads, &mut told),
             Observation::Gone(why) => self.presence(false, why, &mut told),
         }
-        told.into_iter().map(|body| Record { at, body }).collect()
+        told
     }
 
     /// Whether this is the start that was read before. A board keeps no count of its starts: its numbers and the ticks of
@@ -264,11 +270,11 @@ impl Model {
     fn certificates(
         &mut self,
         run: &Certificate,
-        threads: &[ThreadCertificate],
+        threads: &[(ThreadCertificate, Cut)],
         told: &mut Vec<Body>,
     ) {
         let start = self.memory.start;
-        for thread in threads.iter().rev() {
+        for (thread, cut) in threads.iter().rev() {
             let last = self.memory.thread;
             // One that is under way is read again.
             if thread.number <= last || thread.record.state == ThreadState::UnderWay {
@@ -278,7 +284,12 @@ impl Model {
                 told.push(Body::Gap(gap));
             }
             self.memory.thread = thread.number;
-            told.push(Body::Thread(Thread::of(start, run.program, thread)));
+            told.push(Body::Thread(Thread::of(
+                start,
+                run.program,
+                thread,
+                cut.clone(),
+            )));
         }
         if let Some(finished) = self.memory.ended.take() {
             let this = Some((run.program, run.ticks));

@@ -2,8 +2,12 @@
 //!
 //! They hold plain values that any program can read. What a metric is called stands elsewhere.
 
+mod cut;
+
 use leadscrew_core::link::{Certificate, Status, ThreadCertificate};
 use serde::{Deserialize, Serialize};
+
+pub use cut::{Cut, Figure, Measured};
 
 /// A time of the computer's clock: milliseconds since 1970.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -14,6 +18,9 @@ pub struct Moment(pub u64);
 pub struct Record {
     /// When the agent knew of it.
     pub at: Moment,
+    /// The machine. Records that an earlier version kept for its one machine name none; their store knows whose they are.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub machine: String,
     /// What it is.
     pub body: Body,
 }
@@ -295,12 +302,15 @@ pub struct Thread {
     pub late: u16,
     /// Its errors.
     pub errors: Errors,
+    /// Its cut. A record of an earlier version has none.
+    #[serde(default)]
+    pub cut: Cut,
 }
 
 impl Thread {
-    /// What the board says.
+    /// What the board says, and what its cut is judged to be.
     #[must_use]
-    pub fn of(start: Start, program: u32, certificate: &ThreadCertificate) -> Self {
+    pub fn of(start: Start, program: u32, certificate: &ThreadCertificate, cut: Cut) -> Self {
         let record = &certificate.record;
         let tally = &record.tally;
         Self {
@@ -317,6 +327,7 @@ impl Thread {
                 largest_nm: tally.largest.nm(),
                 squares: tally.squares,
             },
+            cut,
         }
     }
 }

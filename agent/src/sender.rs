@@ -9,7 +9,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use crate::mqtt::{Address, Client, Fault, Login, Said, Tls, Wire, WireError};
 use crate::record::{Moment, Numbered};
-use crate::sparkplug::{Names, Session, Values};
+use crate::sparkplug::{Machines, Names, Session};
 use crate::store::{Store, StoreError};
 
 /// Messages on their way at a time: a broker gives each of its readers about as many.
@@ -34,7 +34,7 @@ pub struct Broker {
     pub login: Option<Login>,
     /// TLS, where the address wants it.
     pub tls: Option<Tls>,
-    /// What the machine is called there.
+    /// What the agent is called there.
     pub names: Names,
 }
 
@@ -61,20 +61,20 @@ pub enum News {
 /// What the sender and the side of the bus share.
 #[derive(Debug, Default)]
 pub struct Shared {
-    values: Mutex<Values>,
+    machines: Mutex<Machines>,
     over: AtomicBool,
     connected: AtomicBool,
 }
 
 impl Shared {
-    fn values(&self) -> MutexGuard<'_, Values> {
-        self.values.lock().unwrap_or_else(PoisonError::into_inner)
+    fn machines(&self) -> MutexGuard<'_, Machines> {
+        self.machines.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Takes what records say that have been kept.
     pub fn take(&self, kept: &[Numbered]) {
-        let mut values = self.values();
-        kept.iter().for_each(|record| values.take(record));
+        let mut machines = self.machines();
+        kept.iter().for_each(|record| machines.take(record));
     }
 
     /// The sender is to end.
@@ -140,7 +140,7 @@ fn connection(
         output.clear();
         let bytes = wire.read(&mut room).map_err(Trouble::Wire)?;
         let was_accepted = sending.accepted;
-        sending.take(bytes, &shared.values(), now(), began.elapsed())?;
+        sending.take(bytes, &shared.machines(), now(), began.elapsed())?;
         if sending.accepted && !was_accepted {
             shared.connected.store(true, Ordering::Relaxed);
             tell(News::Connected);
@@ -207,7 +207,7 @@ impl<'a> Sending<'a> {
     pub fn take(
         &mut self,
         bytes: &[u8],
-        values: &Values,
+        machines: &Machines,
         at: Moment,
         now: Duration,
     ) -> Result<(), Trouble> {
@@ -218,12 +218,12 @@ impl<'a> Sending<'a> {
                     Said::Accepted => {
                         self.accepted = true;
                         self.client.subscribe(&self.orders, now);
-                        self.births(values, at, now);
+                        self.births(machines, at, now);
                     }
                     Said::Has(number) => has = has.max(Some(number)),
                     Said::Message { topic, payload } => {
                         if self.session.asks_for_births(&topic, &payload) {
-                            self.births(values, at, now);
+                            self.births(machines, at, now);
                         }
                     }
                 }
@@ -233,18 +233,18 @@ impl<'a> Sending<'a> {
             }
         }
         if self.accepted {
-            self.hand(values, at, now).map_err(Trouble::Store)?;
+            self.hand(machines, at, now).map_err(Trouble::Store)?;
         }
         self.client.attend(now).map_err(Trouble::Broker)
     }
 
-    fn births(&mut self, values: &Values, at: Moment, now: Duration) {
-        for message in self.session.births(at, values) {
+    fn births(&mut self, machines: &Machines, at: Moment, now: Duration) {
+        for message in self.session.births(at, machines) {
             self.client.publish(message, None, now);
         }
     }
 
-    fn hand(&mut self, values: &Values, at: Moment, now: Duration) -> Result<(), StoreError> {
+    fn hand(&mut self, machines: &Machines, at: Moment, now: Duration) -> Result<(), StoreError> {
         let room = WINDOW.saturating_sub(self.client.under_way());
         if room == 0 {
             return Ok(());
@@ -253,17 +253,17 @@ impl<'a> Sending<'a> {
         self.empty = records.len() < room;
         for record in records {
             self.handed = record.number;
-            let messages = self.session.data(at, &record, values);
+            let messages = self.session.data(at, &record, machines);
             let last = messages.len().saturating_sub(1);
             for (place, message) in messages.into_iter().enumerate() {
                 let number = (place == last).then_some(record.number);
                 self.client.publish(message, number, now);
             }
         }
-        if self.empty
-            && let Some(message) = self.session.settle(at, values)
-        {
-            self.client.publish(message, None, now);
+        if self.empty {
+            for message in self.session.settle(at, machines) {
+                self.client.publish(message, None, now);
+            }
         }
         Ok(())
     }

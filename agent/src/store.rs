@@ -3,6 +3,9 @@
 //! One transaction keeps the records of an observation with the memory that follows from it, so a kill at any point leaves
 //! both or neither. A record goes when the broker has acknowledged it. Where room is short, the oldest states go, then the
 //! oldest events; certificates never do, and a record tells what went [D407].
+//!
+//! One store is for all machines of an agent: its numbers count all of their records, and what is remembered is remembered
+//! for each [D394].
 
 use std::fmt;
 use std::fs;
@@ -24,9 +27,12 @@ const CERTIFICATES: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("cert
 const HEAD: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("head");
 /// Entries of the head.
 const FIGURES: &str = "figures";
+/// What was remembered of a machine stands behind this and its name. Earlier versions had one machine, and no name.
 const MEMORY: &str = "memory";
-/// Bytes that the record of a loss takes at most.
-const LOSS: u64 = 160;
+/// Whose the records are that name no machine.
+const NAMELESS: &str = "nameless";
+/// Bytes that the record of a loss takes at most, with a name of usual length.
+const LOSS: u64 = 256;
 /// Memory for pages in bytes; a store is small, and read in order.
 const CACHE: usize = 2 << 20;
 
@@ -43,6 +49,8 @@ const fn table(class: Class) -> TableDefinition<'static, u64, &'static [u8]> {
 pub enum StoreError {
     /// Another process has the file.
     InUse,
+    /// An earlier version kept it for its one machine, and it does not say for which of several.
+    Nameless,
     /// The file cannot be opened, read or written.
     File(Box<redb::Error>),
     /// What is kept cannot be understood.
@@ -53,6 +61,7 @@ impl fmt::Display for StoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::InUse => f.write_str("another process has it open"),
+            Self::Nameless => f.write_str("it was kept for one machine whose name is not in it"),
             Self::File(error) => error.fmt(f),
             Self::Content(error) => write!(f, "what is kept is not understood: {error}"),
         }
@@ -166,11 +175,35 @@ impl Store {
         self.inside().write(work)
     }
 
-    /// Keeps records and what was remembered with them; gives each its number.
+    /// Says for which machines it is. What an earlier version kept in it for its one machine is then that machine's.
+    ///
+    /// # Errors
+    /// [`StoreError::Nameless`], or the file cannot be written.
+    pub fn adopt(&self, machines: &[&str]) -> StoreResult {
+        self.write(|writing| {
+            let mut head = writing.open_table(HEAD)?;
+            let Some(memory) = get::<Memory>(&head, MEMORY)? else {
+                return Ok(());
+            };
+            let [machine] = machines else {
+                return Err(StoreError::Nameless);
+            };
+            head.remove(MEMORY)?;
+            put(&mut head, &memory_of(machine), &memory)?;
+            put(&mut head, NAMELESS, machine)
+        })
+    }
+
+    /// Keeps records of a machine and what was remembered with them; gives each its number.
     ///
     /// # Errors
     /// The file cannot be written. Then nothing of it is kept.
-    pub fn keep(&self, records: &[Record], memory: &Memory) -> StoreResult<Vec<Numbered>> {
+    pub fn keep(
+        &self,
+        machine: &str,
+        records: &[Record],
+        memory: &Memory,
+    ) -> StoreResult<Vec<Numbered>> {
         let mut inside = self.inside();
         let (handed, limit) = (inside.handed, self.limit);
         inside.write(|writing| {
@@ -185,20 +218,20 @@ impl Store {
                 });
             }
             if let Some(last) = records.last() {
-                figures.make_room(writing, limit, handed, last.at)?;
+                figures.make_room(writing, limit, handed, last)?;
             }
             put(&mut head, FIGURES, &figures)?;
-            put(&mut head, MEMORY, memory)?;
+            put(&mut head, &memory_of(machine), memory)?;
             Ok(kept)
         })
     }
 
-    /// What was remembered last.
+    /// What was remembered of a machine last.
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn memory(&self) -> StoreResult<Memory> {
-        let memory = self.read_head(MEMORY)?;
+    pub fn memory(&self, machine: &str) -> StoreResult<Memory> {
+        let memory = self.read_head(&memory_of(machine))?;
         Ok(memory.unwrap_or_default())
     }
 
@@ -228,14 +261,18 @@ impl Store {
         let next = behind.saturating_add(1);
         let records = inside.attempt(|database| {
             let reading = database.begin_read()?;
+            let nameless: Option<String> = get(&reading.open_table(HEAD)?, NAMELESS)?;
+            let nameless = nameless.unwrap_or_default();
             let mut records = Vec::new();
             for class in Class::ALL {
                 for entry in reading.open_table(table(class))?.range(next..)?.take(most) {
                     let (number, bytes) = entry?;
-                    records.push(Numbered {
-                        number: number.value(),
-                        record: parsed(bytes.value())?,
-                    });
+                    let number = number.value();
+                    let mut record: Record = parsed(bytes.value())?;
+                    if record.machine.is_empty() {
+                        record.machine.clone_from(&nameless);
+                    }
+                    records.push(Numbered { number, record });
                 }
             }
             records.sort_by_key(|record| record.number);
@@ -332,7 +369,7 @@ impl Figures {
         writing: &WriteTransaction,
         limit: u64,
         handed: u64,
-        at: Moment,
+        last: &Record,
     ) -> StoreResult {
         let mut lost: Option<Loss> = None;
         for class in [Class::State, Class::Event] {
@@ -352,18 +389,19 @@ impl Figures {
             }
         }
         match lost {
-            Some(lost) => self.tell_loss(writing, lost, handed, at),
+            Some(lost) => self.tell_loss(writing, lost, handed, last),
             None => Ok(()),
         }
     }
 
-    /// One record tells of all that went since the last one that was handed on.
+    /// One record tells of all that went since the last one that was handed on, of whatever machine: as one of that whose
+    /// record found no room.
     fn tell_loss(
         &mut self,
         writing: &WriteTransaction,
         mut lost: Loss,
         handed: u64,
-        at: Moment,
+        last: &Record,
     ) -> StoreResult {
         if let Some((number, before)) = self.loss.filter(|(number, _)| *number > handed) {
             lost = before.with(&lost);
@@ -373,8 +411,11 @@ impl Figures {
                 self.remove(bytes);
             }
         }
-        let body = Body::Loss(lost);
-        let number = self.add(writing, &Record { at, body })?;
+        let record = Record {
+            body: Body::Loss(lost),
+            ..last.clone()
+        };
+        let number = self.add(writing, &record)?;
         self.loss = Some((number, lost));
         Ok(())
     }
@@ -446,6 +487,10 @@ fn oldest_behind(
 fn take(table: &mut Table<'_, u64, &'static [u8]>, number: u64) -> StoreResult<Option<(u64, u64)>> {
     let removed = table.remove(number)?;
     Ok(removed.map(|bytes| (number, bytes.value().len() as u64)))
+}
+
+fn memory_of(machine: &str) -> String {
+    format!("{MEMORY} {machine}")
 }
 
 fn written(value: &impl Serialize) -> StoreResult<Vec<u8>> {

@@ -42,10 +42,16 @@ impl Figure {
         format!("{} ± {}", micrometres(self.nm), upwards(self.u_nm))
     }
 
+    /// Both in whole nanometres; an uncertainty is rounded up.
+    pub fn whole(&self) -> [i64; 2] {
+        [self.nm.round() as i64, self.u_nm.ceil() as i64]
+    }
+
     /// `"key"` and `"key_u"`, in micrometres.
     pub fn fields(&self, key: &str, json: &mut Json) {
-        json.decimal::<3>(key, self.nm.round() as i64);
-        json.decimal::<3>(&format!("{key}_u"), self.u_nm.ceil() as i64);
+        let [nm, u_nm] = self.whole();
+        json.decimal::<3>(key, nm);
+        json.decimal::<3>(&format!("{key}_u"), u_nm);
     }
 }
 
@@ -78,6 +84,41 @@ struct Known {
     is_known: bool,
     /// A count of the drive in nanometres.
     count: f64,
+}
+
+impl Known {
+    /// Why the uncertainties are as large as they are, where the age of a position is not known.
+    fn doubt(&self) -> Option<Both> {
+        (!self.is_known).then(|| {
+            both!(
+                "the age of 6064h is not known: 9072.{letter}, 9075.{letter}",
+                "6064h 的滞后时间未知：9072.{letter}、9075.{letter}",
+                letter = self.letter
+            )
+        })
+    }
+}
+
+/// Nothing is known of a cut.
+pub fn nothing() -> Both {
+    both!(
+        "not known: no position of the drive came that could be judged (9021; a lead that changes is not judged)",
+        "未知：没有可供判断的驱动器位置（9021；变导程不作判断）"
+    )
+}
+
+/// No pass has a groove.
+fn too_few() -> Both {
+    both!(
+        "groove not known (a pass has too few positions of the drive: 9021)",
+        "螺旋槽位置未知（每次走刀的驱动器位置太少：9021）"
+    )
+}
+
+/// Each pass has its groove; 255 also stands for more.
+pub fn is_complete(record: &ThreadRecord) -> bool {
+    let passes = record.cut.passes;
+    passes == u8::MAX || (passes > 0 && u16::from(passes) >= record.tally.passes)
 }
 
 /// Judges the cuts that a board with these parameters has measured.
@@ -203,16 +244,13 @@ impl Judge {
         }
         let cut = &record.cut;
         let Some(found) = self.found(cut) else {
-            return Some(both!(
-                "not known: no position of the drive came that could be judged (9021; a lead that changes is not judged)",
-                "未知：没有可供判断的驱动器位置（9021；变导程不作判断）"
-            ));
+            return Some(nothing());
         };
         let grooves = match found.grooves {
-            None => both!(
-                "groove not known (a pass has too few positions of the drive: 9021), ",
-                "螺旋槽位置未知（每次走刀的驱动器位置太少：9021），"
-            ),
+            None => {
+                let Both { en, zh } = too_few();
+                both!("{en}, ", "{zh}，")
+            }
             Some([one, _]) if cut.passes == 1 => both!(
                 "groove {one} µm off, ",
                 "螺旋槽偏移 {one} µm，",
@@ -240,15 +278,9 @@ impl Judge {
             )
         });
         let known = self.of(cut);
-        let age = if known.is_known {
-            Both::default()
-        } else {
-            both!(
-                "; the age of 6064h is not known: 9072.{letter}, 9075.{letter}",
-                "；6064h 的滞后时间未知：9072.{letter}、9075.{letter}",
-                letter = known.letter
-            )
-        };
+        let age = known
+            .doubt()
+            .map_or_else(Both::default, |Both { en, zh }| both!("; {en}", "；{zh}"));
         Some(both!(
             "{grooves_en}{apart_en}{lead_en}worst {worst} µm{age_en}",
             "{grooves_zh}{apart_zh}{lead_zh}最大 {worst} µm{age_zh}",
@@ -262,6 +294,37 @@ impl Judge {
             age_en = age.en,
             age_zh = age.zh
         ))
+    }
+
+    /// What is not known of a cut that has figures, and why; `None` where all is known.
+    pub fn missing(&self, record: &ThreadRecord) -> Option<Both> {
+        let cut = &record.cut;
+        let strokes = record.tally.passes;
+        let grooves = match u16::from(cut.passes) {
+            0 => Some(too_few()),
+            _ if is_complete(record) => None,
+            passes => Some(both!(
+                "groove known of {passes} passes of {strokes} alone (the others have too few positions of the drive: 9021)",
+                "{strokes} 次走刀中仅知 {passes} 次的螺旋槽位置（其余走刀的驱动器位置太少：9021）"
+            )),
+        };
+        match (grooves, self.of(cut).doubt()) {
+            (Some(grooves), Some(age)) => Some(both!(
+                "{grooves_en}; {age_en}",
+                "{grooves_zh}；{age_zh}",
+                grooves_en = grooves.en,
+                grooves_zh = grooves.zh,
+                age_en = age.en,
+                age_zh = age.zh
+            )),
+            (grooves, age) => grooves.or(age),
+        }
+    }
+
+    /// Letter of the long axis, and whether the age of its positions is known.
+    pub const fn axis(&self, cut: &CutTally) -> (char, bool) {
+        let known = self.of(cut);
+        (known.letter, known.is_known)
     }
 
     /// `cut` of a thread.

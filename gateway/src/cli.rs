@@ -22,7 +22,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_language::dialect::Control;
 
-pub use agent::Agent;
+pub use agent::{Agent, Board};
 pub use by_hand::{AxisWay, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Wheel};
 pub use machine::{Doctor, DrivesCommand, IoCommand, Record, SimCommand, Up};
 pub use params::{Diff, Migrate, ParamsCommand, Pull, Push, Restore, Write};
@@ -96,7 +96,7 @@ impl Cli {
 }
 
 /// Options that every command takes.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Options of every command")]
 pub struct Global {
     /// Where the machine is: `sim`, `sim:NAME`, a SocketCAN interface (`can0`, `socketcan:can0`), or an adapter:

@@ -1,17 +1,20 @@
-//! Figures for Prometheus: what a machine does now, and counts since the agent began.
+//! Figures for Prometheus: what machines do now, and counts since the agent began. Each figure of a machine has its name in
+//! the label `machine`.
 //!
 //! ```text
-//! server   gives the text to who asks for /metrics
+//! machine   what the records of one machine are in figures
+//! server    gives the text to who asks for /metrics
 //! ```
 //!
 //! What is here says nothing of a single thread or event; that is what records are for.
 
+mod machine;
 mod server;
 
+use std::collections::BTreeMap;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicU64;
-use std::sync::{Mutex, PoisonError};
 
-use leadscrew_core::bus::BoardState;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
@@ -19,18 +22,25 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::registry::Registry;
 
-use crate::record::{Body, Identity, Loss, Numbered, State, Thread, What};
+use crate::record::Numbered;
 use crate::store::Figures;
 
+use machine::Of;
 pub use server::Server;
 
 type Labels = Vec<(&'static str, String)>;
+type Histograms = Family<Labels, Histogram, fn() -> Histogram>;
 type Float = Gauge<f64, AtomicU64>;
 
 /// Metres in a micrometre: figures are in units without a prefix.
 const UM: f64 = 1e-6;
 /// Bounds of the errors against the spindle, in metres: what a good thread has, to what no gauge takes.
 const ERRORS: [f64; 10] = [1e-7, 2e-7, 5e-7, 1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4];
+
+/// The same of the cut, which has the lag of a drive in it where that is not compensated.
+const CUTS: [f64; 12] = [
+    5e-7, 1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3,
+];
 
 /// What a board says of itself beside its state.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,30 +57,34 @@ pub struct Pulse {
 #[derive(Debug)]
 pub struct Metrics {
     registry: Registry,
-    up: Gauge,
+    up: Family<Labels, Gauge>,
     info: Family<Labels, Gauge>,
     state: Family<Labels, Gauge>,
-    alarm: Gauge,
+    alarm: Family<Labels, Gauge>,
     alarms: Family<Labels, Counter>,
     warnings: Family<Labels, Counter>,
-    late: Gauge,
-    load: Float,
-    errors: Gauge,
-    dropped: Gauge,
-    ticks: Gauge,
-    credit: Gauge,
+    late: Family<Labels, Gauge>,
+    load: Family<Labels, Float>,
+    errors: Family<Labels, Gauge>,
+    dropped: Family<Labels, Gauge>,
+    ticks: Family<Labels, Gauge>,
+    credit: Family<Labels, Gauge>,
     overrides: Family<Labels, Gauge>,
     speed: Family<Labels, Gauge>,
     threads: Family<Labels, Counter>,
-    largest: Histogram,
-    rms: Histogram,
+    largest: Histograms,
+    rms: Histograms,
+    cuts: Family<Labels, Counter>,
+    cut: Histograms,
+    cut_doubt: Histograms,
+    cut_apart: Histograms,
     runs: Family<Labels, Counter>,
     missing: Family<Labels, Counter>,
     broker: Gauge,
     kept: Gauge,
     kept_bytes: Gauge,
     given_up: Gauge,
-    known: Mutex<Option<Labels>>,
+    known: Mutex<BTreeMap<String, Labels>>,
 }
 
 impl Default for Metrics {
@@ -84,7 +98,7 @@ impl Default for Metrics {
             }};
         }
         Self {
-            up: figure!(Gauge::default(), "board_up", "The board answers"),
+            up: figure!(Family::default(), "board_up", "The board answers"),
             info: figure!(
                 Family::default(),
                 "board",
@@ -96,7 +110,7 @@ impl Default for Metrics {
                 "What the machine does: one state is 1"
             ),
             alarm: figure!(
-                Gauge::default(),
+                Family::default(),
                 "machine_alarm",
                 "Number of the present alarm, 0 for none"
             ),
@@ -111,32 +125,32 @@ impl Default for Metrics {
                 "Warnings by number since the agent began"
             ),
             late: figure!(
-                Gauge::default(),
+                Family::default(),
                 "late_setpoints",
                 "Setpoints that came late for their SYNC since power-up of the board"
             ),
             load: figure!(
-                Float::default(),
+                Family::default(),
                 "bus_load_ratio",
                 "Load of the bus, with the worst stuffing"
             ),
             errors: figure!(
-                Gauge::default(),
+                Family::default(),
                 "bus_error_frames",
                 "Error frames since the agent met the board"
             ),
             dropped: figure!(
-                Gauge::default(),
+                Family::default(),
                 "bus_dropped_frames",
                 "Frames that this computer did not read in time"
             ),
             ticks: figure!(
-                Gauge::default(),
+                Family::default(),
                 "board_ticks",
                 "Ticks since power-up of the board"
             ),
             credit: figure!(
-                Gauge::default(),
+                Family::default(),
                 "queue_free_bytes",
                 "Free room of the board's queue of calls"
             ),
@@ -156,14 +170,34 @@ impl Default for Metrics {
                 "Threads and holes by kind and end since the agent began"
             ),
             largest: figure!(
-                Histogram::new(ERRORS),
+                Histograms::new_with_constructor(|| Histogram::new(ERRORS)),
                 "thread_largest_error_metres",
                 "Largest error of each thread against the spindle"
             ),
             rms: figure!(
-                Histogram::new(ERRORS),
+                Histograms::new_with_constructor(|| Histogram::new(ERRORS)),
                 "thread_rms_error_metres",
                 "RMS error of each thread against the spindle"
+            ),
+            cuts: figure!(
+                Family::default(),
+                "thread_cuts",
+                "Threads by how much is known of their cut since the agent began"
+            ),
+            cut: figure!(
+                Histograms::new_with_constructor(|| Histogram::new(CUTS)),
+                "thread_cut_error_metres",
+                "Largest error of the cut of each thread, by the positions of the drive"
+            ),
+            cut_doubt: figure!(
+                Histograms::new_with_constructor(|| Histogram::new(CUTS)),
+                "thread_cut_uncertainty_metres",
+                "Uncertainty of that error, plus or minus"
+            ),
+            cut_apart: figure!(
+                Histograms::new_with_constructor(|| Histogram::new(CUTS)),
+                "thread_cut_pass_to_pass_metres",
+                "Distance between the grooves of the passes of each thread"
             ),
             runs: figure!(
                 Family::default(),
@@ -209,44 +243,21 @@ impl Metrics {
     /// Takes what records say.
     pub fn take(&self, records: &[Numbered]) {
         for record in records {
-            match &record.record.body {
-                Body::Presence(presence) => {
-                    self.up.set(presence.alive.into());
-                    if !presence.alive {
-                        self.state.clear();
-                    }
-                }
-                Body::Identity(identity) => self.identity(identity),
-                Body::State(state) => self.state(state),
-                Body::Event(event) => match &event.what {
-                    What::Alarm(trouble) => count(&self.alarms, "number", trouble.number),
-                    What::Warning(trouble) => count(&self.warnings, "number", trouble.number),
-                    What::Finished | What::Reset | What::Held | What::Ready => {}
-                },
-                Body::Thread(thread) => self.thread(thread),
-                Body::Run(run) => {
-                    let end = if run.finished {
-                        "finished"
-                    } else {
-                        "cut_short"
-                    };
-                    count(&self.runs, "end", end);
-                }
-                Body::Gap(gap) => {
-                    let labels = vec![("of", gap.of.name().to_owned())];
-                    let many = u64::from(gap.last.saturating_sub(gap.first)) + 1;
-                    self.missing.get_or_create(&labels).inc_by(many);
-                }
-                Body::Loss(Loss { .. }) => {}
-            }
+            self.of(&record.record.machine).take(&record.record.body);
         }
     }
 
+    /// A machine that may never be met: its board does not answer.
+    pub fn expect(&self, machine: &str) {
+        self.of(machine).set(&self.up, 0);
+    }
+
     /// Takes what a board says of itself.
-    pub fn pulse(&self, pulse: Pulse) {
-        self.ticks.set(number(pulse.ticks));
-        self.credit.set(pulse.credit.into());
-        self.dropped.set(number(pulse.dropped));
+    pub fn pulse(&self, machine: &str, pulse: Pulse) {
+        let of = self.of(machine);
+        of.set(&self.ticks, number(pulse.ticks));
+        of.set(&self.credit, pulse.credit.into());
+        of.set(&self.dropped, number(pulse.dropped));
     }
 
     /// Takes how it stands with what is kept.
@@ -257,52 +268,8 @@ impl Metrics {
         self.given_up.set(number(figures.lost));
     }
 
-    fn identity(&self, identity: &Identity) {
-        let labels = vec![
-            ("serial", format!("{:08x}", identity.start.serial)),
-            ("start", identity.start.count.to_string()),
-            ("firmware", identity.firmware.clone()),
-            ("parameters", format!("{:08x}", identity.parameters)),
-        ];
-        self.info.get_or_create(&labels).set(1);
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(old) = known.replace(labels.clone()).filter(|old| *old != labels) {
-            self.info.remove(&old);
-        }
-    }
-
-    fn state(&self, state: &State) {
-        for name in BoardState::ALL.map(BoardState::name) {
-            let gauge = self.state.get_or_create(&vec![("state", name.to_owned())]);
-            gauge.set((name == state.state).into());
-        }
-        self.alarm.set(state.alarm.into());
-        self.late.set(state.late.into());
-        if let Some(percent) = state.load_percent {
-            self.load.set(f64::from(percent) / 100.0);
-        }
-        self.errors.set(number(state.bus_errors));
-        for (of, percent) in [
-            ("feed", state.feed_percent),
-            ("rapid", state.rapid_percent),
-            ("spindle", state.spindle_percent),
-        ] {
-            let gauge = self.overrides.get_or_create(&vec![("of", of.to_owned())]);
-            gauge.set(percent.into());
-        }
-        for (of, rpm) in [("measured", state.rpm), ("commanded", state.rpm_commanded)] {
-            let gauge = self.speed.get_or_create(&vec![("of", of.to_owned())]);
-            gauge.set(rpm.into());
-        }
-    }
-
-    fn thread(&self, thread: &Thread) {
-        let labels = vec![("kind", thread.kind.clone()), ("end", thread.end.clone())];
-        self.threads.get_or_create(&labels).inc();
-        if thread.errors.measured > 0 {
-            self.largest.observe(thread.errors.largest_um() * UM);
-            self.rms.observe(thread.errors.rms_um() * UM);
-        }
+    const fn of<'a>(&'a self, machine: &'a str) -> Of<'a> {
+        Of { all: self, machine }
     }
 
     /// All of it in the text format of OpenMetrics.
@@ -313,10 +280,4 @@ impl Metrics {
         let _ = encode(&mut text, &self.registry);
         text
     }
-}
-
-fn count(family: &Family<Labels, Counter>, label: &'static str, value: impl ToString) {
-    family
-        .get_or_create(&vec![(label, value.to_string())])
-        .inc();
 }

@@ -19,8 +19,8 @@ fn met(tick: u64, newest_event: u32, last_event: Option<u64>) -> Met {
     }
 }
 
-fn thread(number: u32, state: ThreadState) -> ThreadCertificate {
-    ThreadCertificate {
+fn thread(number: u32, state: ThreadState) -> (ThreadCertificate, Cut) {
+    let certificate = ThreadCertificate {
         number,
         record: ThreadRecord {
             line: 9,
@@ -35,7 +35,8 @@ fn thread(number: u32, state: ThreadState) -> ThreadCertificate {
             },
             cut: CutTally::NONE,
         },
-    }
+    };
+    (certificate, Cut::Unknown(format!("of {number}")))
 }
 
 fn run(program: u32, ticks: u64) -> Certificate {
@@ -60,8 +61,7 @@ fn entry(number: u32, what: Option<What>) -> Entry {
 }
 
 fn bodies(model: &mut Model, at: u64, seen: &Observation) -> Vec<Body> {
-    let told = model.take(Moment(at), seen);
-    told.into_iter().map(|record| record.body).collect()
+    model.take(Moment(at), seen)
 }
 
 /// A board that has been met at tick 5000, with a log of 20 entries that were read.
@@ -121,8 +121,11 @@ fn threads_are_told_once_they_have_ended_and_gaps_are_counted() {
     use ThreadState::{CutShort, Finished, UnderWay};
     let mut model = known();
     let start = model.memory().start;
-    let tell = |number, state| Body::Thread(Thread::of(start, 3, &thread(number, state)));
-    let mut told = |threads: &[ThreadCertificate]| {
+    let tell = |number, state| {
+        let (certificate, cut) = thread(number, state);
+        Body::Thread(Thread::of(start, 3, &certificate, cut))
+    };
+    let mut told = |threads: &[(ThreadCertificate, Cut)]| {
         let seen = Observation::Certificates(run(3, 8), threads.to_vec());
         bodies(&mut model, HOUR, &seen)
     };

@@ -1,96 +1,15 @@
-//! The metrics of a machine, and what each record says of them.
-//!
-//! The alias of a metric is its place in the table: one connection's births tell it anew, so rows may move.
+//! What each record says of the metrics of a machine, and what they are by the last that said it.
 
-use super::payload::{Kind, Metric, Properties, Value};
-use crate::record::{Body, Errors, Moment, Numbered};
+use std::collections::BTreeMap;
 
-/// A row of the table.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Its name.
-    pub name: &'static str,
-    /// The kind of its values.
-    pub kind: Kind,
-    /// Their unit; empty where they have none.
-    pub unit: &'static str,
-}
+use super::payload::{Metric, Properties, Value};
+use super::table::*;
+use crate::record::{Body, Cut, Errors, Figure, Moment, Numbered};
 
-/// A metric: its place in the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Place(usize);
+pub use super::table::TABLE;
 
-macro_rules! metrics {
-    ($($place:ident = $name:literal, $kind:ident, $unit:literal;)*) => {
-        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
-        enum Order { $($place),* }
-        $(const $place: Place = Place(Order::$place as usize);)*
-
-        /// Every metric of a machine.
-        pub const TABLE: &[Row] = &[
-            $(Row { name: $name, kind: Kind::$kind, unit: $unit }),*
-        ];
-    };
-}
-
-metrics! {
-    RECORD_NUMBER = "Record/Number", UInt64, "";
-    RECORD_KIND = "Record/Kind", String, "";
-    BOARD_ALIVE = "Board/Alive", Boolean, "";
-    BOARD_WHY = "Board/Why", String, "";
-    BOARD_SERIAL = "Board/Serial", String, "";
-    BOARD_START = "Board/Start", UInt32, "";
-    BOARD_PARAMETERS = "Board/Parameters", String, "";
-    BOARD_FIRMWARE = "Board/Firmware", String, "";
-    MACHINE_STATE = "Machine/State", String, "";
-    MACHINE_MODE = "Machine/Mode", String, "";
-    MACHINE_ALARM = "Machine/Alarm", UInt16, "";
-    MACHINE_HOLD = "Machine/Hold", Boolean, "";
-    MACHINE_SINGLE = "Machine/Single Block", Boolean, "";
-    PROGRAM_NUMBER = "Program/Number", UInt32, "";
-    PROGRAM_LINE = "Program/Line", UInt32, "";
-    PROGRAM_MOVE = "Program/Move", UInt32, "";
-    OVERRIDE_FEED = "Override/Feed", UInt8, "%";
-    OVERRIDE_RAPID = "Override/Rapid", UInt8, "%";
-    OVERRIDE_SPINDLE = "Override/Spindle", UInt8, "%";
-    SPINDLE_SPEED = "Spindle/Speed", Int32, "1/min";
-    SPINDLE_COMMANDED = "Spindle/Commanded", Int32, "1/min";
-    SETPOINTS_LATE = "Setpoints/Late", UInt32, "";
-    BUS_LOAD = "Bus/Load", UInt8, "%";
-    BUS_ERRORS = "Bus/Errors", UInt64, "";
-    EVENT_KEY = "Event/Key", String, "";
-    EVENT_KIND = "Event/Kind", String, "";
-    EVENT_TICK = "Event/Tick", UInt64, "";
-    EVENT_ALARM = "Event/Alarm", UInt16, "";
-    EVENT_LINE = "Event/Line", UInt32, "";
-    EVENT_CAUSE = "Event/Cause", String, "";
-    EVENT_REMEDY = "Event/Remedy", String, "";
-    THREAD_KEY = "Thread/Key", String, "";
-    THREAD_PROGRAM = "Thread/Program", UInt32, "";
-    THREAD_LINE = "Thread/Line", UInt32, "";
-    THREAD_KIND = "Thread/Kind", String, "";
-    THREAD_END = "Thread/End", String, "";
-    THREAD_PASSES = "Thread/Passes", UInt16, "";
-    THREAD_LATE = "Thread/Late", UInt16, "";
-    THREAD_MEASURED = "Thread/Measured", UInt64, "ticks";
-    THREAD_LARGEST = "Thread/Largest Error", Double, "µm";
-    THREAD_RMS = "Thread/RMS Error", Double, "µm";
-    RUN_KEY = "Run/Key", String, "";
-    RUN_FINISHED = "Run/Finished", Boolean, "";
-    RUN_TICKS = "Run/Ticks", UInt64, "ticks";
-    RUN_HASH = "Run/Setpoint Hash", String, "";
-    RUN_LATE = "Run/Late", UInt32, "";
-    RUN_MEASURED = "Run/Measured", UInt64, "ticks";
-    RUN_LARGEST = "Run/Largest Error", Double, "µm";
-    RUN_RMS = "Run/RMS Error", Double, "µm";
-    GAP_KEY = "Gap/Key", String, "";
-    GAP_OF = "Gap/Of", String, "";
-    GAP_FIRST = "Gap/First", UInt32, "";
-    GAP_LAST = "Gap/Last", UInt32, "";
-    LOSS_RECORDS = "Loss/Records", UInt64, "";
-    LOSS_FIRST = "Loss/First", UInt64, "";
-    LOSS_LAST = "Loss/Last", UInt64, "";
-}
+/// Nanometres in a millimetre.
+const NM_IN_MM: f64 = 1e6;
 
 /// What a record says: values that are known, and those that it makes unknown.
 type Said = Vec<(Place, Option<Value>)>;
@@ -194,6 +113,7 @@ fn said(body: &Body) -> (&'static str, Said) {
             ];
             let places = [THREAD_MEASURED, THREAD_LARGEST, THREAD_RMS];
             said.extend(errors(places, &thread.errors));
+            said.extend(cut(&thread.cut));
             ("thread", said)
         }
         Body::Run(run) => {
@@ -237,6 +157,46 @@ fn errors(places: [Place; 3], errors: &Errors) -> Said {
         (largest, known(errors.largest_um())),
         (rms, known(errors.rms_um())),
     ]
+}
+
+/// All of it is told of each thread: what is not known is told as that.
+fn cut(cut: &Cut) -> Said {
+    let found = cut.measured();
+    let grooves = found.and_then(|found| found.grooves);
+    let mut said = vec![
+        (CUT_KNOWN, text(cut.known())),
+        (CUT_WHY, cut.why().and_then(text)),
+        (
+            CUT_AXIS,
+            found.and_then(|found| text(&found.axis.to_string())),
+        ),
+        (CUT_AGE, found.and_then(|found| flag(found.age_known))),
+        (CUT_POSITIONS, found.and_then(|found| int(found.positions))),
+        (CUT_PASSES, found.and_then(|found| int(found.passes))),
+        (
+            CUT_LEAD,
+            found.map(|found| Value::Double(found.lead_nm as f64 / NM_IN_MM)),
+        ),
+    ];
+    for (places, figure) in [
+        ([CUT_LEAST, CUT_LEAST_U], grooves.map(|[least, _]| least)),
+        ([CUT_MOST, CUT_MOST_U], grooves.map(|[_, most]| most)),
+        (
+            [CUT_APART, CUT_APART_U],
+            found.and_then(|found| found.apart),
+        ),
+        (
+            [CUT_SLOPE, CUT_SLOPE_U],
+            found.and_then(|found| found.slope),
+        ),
+        ([CUT_WORST, CUT_WORST_U], found.map(|found| found.worst)),
+    ] {
+        let values = figure.map(Figure::um);
+        let [place, place_u] = places;
+        said.push((place, values.map(|[value, _]| Value::Double(value))));
+        said.push((place_u, values.map(|[_, u]| Value::Double(u))));
+    }
+    said
 }
 
 /// What a record says, its number and kind first.
@@ -319,15 +279,30 @@ impl Values {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// The same of each machine, by its name.
+#[derive(Clone, Debug, Default)]
+pub struct Machines(BTreeMap<String, Values>);
 
-    #[test]
-    fn no_name_is_given_twice() {
-        let mut names: Vec<&str> = TABLE.iter().map(|row| row.name).collect();
-        names.sort_unstable();
-        names.dedup();
-        assert_eq!(names.len(), TABLE.len());
+impl Machines {
+    /// Takes what a record says of its machine.
+    pub fn take(&mut self, record: &Numbered) {
+        let machine = &record.record.machine;
+        match self.0.get_mut(machine) {
+            Some(values) => values.take(record),
+            None => self.0.entry(machine.clone()).or_default().take(record),
+        }
+    }
+
+    /// What is known of a machine, where it has said anything.
+    #[must_use]
+    pub fn get(&self, machine: &str) -> Option<&Values> {
+        self.0.get(machine)
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Values)> {
+        self.0
+            .iter()
+            .map(|(machine, values)| (machine.as_str(), values))
     }
 }

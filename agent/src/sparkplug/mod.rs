@@ -1,13 +1,15 @@
 //! Sparkplug B: what a record is called on a broker.
 //!
 //! ```text
-//! payload   the protobuf message            metrics   the table of metrics, and what each record says of them
-//! session   births, deaths, sequence numbers of one connection
+//! payload   the protobuf message            table     names, kinds and units of the metrics
+//! session   births, deaths, sequence        metrics   what each record says of them
+//!           numbers of one connection
 //! ```
 
 pub mod metrics;
 pub mod payload;
 pub mod session;
+mod table;
 
-pub use metrics::Values;
+pub use metrics::Machines;
 pub use session::{Message, NameError, Names, Session};

@@ -1,12 +1,13 @@
 //! One connection to a broker in Sparkplug B: births, data, deaths, and the sequence number that runs through them.
 //!
-//! It has no socket and no clock. The agent is the edge node, the machine its device.
+//! It has no socket and no clock. The agent is the edge node, its machines are the devices.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use prost::Message as _;
 
-use super::metrics::{Values, of_record};
+use super::metrics::{Machines, Values, of_record};
 use super::payload::{Kind, Metric, Payload, Value};
 use crate::record::{Moment, Numbered};
 
@@ -21,12 +22,11 @@ const NAMESPACE: &str = "spBv1.0";
 /// Numbers of births and of messages are of one byte.
 const NUMBERS: u64 = 256;
 
-/// What the machine is called on the broker.
+/// What the agent is called on the broker.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names {
     group: String,
     node: String,
-    device: String,
 }
 
 /// A name that cannot be part of a topic.
@@ -42,12 +42,16 @@ impl fmt::Display for NameError {
 impl std::error::Error for NameError {}
 
 impl Names {
-    /// Names of the group, of this agent and of its machine.
+    /// Names of the group and of this agent, where its machines have these.
     ///
     /// # Errors
     /// One is empty, or has a `/`, `+`, `#` or a control character in it.
-    pub fn new(group: &str, node: &str, device: &str) -> Result<Self, NameError> {
-        for name in [group, node, device] {
+    pub fn new<'a>(
+        group: &'a str,
+        node: &'a str,
+        machines: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Self, NameError> {
+        for name in [group, node].into_iter().chain(machines) {
             let is_bad = |c: char| "/+#".contains(c) || c.is_control();
             if name.is_empty() || name.contains(is_bad) {
                 return Err(NameError(name.to_owned()));
@@ -56,7 +60,6 @@ impl Names {
         Ok(Self {
             group: group.to_owned(),
             node: node.to_owned(),
-            device: device.to_owned(),
         })
     }
 
@@ -64,8 +67,8 @@ impl Names {
         format!("{NAMESPACE}/{}/{kind}/{}", self.group, self.node)
     }
 
-    fn device_topic(&self, kind: &str) -> String {
-        format!("{}/{}", self.node_topic(kind), self.device)
+    fn device_topic(&self, kind: &str, machine: &str) -> String {
+        format!("{}/{machine}", self.node_topic(kind))
     }
 
     /// Where orders to the edge node come.
@@ -74,10 +77,10 @@ impl Names {
         self.node_topic("NCMD")
     }
 
-    /// Where what the machine tells goes, with any kind of message.
+    /// Where what a machine tells goes, with any kind of message.
     #[must_use]
-    pub fn machine(&self) -> String {
-        self.device_topic("+")
+    pub fn machine(&self, machine: &str) -> String {
+        self.device_topic("+", machine)
     }
 
     /// What a client of a broker is called: one agent of a name is connected at a time.
@@ -105,8 +108,8 @@ pub struct Session {
     store_made: Moment,
     seq: u64,
     born: Moment,
-    /// The machine has been born and has not died.
-    machine: bool,
+    /// The machines that have been born and have not died.
+    living: BTreeSet<String>,
 }
 
 impl Session {
@@ -119,7 +122,7 @@ impl Session {
             store_made,
             seq: 0,
             born: Moment(0),
-            machine: false,
+            living: BTreeSet::new(),
         }
     }
 
@@ -137,9 +140,10 @@ impl Session {
         named(BIRTH_NUMBER, Kind::Int64, Value::Long(self.number), None)
     }
 
-    /// Births of the edge node, and of its machine where that answers, at the beginning and where they are asked for.
-    pub fn births(&mut self, at: Moment, values: &Values) -> Vec<Message> {
-        (self.seq, self.born, self.machine) = (0, at, false);
+    /// Births of the edge node, and of each machine that answers, at the beginning and where they are asked for.
+    pub fn births(&mut self, at: Moment, machines: &Machines) -> Vec<Message> {
+        (self.seq, self.born) = (0, at);
+        self.living.clear();
         let made = Value::Long(self.store_made.0);
         let version = Value::String(env!("CARGO_PKG_VERSION").to_owned());
         let metrics = vec![
@@ -150,39 +154,55 @@ impl Session {
         ];
         let node = self.numbered(at, metrics);
         let mut births = vec![message(self.names.node_topic("NBIRTH"), &node)];
-        births.extend(self.settle(at, values));
+        births.extend(self.settle(at, machines));
         births
     }
 
-    fn machine_birth(&mut self, at: Moment, values: &Values) -> Message {
-        self.machine = true;
+    fn machine_birth(&mut self, at: Moment, machine: &str, values: &Values) -> Message {
+        self.living.insert(machine.to_owned());
         let payload = self.numbered(at, values.birth(at));
-        message(self.names.device_topic("DBIRTH"), &payload)
+        message(self.names.device_topic("DBIRTH", machine), &payload)
     }
 
-    /// A record. A machine that has died is born again first: what it said before its death is still told.
-    pub fn data(&mut self, at: Moment, record: &Numbered, values: &Values) -> Vec<Message> {
+    /// A record. A machine that has died is born again first: what it said before its death is still told. So is what is
+    /// kept of a machine that the agent reads no more.
+    pub fn data(&mut self, at: Moment, record: &Numbered, machines: &Machines) -> Vec<Message> {
         let mut messages = Vec::new();
-        if !self.machine {
-            messages.push(self.machine_birth(at, values));
+        let machine = record.record.machine.as_str();
+        if !self.living.contains(machine) {
+            let birth = match machines.get(machine) {
+                Some(values) => self.machine_birth(at, machine, values),
+                None => self.machine_birth(at, machine, &Values::default()),
+            };
+            messages.push(birth);
         }
         let historical = record.record.at < self.born;
         let payload = self.numbered(at, of_record(record, historical));
-        messages.push(message(self.names.device_topic("DDATA"), &payload));
+        messages.push(message(self.names.device_topic("DDATA", machine), &payload));
         messages
     }
 
-    /// Once all records are told: the machine's death where its board does not answer, its birth where it does again.
-    pub fn settle(&mut self, at: Moment, values: &Values) -> Option<Message> {
-        match (self.machine, values.is_alive()) {
-            (true, false) => {
-                self.machine = false;
-                let payload = self.numbered(at, Vec::new());
-                Some(message(self.names.device_topic("DDEATH"), &payload))
-            }
-            (false, true) => Some(self.machine_birth(at, values)),
-            (true, true) | (false, false) => None,
+    /// Once all records are told: the death of each machine whose board does not answer, the birth of each whose board does
+    /// again.
+    pub fn settle(&mut self, at: Moment, machines: &Machines) -> Vec<Message> {
+        let is_alive = |machine: &str| machines.get(machine).is_some_and(Values::is_alive);
+        let dead = self.living.iter().filter(|machine| !is_alive(machine));
+        let dead: Vec<String> = dead.cloned().collect();
+        let mut messages = Vec::new();
+        for machine in dead {
+            self.living.remove(&machine);
+            let payload = self.numbered(at, Vec::new());
+            messages.push(message(
+                self.names.device_topic("DDEATH", &machine),
+                &payload,
+            ));
         }
+        for (machine, values) in machines.iter() {
+            if values.is_alive() && !self.living.contains(machine) {
+                messages.push(self.machine_birth(at, machine, values));
+            }
+        }
+        messages
     }
 
     /// True where a message asks for all births anew. Nothing else is obeyed.

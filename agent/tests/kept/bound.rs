@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leadscrew_agent::record::{Event, Start, State, Thread, What};
+use leadscrew_agent::record::{Cut, Event, Start, State, Thread, What};
 use leadscrew_agent::{Body, Keeper, Memory, Moment, Numbered, Record, Store, StoreError};
 use leadscrew_core::link::{
     CutTally, Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState,
@@ -13,7 +13,7 @@ use crate::machine::{Board, read};
 
 const AT: Moment = Moment(5);
 /// What the store leaves free for the record of a loss.
-const LOSS: u64 = 160;
+const LOSS: u64 = 256;
 
 fn state(line: u32) -> Body {
     Body::State(State {
@@ -40,13 +40,17 @@ fn thread(number: u32) -> Body {
         cut: CutTally::NONE,
     };
     let certificate = ThreadCertificate { number, record };
-    Body::Thread(Thread::of(Start::default(), 1, &certificate))
+    Body::Thread(Thread::of(Start::default(), 1, &certificate, Cut::Hole))
 }
 
 fn keep(store: &Store, bodies: impl IntoIterator<Item = Body>) {
-    let record = |body| Record { at: AT, body };
+    let record = |body| Record {
+        at: AT,
+        machine: "lathe".to_owned(),
+        body,
+    };
     let records: Vec<Record> = bodies.into_iter().map(record).collect();
-    store.keep(&records, &Memory::default()).unwrap();
+    store.keep("lathe", &records, &Memory::default()).unwrap();
 }
 
 fn all(store: &Store) -> Vec<Numbered> {
@@ -146,7 +150,7 @@ fn what_a_broker_was_handed_stays_until_it_answers_or_goes() {
 fn a_full_disk_holds_the_reading_and_nothing_is_skipped() {
     let disk = Disk::default();
     let store = Arc::new(disk.store(1 << 20).unwrap());
-    let mut keeper = Keeper::new(Arc::clone(&store)).unwrap();
+    let mut keeper = Keeper::new(Arc::clone(&store), "lathe").unwrap();
     let mut board = Board::default();
     board.cut();
     read(&mut keeper, board).unwrap();

@@ -20,7 +20,7 @@ fn live(
 ) -> Result<(), StoreError> {
     let store = Arc::new(disk.store(ROOM)?);
     store.connect()?;
-    let mut keeper = Keeper::new(Arc::clone(&store))?;
+    let mut keeper = Keeper::new(Arc::clone(&store), "lathe")?;
     let mut sent = 0;
     // What was cut while nobody read is still there.
     read(&mut keeper, *board)?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use leadscrew_agent::model::{Entry, Met};
-use leadscrew_agent::record::What;
+use leadscrew_agent::record::{Cut, What};
 use leadscrew_agent::{Body, Keeper, Moment, Numbered, Observation, Store, StoreError};
 use leadscrew_core::link::{
     Certificate, CutTally, Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState, VERSION,
@@ -44,7 +44,7 @@ impl Board {
             what: Some(What::Held),
         });
         let numbers = (1..=self.threads).rev().take(KEPT as usize);
-        let threads = numbers.map(|number| ThreadCertificate {
+        let certificate = |number: u32| ThreadCertificate {
             number,
             record: ThreadRecord {
                 line: number,
@@ -56,7 +56,8 @@ impl Board {
                 },
                 cut: CutTally::NONE,
             },
-        });
+        };
+        let threads = numbers.map(|number| (certificate(number), Cut::Hole));
         let run = Certificate {
             version: VERSION,
             program: 1,

@@ -3,6 +3,7 @@
 
 mod bound;
 mod disk;
+mod earlier;
 mod killed;
 mod machine;
 mod process;

@@ -20,7 +20,7 @@ const THREADS: u32 = 60;
 fn child(folder: PathBuf) {
     let store = Store::open(&folder.join("store"), 1 << 20, Moment(1)).unwrap();
     let store = Arc::new(store);
-    let mut keeper = Keeper::new(Arc::clone(&store)).unwrap();
+    let mut keeper = Keeper::new(Arc::clone(&store), "lathe").unwrap();
     let mut out = std::io::stdout();
     let mut sent = 0;
     let mut threads = keeper.model().memory().last_event;

@@ -4,7 +4,7 @@ use bytes::BytesMut;
 use leadscrew_agent::record::{Presence, State};
 use leadscrew_agent::sender::{Broker, Sending};
 use leadscrew_agent::sparkplug::payload::{Metric, Payload, Value};
-use leadscrew_agent::sparkplug::{Names, Values, metrics};
+use leadscrew_agent::sparkplug::{Machines, Names, metrics};
 use leadscrew_agent::{Body, Memory, Moment, Numbered, Record, Store};
 use mqttbytes::QoS;
 use mqttbytes::v4::{ConnAck, ConnectReturnCode, Packet, PubAck, Publish, read};
@@ -14,7 +14,7 @@ pub const BIRTH: Moment = Moment(5_000);
 const MOST: usize = 1 << 20;
 
 pub fn names() -> Names {
-    Names::new("shop", "agent", "lathe").unwrap()
+    Names::new("shop", "agent", ["lathe"]).unwrap()
 }
 
 /// Nobody is there: for sessions without sockets.
@@ -42,14 +42,31 @@ pub fn presence(alive: bool) -> Body {
 }
 
 /// Keeps records, and has the values know them.
-pub fn keep(store: &Store, values: &mut Values, at: u64, bodies: impl IntoIterator<Item = Body>) {
+pub fn keep(
+    store: &Store,
+    machines: &mut Machines,
+    at: u64,
+    bodies: impl IntoIterator<Item = Body>,
+) {
+    keep_of("lathe", store, machines, at, bodies);
+}
+
+/// The same of another machine.
+pub fn keep_of(
+    machine: &str,
+    store: &Store,
+    machines: &mut Machines,
+    at: u64,
+    bodies: impl IntoIterator<Item = Body>,
+) {
     let record = |body| Record {
         at: Moment(at),
+        machine: machine.to_owned(),
         body,
     };
     let records: Vec<Record> = bodies.into_iter().map(record).collect();
-    let kept: Vec<Numbered> = store.keep(&records, &Memory::default()).unwrap();
-    kept.iter().for_each(|record| values.take(record));
+    let kept: Vec<Numbered> = store.keep(machine, &records, &Memory::default()).unwrap();
+    kept.iter().for_each(|record| machines.take(record));
 }
 
 /// Packets of some bytes.

@@ -4,16 +4,17 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 use leadscrew_agent::mqtt::{Client, Fault, Login};
+use leadscrew_agent::record::{Cut, Errors, Figure, Measured, Start, Thread};
 use leadscrew_agent::sender::{Sending, Trouble};
 use leadscrew_agent::sparkplug::payload::{Metric, Payload, Value};
-use leadscrew_agent::sparkplug::{Message, Names, Values, metrics};
-use leadscrew_agent::{Moment, Store};
+use leadscrew_agent::sparkplug::{Machines, Message, Names, metrics};
+use leadscrew_agent::{Body, Memory, Moment, Numbered, Record, Store};
 use mqttbytes::QoS;
 use mqttbytes::v4::{ConnAck, ConnectReturnCode, Packet, Publish};
 use prost::Message as _;
 
 use crate::bench::{
-    BIRTH, accept, acknowledge, keep, metric, nowhere, packets, presence, sent, state,
+    BIRTH, accept, acknowledge, keep, keep_of, metric, nowhere, packets, presence, sent, state,
 };
 
 const NOW: Duration = Duration::ZERO;
@@ -50,7 +51,7 @@ fn birth_number(payload: &[u8]) -> Option<Value> {
 fn births_come_first_and_what_is_older_is_history() {
     let folder = Folder::new("births");
     let store = folder.store();
-    let mut values = Values::default();
+    let mut values = Machines::default();
     keep(&store, &mut values, 1_000, [presence(true), state(1)]);
     let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
     let first = packets(&mut sending.output().split());
@@ -111,7 +112,7 @@ fn births_come_first_and_what_is_older_is_history() {
 fn what_is_not_acknowledged_is_sent_again_and_the_rest_is_gone() {
     let folder = Folder::new("again");
     let store = folder.store();
-    let mut values = Values::default();
+    let mut values = Machines::default();
     keep(&store, &mut values, BIRTH.0, [presence(true)]);
     keep(&store, &mut values, BIRTH.0, (1..=30).map(state));
     let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
@@ -151,7 +152,7 @@ fn what_is_not_acknowledged_is_sent_again_and_the_rest_is_gone() {
 fn a_host_may_ask_for_births_and_for_nothing_else() {
     let folder = Folder::new("orders");
     let store = folder.store();
-    let mut values = Values::default();
+    let mut values = Machines::default();
     keep(&store, &mut values, BIRTH.0, [presence(true)]);
     let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
     sending.take(&accept(), &values, BIRTH, NOW).unwrap();
@@ -197,9 +198,9 @@ fn a_host_may_ask_for_births_and_for_nothing_else() {
 fn a_machine_that_goes_dies_behind_what_it_said() {
     let folder = Folder::new("death");
     let store = folder.store();
-    let mut values = Values::default();
+    let mut values = Machines::default();
     let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
-    let mut turn = |store: &Store, values: &Values, bytes: &[u8]| {
+    let mut turn = |store: &Store, values: &Machines, bytes: &[u8]| {
         sending.take(bytes, values, BIRTH, NOW).unwrap();
         let (words, ids) = sent(&mut sending);
         sending
@@ -308,7 +309,7 @@ fn nothing_that_a_broker_says_ends_the_agent() {
     leadscrew_seed::volume(1, |seed| {
         let folder = Folder::new("hostile");
         let store = folder.store();
-        let values = Values::default();
+        let values = Machines::default();
         let mut random = seed;
         let mut next = || {
             random = random
@@ -339,8 +340,147 @@ fn nothing_that_a_broker_says_ends_the_agent() {
 
 #[test]
 fn names_that_are_no_part_of_a_topic_are_refused() {
-    Names::new("a b", "ä", "sim:desk").unwrap();
+    Names::new("a b", "ä", ["sim:desk"]).unwrap();
     for bad in ["", "a/b", "+", "a#", "a\nb"] {
-        assert_eq!(Names::new("g", bad, "d").unwrap_err().0, bad);
+        assert_eq!(Names::new("g", bad, ["d"]).unwrap_err().0, bad);
+        assert_eq!(Names::new("g", "n", ["d", bad]).unwrap_err().0, bad);
     }
+}
+
+#[test]
+fn the_cut_is_told_in_full_and_what_is_not_known_as_null() {
+    let thread = |cut| {
+        Body::Thread(Thread {
+            start: Start::default(),
+            number: 1,
+            program: 1,
+            line: 1,
+            kind: "thread".to_owned(),
+            end: "finished".to_owned(),
+            passes: 2,
+            late: 0,
+            errors: Errors {
+                measured: 0,
+                largest_nm: 0,
+                squares: 0,
+            },
+            cut,
+        })
+    };
+    let told = |cut| {
+        let record = Record {
+            at: BIRTH,
+            machine: String::new(),
+            body: thread(cut),
+        };
+        let record = Numbered { number: 1, record };
+        Payload {
+            metrics: metrics::of_record(&record, false),
+            ..Payload::default()
+        }
+    };
+    let value = |payload: &Payload, name: &str| metric(payload, name).unwrap().value.clone();
+    let measured = told(Cut::Measured(Measured {
+        axis: 'Z',
+        age_known: false,
+        positions: 90,
+        passes: 1,
+        lead_nm: 1_500_000,
+        grooves: Some([Figure(-1_250, 300), Figure(-1_250, 301)]),
+        apart: None,
+        slope: Some(Figure(40, 9)),
+        worst: Figure(2_500, 600),
+        complete: false,
+        why: "groove of one alone".to_owned(),
+    }));
+    let text = |text: &str| Some(Value::String(text.to_owned()));
+    for (name, expected) in [
+        ("Cut/Known", text("partly")),
+        ("Cut/Why", text("groove of one alone")),
+        ("Cut/Axis", text("Z")),
+        ("Cut/Age Known", Some(Value::Boolean(false))),
+        ("Cut/Positions", Some(Value::Int(90))),
+        ("Cut/Passes", Some(Value::Int(1))),
+        ("Cut/Lead", Some(Value::Double(1.5))),
+        ("Cut/Least Groove", Some(Value::Double(-1.25))),
+        ("Cut/Least Groove U", Some(Value::Double(0.3))),
+        ("Cut/Most Groove U", Some(Value::Double(0.301))),
+        ("Cut/Pass to Pass", None),
+        ("Cut/Pass to Pass U", None),
+        ("Cut/Lead Error", Some(Value::Double(0.04))),
+        ("Cut/Worst", Some(Value::Double(2.5))),
+        ("Cut/Worst U", Some(Value::Double(0.6))),
+    ] {
+        assert_eq!(value(&measured, name), expected, "{name}");
+    }
+    let is_null = metric(&measured, "Cut/Pass to Pass").unwrap().is_null;
+    assert_eq!(is_null, Some(true));
+    let unknown = told(Cut::Unknown("no position".to_owned()));
+    assert_eq!(value(&unknown, "Cut/Known"), text("no"));
+    assert_eq!(value(&unknown, "Cut/Why"), text("no position"));
+    assert_eq!(value(&unknown, "Cut/Worst"), None);
+    assert_eq!(value(&told(Cut::NotRead), "Cut/Known"), text("not_read"));
+    assert_eq!(value(&told(Cut::Hole), "Cut/Known"), text("hole"));
+}
+
+#[test]
+fn machines_of_one_agent_share_one_sequence_and_die_alone() {
+    let folder = Folder::new("several");
+    let store = folder.store();
+    let mut machines = Machines::default();
+    keep(&store, &mut machines, BIRTH.0, [presence(true), state(1)]);
+    keep_of(
+        "mill",
+        &store,
+        &mut machines,
+        BIRTH.0,
+        [presence(true), state(2)],
+    );
+    // One that was taken out of the agent has left a record, and is told too.
+    let old = Record {
+        at: Moment(1),
+        machine: "old".to_owned(),
+        body: state(9),
+    };
+    store.keep("old", &[old], &Memory::default()).unwrap();
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    let mut turn = |machines: &Machines, bytes: &[u8]| {
+        sending.take(bytes, machines, BIRTH, NOW).unwrap();
+        let (words, ids) = sent(&mut sending);
+        sending
+            .take(&acknowledge(&ids), machines, BIRTH, NOW)
+            .unwrap();
+        words
+    };
+    assert_eq!(
+        turn(&machines, &accept()),
+        [
+            "NBIRTH/agent 0",
+            "DBIRTH/agent/lathe 1 line 1",
+            "DBIRTH/agent/mill 2 line 2",
+            "DDATA/agent/lathe 3",
+            "DDATA/agent/lathe 4 line 1",
+            "DDATA/agent/mill 5",
+            "DDATA/agent/mill 6 line 2",
+            "DBIRTH/agent/old 7",
+            "DDATA/agent/old 8 line 9 old",
+            "DDEATH/agent/old 9",
+        ]
+    );
+    keep(&store, &mut machines, BIRTH.0, [presence(false)]);
+    keep_of("mill", &store, &mut machines, BIRTH.0, [state(3)]);
+    assert_eq!(
+        turn(&machines, &[]),
+        [
+            "DDATA/agent/lathe 10",
+            "DDATA/agent/mill 11 line 3",
+            "DDEATH/agent/lathe 12",
+        ]
+    );
+    // Births that are asked for are of those that live.
+    assert_eq!(store.figures().unwrap().records, 0);
+    let mut again = Sending::new(&nowhere(), &store, NOW).unwrap();
+    again.take(&accept(), &machines, BIRTH, NOW).unwrap();
+    let (words, _) = sent(&mut again);
+    assert_eq!(words, ["NBIRTH/agent 0", "DBIRTH/agent/mill 1 line 3"]);
 }

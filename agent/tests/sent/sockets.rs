@@ -115,10 +115,11 @@ fn run(
     let records: Vec<Record> = (1..=lines)
         .map(|line| Record {
             at: Moment(1),
+            machine: "lathe".to_owned(),
             body: state(line),
         })
         .collect();
-    store.keep(&records, &Memory::default()).unwrap();
+    store.keep("lathe", &records, &Memory::default()).unwrap();
     let broker = Broker {
         address: format!("mqtts://localhost:{port}").parse().unwrap(),
         login: Some(Login {

@@ -169,6 +169,7 @@ pub(super) const AGENT: &str = "\
 Examples:
   leadscrew agent --bus can0 --broker mqtt://192.168.1.5 --machine lathe3
   leadscrew agent --bus can0 --broker mqtts://broker.example --ca shop.pem --login agent.login
+  leadscrew agent --board lathe1=can0 --board lathe2=can1,node=2 --broker mqtt://192.168.1.5
   leadscrew agent --bus sim:desk --metrics 127.0.0.1:9464     figures alone; nothing is kept";
 
 pub(super) const HOLD: &str = "\

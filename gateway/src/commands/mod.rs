@@ -105,7 +105,9 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             hosts,
             look,
         } if is_real(cli) => board::panel(&cli.global, *listen, hosts, *look),
-        Command::Agent(args) if is_real(cli) => board::agent(&cli.global, args),
+        Command::Agent(args) if is_real(cli) || !args.boards.is_empty() => {
+            board::agent(&cli.global, args)
+        }
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
         Command::Resume if is_real(cli) => board::resume(&cli.global),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),

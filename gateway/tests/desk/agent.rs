@@ -42,53 +42,96 @@ fn end(mut child: Child) -> String {
     said
 }
 
-/// Takes messages until one of these metrics has come; all metrics by their names, text alone.
-fn take_until(stream: &mut TcpStream, wanted: &str) -> Vec<(String, Value)> {
-    stream.set_read_timeout(Some(LIMIT)).unwrap();
-    let mut bytes = BytesMut::new();
-    let mut room = [0; 4096];
-    let mut names = Vec::new();
-    let mut all = Vec::new();
-    loop {
-        let count = stream.read(&mut room).unwrap();
-        assert!(count > 0, "the agent has gone: {all:?}");
-        bytes.extend_from_slice(&room[..count]);
-        while let Ok(packet) = read(&mut bytes, 1 << 20) {
-            let mut answer = BytesMut::new();
-            match packet {
-                Packet::Connect(_) => {
-                    let accept = ConnAck::new(ConnectReturnCode::Success, false);
-                    accept.write(&mut answer).unwrap();
-                }
-                Packet::Subscribe(orders) => {
-                    let code = SubscribeReasonCode::Success(mqttbytes::QoS::AtLeastOnce);
-                    SubAck::new(orders.pkid, vec![code])
-                        .write(&mut answer)
-                        .unwrap();
-                }
-                Packet::Publish(publish) => {
-                    PubAck::new(publish.pkid).write(&mut answer).unwrap();
-                    let payload = Payload::decode(&publish.payload[..]).unwrap();
-                    let is_birth = publish.topic.contains("/DBIRTH/");
-                    if is_birth {
-                        names = payload.metrics.iter().map(|one| one.name.clone()).collect();
-                    }
-                    for metric in payload.metrics.into_iter().filter(|_| !is_birth) {
-                        let alias = metric.alias.and_then(|alias| usize::try_from(alias).ok());
-                        let name = alias.and_then(|alias| names.get(alias)?.clone());
-                        if let (Some(name), Some(value)) = (name, metric.value) {
-                            all.push((name, value));
-                        }
-                    }
-                }
-                _ => {}
-            }
-            stream.write_all(&answer).unwrap();
-        }
-        if all.iter().any(|(name, _)| name == wanted) {
-            return all;
+/// A broker, and what it was told: metrics of data by their names. The death of a machine is one, too.
+struct Told {
+    stream: TcpStream,
+    bytes: BytesMut,
+    names: Vec<Option<String>>,
+    all: Vec<(String, Value)>,
+}
+
+impl Told {
+    fn new(stream: TcpStream) -> Self {
+        stream.set_read_timeout(Some(LIMIT)).unwrap();
+        Self {
+            stream,
+            bytes: BytesMut::new(),
+            names: Vec::new(),
+            all: Vec::new(),
         }
     }
+
+    /// Takes messages until what has come is enough.
+    fn until(&mut self, enough: impl Fn(&[(String, Value)]) -> bool) {
+        let mut room = [0; 4096];
+        while !enough(&self.all) {
+            let count = self.stream.read(&mut room).unwrap();
+            assert!(count > 0, "the agent has gone: {:?}", self.all);
+            self.bytes.extend_from_slice(&room[..count]);
+            while let Ok(packet) = read(&mut self.bytes, 1 << 20) {
+                let mut answer = BytesMut::new();
+                match packet {
+                    Packet::Connect(_) => {
+                        let accept = ConnAck::new(ConnectReturnCode::Success, false);
+                        accept.write(&mut answer).unwrap();
+                    }
+                    Packet::Subscribe(orders) => {
+                        let code = SubscribeReasonCode::Success(mqttbytes::QoS::AtLeastOnce);
+                        SubAck::new(orders.pkid, vec![code])
+                            .write(&mut answer)
+                            .unwrap();
+                    }
+                    Packet::Publish(publish) => {
+                        PubAck::new(publish.pkid).write(&mut answer).unwrap();
+                        self.take(&publish.topic, &publish.payload);
+                    }
+                    _ => {}
+                }
+                self.stream.write_all(&answer).unwrap();
+            }
+        }
+    }
+
+    fn take(&mut self, topic: &str, payload: &[u8]) {
+        let payload = Payload::decode(payload).unwrap();
+        if topic.contains("/DBIRTH/") {
+            // The same of each machine.
+            self.names = payload.metrics.into_iter().map(|one| one.name).collect();
+            return;
+        }
+        if topic.contains("/DDEATH/") {
+            let machine = topic.rsplit('/').next().unwrap();
+            let machine = Value::String(machine.to_owned());
+            self.all.push(("death".to_owned(), machine));
+        }
+        for metric in payload.metrics {
+            let alias = metric.alias.and_then(|alias| usize::try_from(alias).ok());
+            let name = alias.and_then(|alias| self.names.get(alias)?.clone());
+            if let (Some(name), Some(value)) = (name, metric.value) {
+                self.all.push((name, value));
+            }
+        }
+    }
+}
+
+/// Takes messages until one of these metrics has come.
+fn take_until(stream: TcpStream, wanted: &str) -> Told {
+    let mut told = Told::new(stream);
+    told.until(|all| all.iter().any(|(name, _)| name == wanted));
+    told
+}
+
+/// What stands at the address of the figures.
+fn figures(first: &serde_json::Value) -> String {
+    let url = first["metrics"].as_str().unwrap();
+    let place = url
+        .trim_start_matches("http://")
+        .trim_end_matches("/metrics");
+    let mut stream = TcpStream::connect(place).unwrap();
+    stream.write_all(b"GET /metrics HTTP/1.1\r\n\r\n").unwrap();
+    let mut figures = String::new();
+    stream.read_to_string(&mut figures).unwrap();
+    figures
 }
 
 fn text<'a>(all: &'a [(String, Value)], wanted: &str) -> Vec<&'a str> {
@@ -123,7 +166,10 @@ fn a_broker_that_comes_late_gets_the_certificate_and_the_run() {
     let mut output = BufReader::new(agent.stdout.take().unwrap());
     output.read_line(&mut first).unwrap();
     let first: serde_json::Value = serde_json::from_str(&first).unwrap();
-    assert_eq!(first["topic"], "spBv1.0/leadscrew/+/node/lathe");
+    assert_eq!(
+        first["boards"][0]["topic"],
+        "spBv1.0/leadscrew/+/node/lathe"
+    );
     // A second one for the same machine is refused.
     let second = user.does(&["agent", "--broker", &broker, "--machine", "lathe"]);
     assert_eq!(second.status.code(), Some(2));
@@ -132,34 +178,155 @@ fn a_broker_that_comes_late_gets_the_certificate_and_the_run() {
     let run: serde_json::Value =
         serde_json::from_str(&good(&user.does(&["run", &program, "--json"]))).unwrap();
     // Its figures are there without a broker.
-    let url = first["metrics"].as_str().unwrap();
-    let place = url
-        .trim_start_matches("http://")
-        .trim_end_matches("/metrics");
-    let mut stream = TcpStream::connect(place).unwrap();
-    stream.write_all(b"GET /metrics HTTP/1.1\r\n\r\n").unwrap();
-    let mut figures = String::new();
-    stream.read_to_string(&mut figures).unwrap();
-    assert!(figures.contains("leadscrew_board_up 1\n"), "{figures}");
+    let figures = figures(&first);
+    assert!(
+        figures.contains("leadscrew_board_up{machine=\"lathe\"} 1\n"),
+        "{figures}"
+    );
     assert!(
         figures.contains("leadscrew_agent_broker_up 0\n"),
         "{figures}"
     );
     let listener = TcpListener::bind(address).unwrap();
-    let (mut stream, _) = listener.accept().unwrap();
-    let all = take_until(&mut stream, "Run/Setpoint Hash");
+    let (stream, _) = listener.accept().unwrap();
+    let told = take_until(stream, "Run/Setpoint Hash");
+    let all = &told.all;
     assert_eq!(
-        text(&all, "Run/Setpoint Hash"),
+        text(all, "Run/Setpoint Hash"),
         [run["setpoint_hash"].as_str().unwrap()]
     );
-    assert_eq!(text(&all, "Thread/Key"), ["00000000/1/1"]);
-    assert_eq!(text(&all, "Thread/Kind"), ["rigid_tap"]);
-    let states: BTreeSet<&str> = text(&all, "Machine/State").into_iter().collect();
+    assert_eq!(text(all, "Thread/Key"), ["00000000/1/1"]);
+    assert_eq!(text(all, "Thread/Kind"), ["rigid_tap"]);
+    let states: BTreeSet<&str> = text(all, "Machine/State").into_iter().collect();
     assert!(states.contains("run"), "{states:?}");
-    drop(stream);
+    drop(told);
     let said = end(agent);
     assert!(said.contains("the broker is not reached"), "{said}");
     assert!(said.contains("the broker takes what is kept"), "{said}");
+}
+
+/// A thread of three passes.
+const THREAD: &str = "G98\nM3 S600\nG0 X30 Z5\nG92 X29 Z-10 F1.5\nX28.6\nX28.3\nM5\nM30\n";
+
+#[test]
+fn the_cut_that_is_told_is_that_of_run() {
+    let user = User::with_machine();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let broker = format!("mqtt://{}", listener.local_addr().unwrap());
+    let agent = start(&user, &["--broker", &broker, "--machine", "lathe"]);
+    let (stream, _) = listener.accept().unwrap();
+    let program = user.program(THREAD);
+    let run: serde_json::Value =
+        serde_json::from_str(&good(&user.does(&["run", &program, "--json"]))).unwrap();
+    let told = take_until(stream, "Run/Setpoint Hash");
+    let all = &told.all;
+    let threads = run["threads"].as_array().unwrap();
+    assert_eq!(threads.len(), 3);
+    let known = text(all, "Cut/Known");
+    assert_eq!(known, ["yes"; 3]);
+    for (metric, field) in [
+        ("Cut/Worst", "worst_um"),
+        ("Cut/Worst U", "worst_um_u"),
+        ("Cut/Least Groove", "least_um"),
+        ("Cut/Least Groove U", "least_um_u"),
+        ("Cut/Lead Error", "lead_um_per_turn"),
+        ("Cut/Lead Error U", "lead_um_per_turn_u"),
+    ] {
+        let told: Vec<f64> = all
+            .iter()
+            .filter_map(|(name, value)| match value {
+                Value::Double(value) if name == metric => Some(*value),
+                _ => None,
+            })
+            .collect();
+        let said: Vec<f64> = threads
+            .iter()
+            .map(|thread| thread["cut"][field].as_f64().expect(field))
+            .collect();
+        assert_eq!(told, said, "{metric}");
+    }
+    drop(told);
+    end(agent);
+}
+
+#[test]
+fn a_board_that_goes_or_never_was_delays_none_of_the_others() {
+    let user = User::new();
+    good(&user.does(&["up", "--name", "other"]));
+    good(&user.does(&["up", "--name", "third"]));
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let broker = format!("mqtt://{}", listener.local_addr().unwrap());
+    let boards = [
+        "--board",
+        "other=sim:other",
+        "--board",
+        "third=sim:third",
+        "--board",
+        "gone=sim:none",
+        "--board",
+        "wrong=nosuchcan0",
+    ];
+    let options = [
+        "--broker",
+        &broker,
+        "--name",
+        "shop",
+        "--metrics",
+        "127.0.0.1:0",
+        "--json",
+    ];
+    let mut agent = start(&user, &[&boards[..], &options].concat());
+    let (stream, _) = listener.accept().unwrap();
+    let mut first = String::new();
+    let mut output = BufReader::new(agent.stdout.take().unwrap());
+    output.read_line(&mut first).unwrap();
+    let first: serde_json::Value = serde_json::from_str(&first).unwrap();
+    let topics: Vec<&str> = first["boards"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|board| board["topic"].as_str().unwrap())
+        .collect();
+    let expected =
+        ["other", "third", "gone", "wrong"].map(|of| format!("spBv1.0/leadscrew/+/shop/{of}"));
+    assert_eq!(topics, expected);
+    let program = user.program(TAP);
+    let on_third = |words: &[&str]| user.does(&[words, &["--bus", "sim:third"]].concat());
+    let on_other = |words: &[&str]| user.does(&[words, &["--bus", "sim:other"]].concat());
+    good(&on_other(&["run", &program]));
+    let mut told = take_until(stream, "Run/Setpoint Hash");
+    good(&user.does(&["down", "--name", "other"]));
+    good(&on_third(&["run", &program]));
+    // The death and the run of the other come in any order.
+    told.until(|all| !text(all, "death").is_empty() && text(all, "Run/Setpoint Hash").len() == 2);
+    let all = &told.all;
+    assert_eq!(text(all, "death"), ["other"]);
+    assert_eq!(text(all, "Thread/Kind"), ["rigid_tap"; 2]);
+    let hashes = text(all, "Run/Setpoint Hash");
+    assert_eq!(hashes[0], hashes[1]);
+    // One store: its numbers follow each other.
+    let numbers: Vec<u64> = all
+        .iter()
+        .filter_map(|(name, value)| match value {
+            Value::Long(number) if name == "Record/Number" => Some(*number),
+            _ => None,
+        })
+        .collect();
+    let gapless: Vec<u64> = (1..=numbers.len() as u64).collect();
+    assert_eq!(numbers, gapless);
+    let figures = figures(&first);
+    for (machine, up) in [("other", 0), ("third", 1), ("gone", 0), ("wrong", 0)] {
+        let line = format!("leadscrew_board_up{{machine=\"{machine}\"}} {up}\n");
+        assert!(figures.contains(&line), "{figures}");
+    }
+    drop(told);
+    let said = end(agent);
+    assert!(said.contains("gone: "), "{said}");
+    assert!(said.contains("wrong: "), "{said}");
+    assert!(
+        said.contains("third: node 1 on sim:third is read"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -185,4 +352,40 @@ fn what_cannot_be_is_refused_with_what_helps() {
     refused(&["--broker", "mqtts://x"], "--ca");
     refused(&["--broker", "mqtts://x", "--ca", login], "no certificate");
     refused(&["--broker", "mqtt://x", "--bus", "sim"], "sim");
+    let boards = |boards: &[&str], words: &str| {
+        refused(&[&["--metrics", "127.0.0.1:0"], boards].concat(), words);
+    };
+    boards(
+        &["--board", "a=sim:a", "--board", "a=sim:b"],
+        "two boards are called `a`",
+    );
+    boards(
+        &["--board", "a=sim:a", "--board", "b=sim:a,node=1"],
+        "are one board, node 1 on sim:a",
+    );
+    boards(
+        &["--board", "a=sim:a", "--bus", "sim:b"],
+        "`--bus` is of one board",
+    );
+    boards(
+        &["--board", "a=sim:a", "--node", "2"],
+        "`--node` is of one board",
+    );
+    boards(&["--board", "a=sim:a", "--machine", "b"], "--machine");
+    boards(&["--board", "a=sim"], "leadscrew up --name a");
+    boards(
+        &["--board", "a=can0,bitrate=500"],
+        "`--bitrate` is for `slcan:` adapters",
+    );
+    refused(
+        &[
+            "--broker",
+            "mqtt://x",
+            "--board",
+            "a/b=sim:a",
+            "--board",
+            "c=sim:c",
+        ],
+        "no part of a topic",
+    );
 }

@@ -10,6 +10,7 @@ mod mdi;
 mod page;
 mod panel;
 mod pickup;
+mod shop;
 mod tune;
 mod tutorial;
 mod typed;

@@ -1,11 +1,16 @@
 //! `agent`: tells a broker and a metrics store what the machine does. This is its side of the bus and of the terminal.
 //!
 //! ```text
-//! reading   what the board says, as observations      words   what is said here, in two languages
+//! boards    which boards, and what they are called     reading   what a board says, as observations
+//! reader    one board in a thread of its own           cut       what its certificates say of the cut
+//! words     what is said here, in two languages
 //! ```
 //!
 //! It orders nothing, and must not know topics or packets: what is told, kept and sent is `leadscrew_agent`'s.
 
+mod boards;
+mod cut;
+mod reader;
 mod reading;
 mod words;
 
@@ -13,17 +18,19 @@ use std::fs;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use leadscrew_agent::metrics::{Metrics, Pulse, Server};
+use leadscrew_agent::metrics::{Metrics, Server};
 use leadscrew_agent::mqtt::{Login, Tls};
 use leadscrew_agent::sender::{Broker, News, Shared, now, send};
 use leadscrew_agent::sparkplug::Names;
-use leadscrew_agent::{Keeper, Observation, Store, StoreError};
+use leadscrew_agent::{Keeper, Store, StoreError};
 
-use self::reading::Reading;
+use self::boards::Seat;
+use self::reader::{Common, Reader};
 use crate::cli::{self, Global};
 use crate::diagnostics;
 use crate::failure::{Doing, Failure, Outcome};
@@ -32,43 +39,41 @@ use crate::output;
 use crate::state;
 use crate::words::{Both, both, pick};
 
-/// Between two looks for a board that is not there.
-const AGAIN: Duration = Duration::from_secs(2);
 /// Between two looks at the end.
 const NAP: Duration = Duration::from_millis(50);
 /// Bytes in a MiB.
 const MIB: u64 = 1 << 20;
-/// Where the name of this computer stands.
-const HOST: &str = "/proc/sys/kernel/hostname";
 
 /// Tells until it is interrupted.
 pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
-    let machine = wish.machine.clone().map_or_else(|| machine(global), Ok)?;
     if wish.broker.is_none() && wish.metrics.is_none() {
         return Err(Failure::Usage(both!(
             "nobody is to be told: name a broker with --broker, or an address for figures with --metrics",
             "没有指定接收方：请用 --broker 指定代理服务器，或用 --metrics 指定指标地址"
         )));
     }
+    let seats = boards::seats(global, wish)?;
     let shared = Arc::new(Shared::default());
-    let broker = broker(wish, &machine)?;
+    let broker = broker(wish, &seats)?;
     let kept = match &broker {
         Some(_) => {
-            let path = store_path(wish, &machine)?;
-            Some((open_store(&path, wish.limit)?, path))
+            let path = store_path(wish, &seats)?;
+            Some((open_store(&path, wish.limit, &seats)?, path))
         }
         None => None,
     };
-    let keeper = match &kept {
-        Some((store, path)) => {
-            Keeper::new(Arc::clone(store)).map_err(|error| words::store(path, &error))?
-        }
-        None => Keeper::without_store(),
-    };
+    let mut keepers = Vec::new();
+    for Seat { machine, .. } in &seats {
+        keepers.push(match &kept {
+            Some((store, path)) => Keeper::new(Arc::clone(store), machine)
+                .map_err(|error| words::store(path, &error))?,
+            None => Keeper::without_store(machine),
+        });
+    }
     let metrics = match wish.metrics {
         Some(listen) => {
             let store = kept.as_ref().map(|(store, _)| Arc::clone(store));
-            Some(give_figures(listen, store, Arc::clone(&shared))?)
+            Some(give_figures(listen, store, Arc::clone(&shared), &seats)?)
         }
         None => None,
     };
@@ -77,30 +82,40 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
         .as_ref()
         .map(|(_, path)| path.clone())
         .unwrap_or_default();
-    tell_beginning(global, broker.as_ref(), &path, metrics.as_ref())?;
+    tell_beginning(global, &seats, broker.as_ref(), &path, metrics.as_ref())?;
     let sender = match (broker, kept) {
         (Some(broker), Some((store, _))) => Some(start(broker, store, Arc::clone(&shared))?),
         _ => None,
     };
-    let agent = Agent {
-        global,
-        keeper,
-        shared,
+    let common = Arc::new(Common {
+        shared: Arc::clone(&shared),
         path,
-        told: None,
-        full: false,
-        sender,
+        full: AtomicBool::new(false),
         metrics: metrics.map(|(metrics, _)| metrics),
-    };
-    agent.carry_out()
+        alone: seats.len() == 1,
+    });
+    let mut readers = Vec::new();
+    for (seat, keeper) in seats.into_iter().zip(keepers) {
+        let reader = Reader::new(seat, keeper, Arc::clone(&common));
+        let thread = thread::Builder::new().spawn(move || reader.read());
+        readers.push(thread.map_err(|error| no_thread(&error))?);
+    }
+    Agent {
+        global,
+        shared,
+        readers,
+        sender,
+    }
+    .carry_out()
 }
 
-fn broker(wish: &cli::Agent, machine: &str) -> Outcome<Option<Broker>> {
+fn broker(wish: &cli::Agent, seats: &[Seat]) -> Outcome<Option<Broker>> {
     let Some(address) = &wish.broker else {
         return Ok(None);
     };
-    let node = wish.name.clone().unwrap_or_else(|| node(machine));
-    let names = Names::new(&wish.group, &node, machine).map_err(|error| words::name(&error))?;
+    let machines = seats.iter().map(|seat| seat.machine.as_str());
+    let names = Names::new(&wish.group, &agent_name(wish, seats), machines)
+        .map_err(|error| words::name(&error))?;
     Ok(Some(Broker {
         address: address.clone(),
         login: login(wish)?,
@@ -109,13 +124,22 @@ fn broker(wish: &cli::Agent, machine: &str) -> Outcome<Option<Broker>> {
     }))
 }
 
+fn agent_name(wish: &cli::Agent, seats: &[Seat]) -> String {
+    let name = wish.name.clone();
+    name.unwrap_or_else(|| boards::node(seats))
+}
+
 /// The figures, and where they are given.
 fn give_figures(
     listen: SocketAddr,
     store: Option<Arc<Store>>,
     shared: Arc<Shared>,
+    seats: &[Seat],
 ) -> Outcome<(Arc<Metrics>, SocketAddr)> {
     let metrics = Arc::new(Metrics::default());
+    for seat in seats {
+        metrics.expect(&seat.machine);
+    }
     let given = Arc::clone(&metrics);
     let text = move || {
         if let Some(figures) = store.as_ref().and_then(|store| store.figures().ok()) {
@@ -143,12 +167,8 @@ struct Sender {
 fn start(broker: Broker, store: Arc<Store>, shared: Arc<Shared>) -> Outcome<Sender> {
     let (tell, news) = channel();
     let work = move || send(&broker, &store, &shared, |news| drop(tell.send(news)));
-    let thread = thread::Builder::new().spawn(work).map_err(|error| {
-        Failure::Usage(both!(
-            "this computer starts no thread: {error}",
-            "本机无法启动线程：{error}"
-        ))
-    })?;
+    let thread = thread::Builder::new().spawn(work);
+    let thread = thread.map_err(|error| no_thread(&error))?;
     Ok(Sender {
         thread: Some(thread),
         news,
@@ -156,23 +176,35 @@ fn start(broker: Broker, store: Arc<Store>, shared: Arc<Shared>) -> Outcome<Send
     })
 }
 
+fn no_thread(error: &std::io::Error) -> Failure {
+    Failure::Usage(both!(
+        "this computer starts no thread: {error}",
+        "本机无法启动线程：{error}"
+    ))
+}
+
 /// An agent at work.
 struct Agent<'a> {
     global: &'a Global,
-    keeper: Keeper,
     shared: Arc<Shared>,
-    path: PathBuf,
-    /// What was said of the board last.
-    told: Option<Both>,
-    /// The store takes nothing; that was said.
-    full: bool,
+    readers: Vec<JoinHandle<Outcome>>,
     sender: Option<Sender>,
-    metrics: Option<Arc<Metrics>>,
 }
 
 impl Agent<'_> {
     fn carry_out(mut self) -> Outcome {
-        let ended = self.read();
+        // One board alone may be none that could ever be there.
+        while !interrupt::requested() && !self.readers.iter().all(JoinHandle::is_finished) {
+            self.turn();
+            thread::sleep(NAP);
+        }
+        let mut ended = Ok(());
+        for reader in self.readers.drain(..) {
+            // One that has panicked has said so.
+            if let Ok(Err(wrong)) = reader.join() {
+                ended = Err(wrong);
+            }
+        }
         self.shared.end();
         let sender = self.sender.as_mut();
         if let Some(thread) = sender.and_then(|sender| sender.thread.take()) {
@@ -181,68 +213,6 @@ impl Agent<'_> {
         }
         self.turn();
         ended
-    }
-
-    /// Reads the board, whenever there is one, until the end.
-    fn read(&mut self) -> Outcome {
-        while !interrupt::requested() {
-            let trouble = match Reading::begin(self.global, self) {
-                Ok(mut reading) => reading.carry_out(self),
-                Err(trouble) => Err(trouble),
-            };
-            let words = match trouble {
-                Ok(()) => return Ok(()),
-                Err(wrong @ Failure::Usage(_)) => return Err(wrong),
-                Err(trouble) => trouble.words().unwrap_or_default(),
-            };
-            self.observe(&Observation::Gone(words.en.clone()));
-            self.say(words);
-            let until = Instant::now() + AGAIN;
-            while Instant::now() < until && !interrupt::requested() {
-                self.turn();
-                thread::sleep(NAP);
-            }
-        }
-        Ok(())
-    }
-
-    /// Keeps what was seen. Where that cannot be done, it was not seen, and is read again.
-    fn observe(&mut self, seen: &Observation) -> bool {
-        match self.keeper.take(now(), seen) {
-            Ok(kept) => {
-                self.shared.take(&kept);
-                if let Some(metrics) = &self.metrics {
-                    metrics.take(&kept);
-                }
-                if std::mem::take(&mut self.full) {
-                    say(self.global, &words::kept_again());
-                }
-                true
-            }
-            Err(error) => {
-                if !std::mem::replace(&mut self.full, true)
-                    && let Some(words) = words::store(&self.path, &error).words()
-                {
-                    say(self.global, &words);
-                }
-                false
-            }
-        }
-    }
-
-    /// Takes what a board says of itself and nobody is told but in figures.
-    fn pulse(&self, pulse: Pulse) {
-        if let Some(metrics) = &self.metrics {
-            metrics.pulse(pulse);
-        }
-    }
-
-    /// Says of the board what was not said last.
-    fn say(&mut self, words: Both) {
-        if self.told.as_ref() != Some(&words) {
-            say(self.global, &words);
-            self.told = Some(words);
-        }
     }
 
     /// Says what the sender has to say.
@@ -291,22 +261,7 @@ fn tls(wish: &cli::Agent) -> Outcome<Option<Tls>> {
     }
 }
 
-/// The bus and the node, as a part of a topic.
-fn machine(global: &Global) -> Outcome<String> {
-    let bus = global.bus.to_string().replace(['/', '+', '#'], "-");
-    Ok(format!("{bus}-{}", global.board()?.get()))
-}
-
-/// This computer and the machine, as a part of a topic.
-fn node(machine: &str) -> String {
-    let host = fs::read_to_string(HOST).unwrap_or_default();
-    match host.trim() {
-        "" => machine.to_owned(),
-        host => format!("{host}-{machine}"),
-    }
-}
-
-fn store_path(wish: &cli::Agent, machine: &str) -> Outcome<PathBuf> {
+fn store_path(wish: &cli::Agent, seats: &[Seat]) -> Outcome<PathBuf> {
     if let Some(path) = &wish.store {
         return Ok(path.clone());
     }
@@ -323,12 +278,18 @@ fn store_path(wish: &cli::Agent, machine: &str) -> Outcome<PathBuf> {
     };
     fs::create_dir_all(&folder)
         .map_err(|error| Failure::file(Doing::Write, folder.display(), &error))?;
-    let name = machine.replace(|c: char| !c.is_alphanumeric() && c != '-', "_");
+    let name = match seats {
+        [seat] => seat.machine.clone(),
+        _ => agent_name(wish, seats),
+    };
+    let name = name.replace(|c: char| !c.is_alphanumeric() && c != '-', "_");
     Ok(folder.join(format!("agent-{name}.redb")))
 }
 
-fn open_store(path: &Path, limit: u64) -> Outcome<Arc<Store>> {
-    let store = Store::open(path, limit.saturating_mul(MIB), now());
+fn open_store(path: &Path, limit: u64, seats: &[Seat]) -> Outcome<Arc<Store>> {
+    let machines: Vec<&str> = seats.iter().map(|seat| seat.machine.as_str()).collect();
+    let store = Store::open(path, limit.saturating_mul(MIB), now())
+        .and_then(|store| store.adopt(&machines).map(|()| store));
     store
         .map(Arc::new)
         .map_err(|error: StoreError| words::store(path, &error))
@@ -337,6 +298,7 @@ fn open_store(path: &Path, limit: u64) -> Outcome<Arc<Store>> {
 /// What is told where.
 fn tell_beginning(
     global: &Global,
+    seats: &[Seat],
     broker: Option<&Broker>,
     path: &Path,
     metrics: Option<&(Arc<Metrics>, SocketAddr)>,
@@ -348,10 +310,20 @@ fn tell_beginning(
     if global.json {
         return output::json(|json| {
             json.flag("ok", true);
-            json.text("bus", &global.bus.to_string());
+            json.array_at("boards", |json| {
+                for Seat { machine, global } in seats {
+                    json.object(|json| {
+                        json.text("machine", machine);
+                        json.text("bus", &global.bus.to_string());
+                        json.integer("node", global.node().get().into());
+                        if let Some(broker) = broker {
+                            json.text("topic", &broker.names.machine(machine));
+                        }
+                    });
+                }
+            });
             if let Some(broker) = broker {
                 json.text("broker", &broker.address.to_string());
-                json.text("topic", &broker.names.machine());
                 json.text("store", &path.display().to_string());
             }
             if let Some(figures) = &figures {
@@ -361,12 +333,23 @@ fn tell_beginning(
     }
     let mut text = String::new();
     if let Some(broker) = broker {
+        for Seat {
+            machine,
+            global: of,
+        } in seats
+        {
+            let line = both!(
+                "{bus} is told to {address} as {topic}\n",
+                "{bus} 的数据以 {topic} 发送到 {address}\n",
+                bus = of.bus,
+                address = broker.address,
+                topic = broker.names.machine(machine)
+            );
+            text.push_str(line.get(global.lang()));
+        }
         let line = both!(
-            "{bus} is told to {address} as {topic}; kept in {path} until the broker has it\n",
-            "{bus} 的数据以 {topic} 发送到 {address}；在代理服务器收到之前保存在 {path}\n",
-            bus = global.bus,
-            address = broker.address,
-            topic = broker.names.machine(),
+            "kept in {path} until the broker has it\n",
+            "在代理服务器收到之前保存在 {path}\n",
             path = path.display()
         );
         text.push_str(line.get(global.lang()));

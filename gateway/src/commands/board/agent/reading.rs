@@ -15,7 +15,8 @@ use leadscrew_core::link::{Logged, Status, ThreadCertificate, ThreadState};
 
 use super::super::open;
 use super::super::watch::{Starts, bit_rates};
-use super::Agent;
+use super::cut::Cuts;
+use super::reader::Reader;
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
 use crate::failure::Outcome;
@@ -56,6 +57,7 @@ pub struct Reading<'a> {
     threads: (Instant, u32, u32),
     /// Entries of the log wait, or a program has ended.
     ended: bool,
+    cuts: Cuts,
     rates: [u64; 2],
     /// The load of the bus in per cent; when the measurement, or the pause before it, has begun; it is under way.
     load: (Option<u8>, Instant, bool),
@@ -66,7 +68,7 @@ impl<'a> Reading<'a> {
     ///
     /// # Errors
     /// There is no bus, or no board on it.
-    pub fn begin(global: &'a Global, agent: &mut Agent<'_>) -> Outcome<Self> {
+    pub fn begin(global: &'a Global, reader: &mut Reader) -> Outcome<Self> {
         let mut link = open(global)?;
         link.greet()?;
         link.hear_status()?;
@@ -85,26 +87,27 @@ impl<'a> Reading<'a> {
             cut: true,
             threads: (now, 0, 0),
             ended: true,
+            cuts: Cuts::default(),
             rates,
             load: (None, now, true),
             link,
         };
-        reading.meet(agent)?;
+        reading.meet(reader)?;
         let bus = global.bus.to_string();
         let node = reading.link.node().get();
-        agent.say(both!(
+        reader.say(both!(
             "node {node} on {bus} is read",
             "正在读取 {bus} 上的节点 {node}"
         ));
         Ok(reading)
     }
 
-    fn meet(&mut self, agent: &mut Agent<'_>) -> LinkResult {
+    fn meet(&mut self, reader: &mut Reader) -> LinkResult {
         let name = self.link.board_name()?;
         let status = self.link.status()?;
         let tick_us = self.link.read_number(CYCLE_PERIOD)?;
         let (_, threads) = self.link.certificates()?;
-        let last = agent.keeper.model().memory().last_event;
+        let last = reader.keeper.model().memory().last_event;
         let log = match last {
             0 => Vec::new(),
             last => self.link.events_behind(last - 1)?,
@@ -113,7 +116,7 @@ impl<'a> Reading<'a> {
         self.mode = self.link.mode()?.name();
         self.record = status;
         (self.cut, self.ended) = (true, true);
-        agent.observe(&Observation::Met(Met {
+        reader.observe(&Observation::Met(Met {
             serial: name.serial,
             firmware: name.version,
             parameters: status.parameters,
@@ -130,22 +133,21 @@ impl<'a> Reading<'a> {
     ///
     /// # Errors
     /// The board is lost.
-    pub fn carry_out(&mut self, agent: &mut Agent<'_>) -> Outcome {
+    pub fn carry_out(&mut self, reader: &mut Reader) -> Outcome {
         let mut last = Instant::now();
         loop {
             self.link.listen(Instant::now() + LOOK, &mut |_| false)?;
             if self.starts.attend(&mut self.link)? {
-                let met = self.meet(agent);
+                let met = self.meet(reader);
                 self.tolerate(met)?;
             }
             // What cannot be kept is read again, and need not be often.
-            let pause = if agent.full { STATUS } else { LOOK };
+            let pause = if reader.is_full() { STATUS } else { LOOK };
             if last.elapsed() >= pause {
                 last = Instant::now();
-                let read = self.look(agent);
+                let read = self.look(reader);
                 self.tolerate(read)?;
             }
-            agent.turn();
             if interrupt::requested() {
                 return Ok(());
             }
@@ -160,7 +162,7 @@ impl<'a> Reading<'a> {
         Ok(())
     }
 
-    fn look(&mut self, agent: &mut Agent<'_>) -> LinkResult {
+    fn look(&mut self, reader: &mut Reader) -> LinkResult {
         let now = Instant::now();
         let said = self.link.seen.status.unwrap_or_default();
         self.cut |= said.flags.locked;
@@ -172,8 +174,8 @@ impl<'a> Reading<'a> {
             self.record = self.link.status()?;
             self.mode = self.link.mode()?.name();
             (self.read, self.known) = (now, said);
-            agent.observe(&Observation::Parameters(self.record.parameters));
-            agent.pulse(Pulse {
+            reader.observe(&Observation::Parameters(self.record.parameters));
+            reader.pulse(Pulse {
                 ticks: self.record.tick,
                 credit: self.record.credit,
                 dropped: self.link.dropped(),
@@ -181,9 +183,9 @@ impl<'a> Reading<'a> {
         }
         self.measure(now)?;
         let state = self.state(&said);
-        agent.observe(&Observation::State(state, self.record.tick));
-        self.log(agent)?;
-        self.certificates(agent, now)
+        reader.observe(&Observation::State(state, self.record.tick));
+        self.log(reader)?;
+        self.certificates(reader, now)
     }
 
     /// The record, and what has come by itself since.
@@ -222,8 +224,8 @@ impl<'a> Reading<'a> {
         Ok(())
     }
 
-    fn log(&mut self, agent: &mut Agent<'_>) -> LinkResult {
-        let last = agent.keeper.model().memory().last_event;
+    fn log(&mut self, reader: &mut Reader) -> LinkResult {
+        let last = reader.keeper.model().memory().last_event;
         if self.record.newest_event <= last {
             return Ok(());
         }
@@ -235,11 +237,11 @@ impl<'a> Reading<'a> {
             .map(|entry| told(entry, lang))
             .collect();
         self.ended |= entries.iter().any(|entry| ends(entry.what.as_ref()));
-        agent.observe(&Observation::Log(entries));
+        reader.observe(&Observation::Log(entries));
         Ok(())
     }
 
-    fn certificates(&mut self, agent: &mut Agent<'_>, now: Instant) -> LinkResult {
+    fn certificates(&mut self, reader: &mut Reader, now: Instant) -> LinkResult {
         let (last, before, new) = self.threads;
         let (many, soon) = MANY;
         let pause = if new >= many { soon } else { THREADS };
@@ -248,11 +250,16 @@ impl<'a> Reading<'a> {
             return Ok(());
         }
         let (run, threads) = self.link.certificates()?;
+        let told = reader.keeper.model().memory().last_thread();
+        let (parameters, lang) = (self.record.parameters, self.global.lang());
         let newest = threads.first().map_or(0, |thread| thread.number);
         let under_way = |thread: &ThreadCertificate| thread.record.state == ThreadState::UnderWay;
         let goes_on = threads.first().is_some_and(under_way)
             || self.link.seen.status.is_some_and(|said| said.flags.locked);
-        let kept = agent.observe(&Observation::Certificates(run, threads));
+        let threads = self
+            .cuts
+            .judge(&mut self.link, parameters, told, threads, lang)?;
+        let kept = reader.observe(&Observation::Certificates(run, threads));
         self.threads = (now, newest, newest.saturating_sub(before));
         if kept {
             (self.cut, self.ended) = (goes_on, false);

@@ -24,9 +24,16 @@ pub fn store(path: &Path, error: &StoreError) -> Failure {
     let path = path.display();
     Failure::Usage(match error {
         StoreError::InUse => both!(
-            "another agent has `{path}` open: one machine has one agent; name another machine with --machine, or another \
-             file with --store",
-            "另一个代理已打开 `{path}`：一台机床只用一个代理；请用 --machine 指定另一台机床，或用 --store 指定另一个文件"
+            "another agent has `{path}` open: one machine has one agent; name another machine with --machine, another agent \
+             with --name, or another file with --store",
+            "另一个代理已打开 `{path}`：一台机床只用一个代理；请用 --machine 指定另一台机床，用 --name 指定另一个代理名，或用 \
+             --store 指定另一个文件"
+        ),
+        StoreError::Nameless => both!(
+            "an earlier version kept `{path}` for one machine, and does not say which: run the agent with it once for that \
+             machine alone (--machine NAME --store `{path}`), or name another file with --store",
+            "`{path}` 由早期版本为一台机床保存，其中没有机床名称：请先单独为该机床运行一次（--machine NAME --store \
+             `{path}`），或用 --store 指定另一个文件"
         ),
         StoreError::File(error) => both!(
             "nothing can be kept in `{path}`: {error}; what the board tells is read again once there is room and leave",

@@ -1,5 +1,7 @@
 //! The figures as a scraper gets them: over a socket, read by the rules of the text format.
 
+mod contrib;
+
 use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -8,7 +10,8 @@ use std::time::Duration;
 
 use leadscrew_agent::metrics::{Metrics, Pulse, Server};
 use leadscrew_agent::record::{
-    Errors, Event, Gap, Identity, Missing, Presence, Run, Start, State, Thread, Trouble, What,
+    Cut, Errors, Event, Figure, Gap, Identity, Measured, Missing, Presence, Run, Start, State,
+    Thread, Trouble, What,
 };
 use leadscrew_agent::{Body, Moment, Numbered, Record};
 
@@ -19,6 +22,7 @@ fn take(metrics: &Metrics, bodies: impl IntoIterator<Item = Body>) {
     for body in bodies {
         let record = Record {
             at: Moment(0),
+            machine: "lathe".to_owned(),
             body,
         };
         metrics.take(&[Numbered { number: 1, record }]);
@@ -88,7 +92,7 @@ fn state(state: &str) -> Body {
     })
 }
 
-fn thread(largest_nm: i64) -> Body {
+fn thread(largest_nm: i64, cut: Cut) -> Body {
     Body::Thread(Thread {
         start: Start::default(),
         number: 1,
@@ -103,6 +107,30 @@ fn thread(largest_nm: i64) -> Body {
             largest_nm,
             squares: 4 * 90_000,
         },
+        cut,
+    })
+}
+
+fn presence(alive: bool) -> Body {
+    Body::Presence(Presence {
+        alive,
+        why: String::new(),
+    })
+}
+
+fn measured(worst_nm: i64) -> Cut {
+    Cut::Measured(Measured {
+        axis: 'Z',
+        age_known: true,
+        positions: 90,
+        passes: 2,
+        lead_nm: 1_500_000,
+        grooves: Some([Figure(1, 2), Figure(3, 4)]),
+        apart: Some(Figure(1_200, 400)),
+        slope: None,
+        worst: Figure(worst_nm.abs(), 600),
+        complete: true,
+        why: String::new(),
     })
 }
 
@@ -117,8 +145,8 @@ fn identity(parameters: u32) -> Body {
     })
 }
 
-#[test]
-fn what_records_say_is_in_the_figures() {
+/// Figures of which each has a sample.
+fn full() -> Metrics {
     let metrics = Metrics::default();
     parse(&metrics.text());
     let alarm = |number| {
@@ -134,12 +162,17 @@ fn what_records_say_is_in_the_figures() {
             }),
         })
     };
-    let presence = |alive| {
-        Body::Presence(Presence {
-            alive,
-            why: String::new(),
-        })
-    };
+    let warning = Body::Event(Event {
+        start: Start::default(),
+        number: 2,
+        tick: 1,
+        what: What::Warning(Trouble {
+            number: 7001,
+            line: 0,
+            cause: "c".to_owned(),
+            remedy: "r".to_owned(),
+        }),
+    });
     let run = Run {
         start: Start::default(),
         program: 1,
@@ -167,61 +200,124 @@ fn what_records_say_is_in_the_figures() {
             identity(0x5EED),
             state("run"),
             state("alarm"),
+            warning,
             alarm(4036),
             alarm(4036),
             alarm(1),
-            thread(1_500),
-            thread(700),
+            thread(1_500, measured(3_000)),
+            thread(700, measured(-40_000)),
+            thread(700, Cut::Unknown("no position".to_owned())),
+            thread(700, Cut::Hole),
             Body::Run(run),
             Body::Gap(gap),
         ],
     );
-    metrics.pulse(Pulse {
-        ticks: 77,
-        credit: 2000,
-        dropped: 1,
-    });
+    metrics.pulse(
+        "lathe",
+        Pulse {
+            ticks: 77,
+            credit: 2000,
+            dropped: 1,
+        },
+    );
+    metrics
+}
+
+#[test]
+fn what_records_say_is_in_the_figures() {
+    let metrics = full();
     let samples = parse(&metrics.text());
-    let board =
-        r#"leadscrew_board{serial="0000000a",start="2",firmware="0.1.0",parameters="00005eed"}"#;
+    let board = r#"leadscrew_board{machine="lathe",serial="0000000a",start="2",firmware="0.1.0",parameters="00005eed"}"#;
     for (sample, value) in [
-        ("leadscrew_board_up", 1.0),
+        (r#"leadscrew_board_up{machine="lathe"}"#, 1.0),
         (board, 1.0),
-        (r#"leadscrew_machine_state{state="alarm"}"#, 1.0),
-        (r#"leadscrew_machine_state{state="run"}"#, 0.0),
-        ("leadscrew_machine_alarm", 4036.0),
-        (r#"leadscrew_alarms_total{number="4036"}"#, 2.0),
-        (r#"leadscrew_alarms_total{number="1"}"#, 1.0),
-        ("leadscrew_late_setpoints", 3.0),
-        ("leadscrew_bus_load_ratio", 0.42),
-        ("leadscrew_bus_dropped_frames", 1.0),
-        ("leadscrew_board_ticks", 77.0),
-        ("leadscrew_queue_free_bytes", 2000.0),
-        (r#"leadscrew_override_percent{of="feed"}"#, 80.0),
-        (r#"leadscrew_spindle_speed_rpm{of="measured"}"#, -600.0),
         (
-            r#"leadscrew_threads_total{kind="thread",end="finished"}"#,
-            2.0,
-        ),
-        (
-            r#"leadscrew_thread_largest_error_metres_bucket{le="0.000001"}"#,
+            r#"leadscrew_machine_state{machine="lathe",state="alarm"}"#,
             1.0,
         ),
         (
-            r#"leadscrew_thread_largest_error_metres_bucket{le="0.000002"}"#,
+            r#"leadscrew_machine_state{machine="lathe",state="run"}"#,
+            0.0,
+        ),
+        (r#"leadscrew_machine_alarm{machine="lathe"}"#, 4036.0),
+        (
+            r#"leadscrew_alarms_total{machine="lathe",number="4036"}"#,
             2.0,
         ),
-        ("leadscrew_thread_largest_error_metres_sum", 2.2e-6),
+        (r#"leadscrew_alarms_total{machine="lathe",number="1"}"#, 1.0),
+        (r#"leadscrew_late_setpoints{machine="lathe"}"#, 3.0),
+        (r#"leadscrew_bus_load_ratio{machine="lathe"}"#, 0.42),
+        (r#"leadscrew_bus_dropped_frames{machine="lathe"}"#, 1.0),
+        (r#"leadscrew_board_ticks{machine="lathe"}"#, 77.0),
+        (r#"leadscrew_queue_free_bytes{machine="lathe"}"#, 2000.0),
         (
-            r#"leadscrew_thread_rms_error_metres_bucket{le="2e-7"}"#,
+            r#"leadscrew_override_percent{machine="lathe",of="feed"}"#,
+            80.0,
+        ),
+        (
+            r#"leadscrew_spindle_speed_rpm{machine="lathe",of="measured"}"#,
+            -600.0,
+        ),
+        (
+            r#"leadscrew_threads_total{machine="lathe",kind="thread",end="finished"}"#,
+            4.0,
+        ),
+        (
+            r#"leadscrew_thread_largest_error_metres_bucket{le="0.000001",machine="lathe"}"#,
+            3.0,
+        ),
+        (
+            r#"leadscrew_thread_largest_error_metres_bucket{le="0.000002",machine="lathe"}"#,
+            4.0,
+        ),
+        (
+            r#"leadscrew_thread_largest_error_metres_sum{machine="lathe"}"#,
+            3.6e-6,
+        ),
+        (
+            r#"leadscrew_thread_cuts_total{machine="lathe",known="yes"}"#,
+            2.0,
+        ),
+        (
+            r#"leadscrew_thread_cuts_total{machine="lathe",known="no"}"#,
+            1.0,
+        ),
+        (
+            r#"leadscrew_thread_cut_error_metres_bucket{le="0.000005",machine="lathe"}"#,
+            1.0,
+        ),
+        (
+            r#"leadscrew_thread_cut_error_metres_count{machine="lathe"}"#,
+            2.0,
+        ),
+        (
+            r#"leadscrew_thread_cut_error_metres_sum{machine="lathe"}"#,
+            43e-6,
+        ),
+        (
+            r#"leadscrew_thread_cut_uncertainty_metres_sum{machine="lathe"}"#,
+            1.2e-6,
+        ),
+        (
+            r#"leadscrew_thread_cut_pass_to_pass_metres_sum{machine="lathe"}"#,
+            2.4e-6,
+        ),
+        (
+            r#"leadscrew_thread_rms_error_metres_bucket{le="2e-7",machine="lathe"}"#,
             0.0,
         ),
         (
-            r#"leadscrew_thread_rms_error_metres_bucket{le="5e-7"}"#,
-            2.0,
+            r#"leadscrew_thread_rms_error_metres_bucket{le="5e-7",machine="lathe"}"#,
+            4.0,
         ),
-        (r#"leadscrew_runs_total{end="finished"}"#, 1.0),
-        (r#"leadscrew_missing_total{of="threads"}"#, 3.0),
+        (
+            r#"leadscrew_runs_total{machine="lathe",end="finished"}"#,
+            1.0,
+        ),
+        (
+            r#"leadscrew_missing_total{machine="lathe",of="threads"}"#,
+            3.0,
+        ),
     ] {
         let told = samples.get(sample).copied();
         // A sum of floats.
@@ -234,8 +330,55 @@ fn what_records_say_is_in_the_figures() {
     assert_eq!(boards.count(), 1, "the parameters before are gone");
     take(&metrics, [presence(false)]);
     let samples = parse(&metrics.text());
-    assert_eq!(samples["leadscrew_board_up"], 0.0);
-    assert!(!samples.contains_key(r#"leadscrew_machine_state{state="alarm"}"#));
+    assert_eq!(samples[r#"leadscrew_board_up{machine="lathe"}"#], 0.0);
+    assert!(!samples.contains_key(r#"leadscrew_machine_state{machine="lathe",state="alarm"}"#));
+}
+
+#[test]
+fn machines_are_told_apart_and_one_that_goes_takes_nothing_of_another() {
+    let metrics = Metrics::default();
+    let take_of = |machine: &str, body| {
+        let record = Record {
+            at: Moment(0),
+            machine: machine.to_owned(),
+            body,
+        };
+        metrics.take(&[Numbered { number: 1, record }]);
+    };
+    metrics.expect("a");
+    metrics.expect("never");
+    for machine in ["a", "b\""] {
+        take_of(machine, presence(true));
+        take_of(machine, identity(1));
+        take_of(machine, state("run"));
+        take_of(machine, thread(100, Cut::NotRead));
+    }
+    take_of("a", presence(false));
+    let samples = parse(&metrics.text());
+    for (sample, value) in [
+        (r#"leadscrew_board_up{machine="a"}"#, Some(0.0)),
+        (r#"leadscrew_board_up{machine="b\""}"#, Some(1.0)),
+        (r#"leadscrew_board_up{machine="never"}"#, Some(0.0)),
+        (r#"leadscrew_machine_state{machine="a",state="run"}"#, None),
+        (
+            r#"leadscrew_machine_state{machine="b\"",state="run"}"#,
+            Some(1.0),
+        ),
+        (
+            r#"leadscrew_thread_largest_error_metres_count{machine="a"}"#,
+            Some(1.0),
+        ),
+        (
+            r#"leadscrew_thread_cuts_total{machine="a",known="not_read"}"#,
+            Some(1.0),
+        ),
+    ] {
+        assert_eq!(samples.get(sample).copied(), value, "{sample}");
+    }
+    let boards = samples
+        .keys()
+        .filter(|name| name.starts_with("leadscrew_board{"));
+    assert_eq!(boards.count(), 2);
 }
 
 fn ask(server: &Server, request: &[u8]) -> String {
