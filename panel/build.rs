@@ -30,9 +30,20 @@ fn main() {
         );
     }
     let mut used = BTreeSet::new();
-    for name in ["index.html", "panel.js", "show.js"] {
+    for entry in fs::read_dir("page").expect("the page") {
+        let name = entry.expect("a file of the page").file_name();
+        let name = name.to_str().expect("a name in letters");
+        if name == "words.js" {
+            continue;
+        }
         let text = read(name);
-        for begin in ["data-word=\"", "data-name=\"", "word(\"", "words(\""] {
+        for begin in [
+            "data-word=\"",
+            "data-name=\"",
+            "word(\"",
+            "words(\"",
+            "both(\"",
+        ] {
             for rest in text.split(begin).skip(1) {
                 let key = rest.split('"').next().expect("a first part");
                 assert!(known.contains(key), "{name}: words.js has no `{key}`");

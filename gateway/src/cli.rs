@@ -399,6 +399,9 @@ pub enum Command {
         /// No link to operate: the page looks only
         #[arg(long)]
         look: bool,
+        /// A folder of programs that the page lists, shows, changes and starts; without it the page has none
+        #[arg(long, value_name = "DIR")]
+        programs: Option<PathBuf>,
     },
     /// Tell a broker and a metrics store what the machine does (not with `--bus sim`)
     ///

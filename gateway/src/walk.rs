@@ -7,6 +7,7 @@ use leadscrew_core::call::{Call, Position};
 use leadscrew_core::cycle;
 use leadscrew_core::moves::Move;
 use leadscrew_core::program::Event;
+use leadscrew_core::units::Length;
 use leadscrew_language::stock::Stock;
 
 use crate::failure::{Doing, Failure, Outcome};
@@ -44,6 +45,13 @@ impl<'s> Walk<'s> {
     /// The stock that the program declares.
     pub const fn stock(&self) -> Option<&Stock> {
         self.program.stock()
+    }
+
+    /// The work zero of a call whose zero with the tool is `origin`: without the tool that is in force behind its block.
+    pub fn work_zero(&self, origin: &Position) -> [Length; 2] {
+        let tool = self.program.carried().offset;
+        let [x, z] = self.program.offsets().tool(tool);
+        [origin.x - x, origin.z - z]
     }
 
     /// Goes through the moves of the next call; `None` after the last call.

@@ -1,6 +1,7 @@
 // The page at the machine: joins the transport, what is shown, and the buttons and keys that order. A reload orders nothing.
 
 import * as press from "./press.js";
+import * as programs from "./programs.js";
 import * as show from "./show.js";
 import { lease, login, order, watch } from "./transport.js";
 import { isChinese, use, word } from "./words.js";
@@ -31,6 +32,7 @@ let rapid = false;
 function again() {
   if (last) show.state(last);
   if (entries) show.log(entries);
+  programs.again();
   whose();
 }
 
@@ -126,7 +128,8 @@ function move(axes, fast) {
   });
 }
 
-const inField = (target) => target instanceof HTMLInputElement;
+const inField = (target) => target instanceof HTMLInputElement || target instanceof HTMLTextAreaElement
+  || target instanceof HTMLSelectElement;
 
 function keys(start) {
   addEventListener("keydown", (event) => {
@@ -136,7 +139,7 @@ function keys(start) {
       if (!event.repeat) { press.up(); give("hold"); }
       return;
     }
-    if (event.key === "Enter" && event.ctrlKey) {
+    if (event.key === "Enter" && event.ctrlKey && !(event.target instanceof HTMLTextAreaElement)) {
       event.preventDefault();
       if (!event.repeat) start.begin();
       return;
@@ -227,17 +230,26 @@ try {
   // It has no lease to keep yet; the answer says whether this link may have one.
   ask("keep");
   watch({
-    hello: (told) => { fresh = false; show.hello(told); },
+    hello: (told) => {
+      fresh = false;
+      show.hello(told);
+      programs.begin({ order: give, said: (answer) => tell(answer), held, has_folder: told.programs });
+    },
     s: (s) => {
       last = s;
       fresh = true;
       heard = performance.now();
       press.hear(s);
       show.state(s);
+      programs.state(s);
       grow();
     },
     log: (list) => { entries = list; show.log(list); },
     lease: ({ number, notice_s }) => { holds.now = number; holds.notice = notice_s; whose(); },
+    program: (one) => {
+      programs.under_way(one);
+      if (fresh) show.answer(one.end ?? words("sending"));
+    },
     line: (end) => { if (fresh) show.answer(end.ok ? words("done") : end); },
   }, () => { refused = () => word("login"); grow(); });
 } catch (error) {

@@ -64,9 +64,12 @@ export function log(entries) {
 // Who operates: "own", "other" or "nobody"; a link that lets its owner look only; the seconds until somebody else does.
 export function lease(who, looks, notice) {
   document.body.classList.toggle("operates", who === "own");
+  document.body.classList.toggle("looks", looks);
   at("take").hidden = looks;
   // A button that would be refused is none, HOLD and STOP above all.
-  for (const one of document.querySelectorAll("nav button, main button, main input")) one.disabled = looks;
+  for (const one of document.querySelectorAll("nav button, main button, main input")) {
+    one.disabled = looks && !["fit", "nearer", "farther", "reload"].includes(one.id);
+  }
   put("take", who === "own" ? word("give") : word("take"));
   const text = looks ? word("looks") : word(`who_${who}`);
   put("operator", notice === null ? text : `${text} · ${word("notice")} ${notice} s`);

@@ -35,6 +35,33 @@ export async function order(op, args, echo) {
 // Sends one frame of a press; nothing sends it again.
 export const jog = (frame) => post("jog", frame);
 
+const tag_of = (answer) => answer.headers.get("ETag")?.replaceAll('"', "");
+
+// The programs of the panel's folder.
+export const programs = async () => (await fetch("programs")).json();
+
+// The text of one, with the tag that it goes by; or why there is none.
+export async function program(name) {
+  const answer = await fetch(`programs/${encodeURIComponent(name)}`);
+  return answer.ok ? { bytes: await answer.arrayBuffer(), tag: tag_of(answer) } : answer.json();
+}
+
+// What the panel says of one: "check" or "path".
+export async function view(name, what, zh) {
+  const headers = { "Accept-Language": zh ? "zh" : "en" };
+  return (await fetch(`programs/${encodeURIComponent(name)}/${what}`, { headers })).json();
+}
+
+// Writes one in place of the text of this tag; null: there is none of its name yet.
+export async function write(name, text, tag) {
+  const headers = { ...HEADERS, "Content-Type": "application/octet-stream" };
+  if (tag === null) headers["If-None-Match"] = "*";
+  else headers["If-Match"] = `"${tag}"`;
+  const answer = await fetch(`programs/${encodeURIComponent(name)}`, { method: "PUT", headers, body: text });
+  const told = await answer.json();
+  return answer.ok ? { tag: tag_of(answer) } : told;
+}
+
 // Says that the page operates ("keep"), wants to ("take") or does not any more ("give").
 export const lease = (what, more) => post("lease", { do: what }, more);
 

@@ -51,16 +51,21 @@ impl Place {
         if !host.is_some_and(|host| self.hosts.contains(&host)) {
             return Err(Refusal::Host);
         }
-        let orders = request.method == "POST";
+        let orders = matches!(request.method.as_str(), "POST" | "PUT");
         let is_own = |origin: &str| self.origins.iter().any(|own| own == origin);
         match request.header("origin") {
             Some(origin) if !is_own(&origin.to_ascii_lowercase()) => return Err(Refusal::Origin),
             None if orders => return Err(Refusal::Origin),
             _ => {}
         }
-        let named = request.header("x-leadscrew") == Some("1")
-            && request.header("content-type") == Some("application/json");
-        if orders && !named {
+        // No page from elsewhere may send either of these types without asking first.
+        let typed = match request.header("content-type") {
+            Some("application/json") => true,
+            Some("application/octet-stream") => request.method == "PUT",
+            _ => false,
+        };
+        let named = request.header("x-leadscrew") == Some("1");
+        if orders && !(named && typed) {
             return Err(Refusal::NotThePage);
         }
         Ok(())

@@ -17,8 +17,8 @@ pub const URGENT: Duration = Duration::from_secs(1);
 const HEAD: usize = 8 << 10;
 /// The most headers.
 const HEADERS: usize = 64;
-/// The longest text behind a head.
-const BODY: usize = 4 << 10;
+/// The longest text behind most heads.
+pub const BODY: usize = 4 << 10;
 /// After an answer, what is still being sent is read away for so long, or the answer would be lost with it.
 const LINGER: Duration = Duration::from_millis(500);
 /// What every answer says: nothing is kept, framed or guessed, and the page loads nothing from elsewhere.
@@ -63,8 +63,13 @@ impl Request {
     }
 }
 
-/// Reads a request that comes within this time. `None`: who has connected has said nothing and gone.
-pub fn read(from: &mut TcpStream, patience: Duration) -> Result<Option<Request>, Refusal> {
+/// Reads a request that comes within this time; `most` says how long the text behind its head may be. `None`: who has
+/// connected has said nothing and gone.
+pub fn read(
+    from: &mut TcpStream,
+    patience: Duration,
+    most: impl Fn(&Request) -> usize,
+) -> Result<Option<Request>, Refusal> {
     let end = Instant::now() + patience;
     let mut bytes = Vec::new();
     let (mut request, head, length) = loop {
@@ -82,6 +87,9 @@ pub fn read(from: &mut TcpStream, patience: Duration) -> Result<Option<Request>,
             };
         }
     };
+    if length > most(&request) {
+        return Err(Refusal::TooLong);
+    }
     let whole = head + length;
     while bytes.len() < whole {
         if !more(from, &mut bytes, end)? {
@@ -98,7 +106,7 @@ fn more(from: &mut TcpStream, bytes: &mut Vec<u8>, end: Instant) -> Result<bool,
     if left.is_zero() {
         return Err(Refusal::Slow);
     }
-    let mut part = [0; 1024];
+    let mut part = [0; 16 << 10];
     let read = from
         .set_read_timeout(Some(left))
         .and_then(|()| from.read(&mut part));
@@ -152,9 +160,6 @@ fn head(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Refusal> {
         Some(_) => return Err(Refusal::Malformed),
         None => 0,
     };
-    if follows > BODY {
-        return Err(Refusal::TooLong);
-    }
     Ok(Some((request, length, follows)))
 }
 

@@ -4,6 +4,7 @@
 //! browser ── http ──► server ─► guard     may this request be answered at all
 //!                       │ ├──► session    who may see the machine, and who may order
 //!                       │ ├──► assets     the page
+//!                       │ ├──► texts ─► programs   a folder of programs; the machine: what is to be known of one
 //!                       │ └──► posted     ledger, lease; the machine: the side of the bus does an order
 //!                       └◄─── feed ◄───   it tells what the machine does
 //! ```
@@ -19,13 +20,16 @@ mod lease;
 mod ledger;
 mod machine;
 mod posted;
+mod programs;
 mod refusal;
 mod seats;
 mod server;
 mod session;
+mod texts;
 
 pub use feed::Feed;
-pub use machine::{Jog, Machine, Order};
+pub use machine::{Jog, Machine, Order, View};
+pub use programs::{Claim, LONGEST, Listed, Programs, Text, When};
 pub use refusal::Refusal;
 pub use server::{CONNECTIONS, STREAMS, Server, fresh_token};
 pub use session::{Token, Tokens};

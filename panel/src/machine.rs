@@ -1,5 +1,7 @@
 //! What the server asks the side of the bus for. Knows neither.
 
+use std::path::Path;
+
 use serde_json::Value;
 
 /// One frame of a press.
@@ -35,6 +37,15 @@ impl Order {
     }
 }
 
+/// What is to be known of a program without running it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// What is wrong with it.
+    Check,
+    /// The path of its tools.
+    Path,
+}
+
 /// The side of the bus. It is called by the thread of each connection.
 pub trait Machine: Send + Sync {
     /// Does an order and says what has become of it, as JSON; `None`: there is no such order.
@@ -42,4 +53,7 @@ pub trait Machine: Send + Sync {
 
     /// Passes one frame on, and says what has become of its press, as JSON.
     fn jog(&self, jog: &Jog) -> String;
+
+    /// Says what is to be known of a program, as JSON: in Chinese, else in English.
+    fn view(&self, program: &Path, view: View, zh: bool) -> String;
 }

@@ -31,11 +31,25 @@ pub enum Refusal {
     NotOperating,
     /// A newer order of this page has come before.
     Older,
+    /// The panel was started without a folder of programs.
+    NoStore,
+    /// The name is none that a program may have.
+    Name,
+    /// There is no such program.
+    NoProgram,
+    /// Somebody else has changed it meanwhile.
+    Changed,
+    /// It does not say what it is meant to replace.
+    Unconditional,
+    /// The machine runs this program.
+    Runs,
+    /// The folder cannot be read or written.
+    Disk,
 }
 
 impl Refusal {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 21] = [
         Self::Malformed,
         Self::Slow,
         Self::TooLong,
@@ -50,6 +64,13 @@ impl Refusal {
         Self::Looks,
         Self::NotOperating,
         Self::Older,
+        Self::NoStore,
+        Self::Name,
+        Self::NoProgram,
+        Self::Changed,
+        Self::Unconditional,
+        Self::Runs,
+        Self::Disk,
     ];
 
     /// The name that programs go by.
@@ -70,6 +91,13 @@ impl Refusal {
             Self::Looks => "looks",
             Self::NotOperating => "not_operating",
             Self::Older => "older",
+            Self::NoStore => "no_store",
+            Self::Name => "name",
+            Self::NoProgram => "no_program",
+            Self::Changed => "changed",
+            Self::Unconditional => "unconditional",
+            Self::Runs => "runs",
+            Self::Disk => "disk",
         }
     }
 
@@ -77,16 +105,19 @@ impl Refusal {
     #[must_use]
     pub const fn status(self) -> &'static str {
         match self {
-            Self::Malformed => "400 Bad Request",
+            Self::Malformed | Self::Name => "400 Bad Request",
             Self::Slow => "408 Request Timeout",
             Self::TooLong => "413 Content Too Large",
             Self::Host => "421 Misdirected Request",
             Self::Origin | Self::Looks => "403 Forbidden",
             Self::NotThePage => "415 Unsupported Media Type",
             Self::Login | Self::Token => "401 Unauthorized",
-            Self::NotFound => "404 Not Found",
+            Self::NotFound | Self::NoStore | Self::NoProgram => "404 Not Found",
             Self::Method => "405 Method Not Allowed",
-            Self::NotOperating | Self::Older => "409 Conflict",
+            Self::NotOperating | Self::Older | Self::Runs => "409 Conflict",
+            Self::Changed => "412 Precondition Failed",
+            Self::Unconditional => "428 Precondition Required",
+            Self::Disk => "500 Internal Server Error",
             Self::Busy => "503 Service Unavailable",
         }
     }
@@ -150,6 +181,34 @@ impl Refusal {
             Self::Older => [
                 "a newer order of this page has come before this one, so it does nothing; look, then order again",
                 "本页面更新的指令已先到达，此指令不执行；请查看后重新下达",
+            ],
+            Self::NoStore => [
+                "the panel has no folder of programs; start it with --programs DIR",
+                "面板没有程序文件夹；请用 --programs 文件夹 启动",
+            ],
+            Self::Name => [
+                "no program can have this name; use 1 to 64 letters, digits, `.`, `_`, `-`, and no dot in front",
+                "程序名无效；请用 1 至 64 个字母、数字、`.`、`_`、`-`，且不以点开头",
+            ],
+            Self::NoProgram => [
+                "the folder of programs has no such program; load the list again",
+                "程序文件夹中没有该程序；请重新加载列表",
+            ],
+            Self::Changed => [
+                "it is not what this page has seen: somebody has changed it meanwhile, or the name is taken; open it again, then                  change it",
+                "内容与本页面所见不同：已被他人修改，或名称已被占用；请重新打开后再修改",
+            ],
+            Self::Unconditional => [
+                "the request does not say what it replaces (If-Match, or If-None-Match: *); use the page",
+                "请求未说明要替换的内容（If-Match 或 If-None-Match: *）；请使用本页面",
+            ],
+            Self::Runs => [
+                "the machine runs this program, or another one from here; let it end first",
+                "机床正在运行该程序或由此启动的其他程序；请等其结束",
+            ],
+            Self::Disk => [
+                "the folder of programs cannot be read or written; look at its rights and at the disk of the panel's computer",
+                "无法读写程序文件夹；请检查其权限和面板计算机的磁盘",
             ],
         }
     }

@@ -19,9 +19,11 @@ use crate::http::{self, Request};
 use crate::ledger::Answer;
 use crate::machine::Machine;
 use crate::posted::{self, Posted};
+use crate::programs::Programs;
 use crate::refusal::Refusal;
 use crate::seats::{Seat, Urgent, turn_away};
 use crate::session::{Right, Sessions, Token, Tokens};
+use crate::texts::{self, Sent};
 
 /// Connections at a time. Beyond them hold and stop still come through.
 pub const CONNECTIONS: usize = 32;
@@ -51,6 +53,8 @@ struct Shared {
     sessions: Mutex<Sessions>,
     feed: Arc<Feed>,
     posted: Posted,
+    machine: Arc<dyn Machine>,
+    programs: Option<Arc<Programs>>,
     connections: Arc<AtomicUsize>,
     streams: Arc<AtomicUsize>,
     urgent: Urgent,
@@ -67,7 +71,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Listens.
+    /// Listens. Without a folder of programs the page has none.
     ///
     /// # Errors
     /// The address is not to be had.
@@ -77,13 +81,16 @@ impl Server {
         tokens: Tokens,
         feed: Arc<Feed>,
         machine: Arc<dyn Machine>,
+        programs: Option<Arc<Programs>>,
     ) -> io::Result<Self> {
         let listener = TcpListener::bind(listen)?;
         let address = listener.local_addr()?;
         let shared = Arc::new(Shared {
             place: Place::new(address, names),
             sessions: Mutex::new(Sessions::new(tokens)),
-            posted: Posted::new(machine, Arc::clone(&feed)),
+            posted: Posted::new(Arc::clone(&machine), Arc::clone(&feed)),
+            machine,
+            programs,
             feed,
             connections: Arc::default(),
             streams: Arc::default(),
@@ -134,7 +141,7 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
 }
 
 fn serve(mut stream: TcpStream, shared: &Shared) {
-    match http::read(&mut stream, http::PATIENCE) {
+    match http::read(&mut stream, http::PATIENCE, |head| most(head, shared)) {
         Ok(None) => {}
         Err(refusal) => http::refuse(stream, refusal),
         Ok(Some(request)) => {
@@ -142,6 +149,20 @@ fn serve(mut stream: TcpStream, shared: &Shared) {
                 http::refuse(stream, refusal);
             }
         }
+    }
+}
+
+/// How long the text behind a head may be: a program is long, and only who may write one is listened to for so long.
+fn most(head: &Request, shared: &Shared) -> usize {
+    let writes = head.method == "PUT" && texts::is_one(&head.path);
+    let may = || {
+        let cookie = head.cookie(shared.place.cookie());
+        shared.place.check(head).is_ok() && admit(cookie, shared) == Ok(Right::Operate)
+    };
+    if writes && may() {
+        crate::programs::LONGEST
+    } else {
+        http::BODY
     }
 }
 
@@ -153,7 +174,7 @@ fn serve_late(mut stream: TcpStream, shared: &Arc<Shared>) {
     }
     let own = Arc::clone(shared);
     let spawned = thread::Builder::new().spawn(move || {
-        let read = http::read(&mut stream, http::URGENT);
+        let read = http::read(&mut stream, http::URGENT, |_| http::BODY);
         if !own.urgent.has_said(number) {
             return;
         }
@@ -200,6 +221,13 @@ fn route(
             Err(refusal) => Err((stream, refusal)),
         },
         ("POST", "/order") => post(stream, request, shared, Posted::order),
+        (_, path) if texts::is_one(path) => match text_of(request, shared) {
+            Ok(sent) => {
+                http::answer(stream, sent.status, sent.kind, &sent.more, &sent.body);
+                Ok(())
+            }
+            Err(refusal) => Err((stream, refusal)),
+        },
         ("POST", "/jog") => post(stream, request, shared, Posted::jog),
         ("POST", "/lease") => post(stream, request, shared, Posted::lease),
         (method, path) => match assets::find(path) {
@@ -236,6 +264,13 @@ fn post(
         }
         Err(refusal) => Err((stream, refusal)),
     }
+}
+
+/// Answers what is about programs: whoever may look reads them, whoever may operate writes them.
+fn text_of(request: &Request, shared: &Shared) -> Result<Sent, Refusal> {
+    let right = admit(request.cookie(shared.place.cookie()), shared)?;
+    let programs = shared.programs.as_ref().ok_or(Refusal::NoStore)?;
+    texts::answer(request, right, programs, &*shared.machine)
 }
 
 fn admit(cookie: Option<&str>, shared: &Shared) -> Result<Right, Refusal> {

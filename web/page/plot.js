@@ -1,6 +1,6 @@
 // The path in the plane Z-X: rapids dashed, passes in turn in the colours, and the tool. X is shown as a diameter elsewhere.
 
-import { COLOURS, View, colour } from "./view.js";
+import { COLOURS, View, colour, grid, tip } from "./view.js";
 
 const MILLIMETRE = 1e6;
 
@@ -33,7 +33,7 @@ export class Plot {
   }
 
   #draw(context, at, size) {
-    grid(context, at, size);
+    grid(context, at, size, MILLIMETRE);
     for (const piece of this.path) {
       const rapid = piece.kind === "rapid";
       context.setLineDash(rapid ? [5, 4] : []);
@@ -45,16 +45,7 @@ export class Plot {
     }
     context.setLineDash([]);
     if (!this.tool) return;
-    const [x, y] = at(this.tool[1], this.tool[0]);
-    context.strokeStyle = colour("tool");
-    context.lineWidth = 2;
-    context.beginPath();
-    context.arc(x, y, 5, 0, 2 * Math.PI);
-    context.moveTo(x - 10, y);
-    context.lineTo(x + 10, y);
-    context.moveTo(x, y - 10);
-    context.lineTo(x, y + 10);
-    context.stroke();
+    tip(context, ...at(this.tool[1], this.tool[0]));
   }
 }
 
@@ -73,34 +64,4 @@ function trace(context, at, piece, size) {
   const start = Math.atan2(fx - cx, fz - cz);
   const end = Math.atan2(tx - cx, tz - cz);
   context.arc(...at(cz, cx), radius, -start, -end, with_clock === 0);
-}
-
-// Lines and figures at round distances, about 90 pixels apart.
-function grid(context, at, size) {
-  const wanted = 90 / size.across;
-  const decade = 10 ** Math.floor(Math.log10(wanted));
-  const step = [1, 2, 5, 10].map((n) => n * decade).find((one) => one >= wanted);
-  const [zx, zy] = at(0, 0);
-  context.fillStyle = colour("quiet");
-  context.strokeStyle = colour("grid");
-  context.lineWidth = 1;
-  context.font = "11px system-ui, sans-serif";
-  const said = (value) => String(+(value / MILLIMETRE).toPrecision(6));
-  for (let n = Math.ceil(-zx / (step * size.across)); zx + n * step * size.across < size.width; n += 1) {
-    const x = zx + n * step * size.across;
-    line(context, x, 0, x, size.height);
-    context.fillText(said(n * step), x + 3, size.height - 4);
-  }
-  for (let n = Math.ceil((zy - size.height) / (step * size.up)); zy - n * step * size.up > 0; n += 1) {
-    const y = zy - n * step * size.up;
-    line(context, 0, y, size.width, y);
-    context.fillText(`⌀${said(2 * n * step)}`, 3, y - 3);
-  }
-}
-
-function line(context, ...[fx, fy, tx, ty]) {
-  context.beginPath();
-  context.moveTo(fx, fy);
-  context.lineTo(tx, ty);
-  context.stroke();
 }

@@ -161,6 +161,7 @@ Examples:
 pub(super) const PANEL: &str = "\
 Examples:
   leadscrew panel --bus can0                          open a link that it prints
+  leadscrew panel --bus can0 --programs parts         with the programs of this folder
   leadscrew panel --bus can0 --look                   nobody operates by it
   leadscrew panel --bus can0 --listen 127.0.0.1:0     at a port that is free
   leadscrew panel --bus can0 --host lathe.example     behind a proxy: https://lathe.example";

@@ -104,7 +104,8 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             listen,
             hosts,
             look,
-        } if is_real(cli) => board::panel(&cli.global, *listen, hosts, *look),
+            programs,
+        } if is_real(cli) => board::panel(&cli.global, *listen, hosts, *look, programs.as_deref()),
         Command::Agent(args) if is_real(cli) || !args.boards.is_empty() => {
             board::agent(&cli.global, args)
         }

@@ -28,6 +28,10 @@ impl Machine for Machinery {
     fn jog(&self, jog: &Jog) -> String {
         format!("{jog:?}")
     }
+
+    fn view(&self, _: &std::path::Path, _: crate::View, _: bool) -> String {
+        unreachable!("it is not asked for by posting")
+    }
 }
 
 struct Bench {

@@ -8,6 +8,7 @@ mod machine;
 mod mdi;
 mod monitor;
 mod operate;
+mod own;
 mod panel;
 mod resume;
 mod run;

@@ -247,3 +247,80 @@ fn somebody_operates_the_machine_with_mouse_and_keys() {
     let at = user.wait_for("idle")["mz"].clone();
     assert_eq!(user.wait_for("idle")["mz"], at);
 }
+
+#[test]
+fn somebody_opens_a_program_changes_it_and_sees_it_run() {
+    let user = User::with_machine();
+    let folder = user.0.join("parts");
+    std::fs::create_dir_all(&folder).unwrap();
+    // Long on its third line.
+    let text = "(A)\nG98 G1 X-2 Z-1 F3000\nG1 Z-30 F1\nM30\n";
+    std::fs::write(folder.join("a.nc"), text).unwrap();
+    std::fs::write(folder.join("wrong.nc"), "G98 G1 X1 F100\nG1 Q\nM30\n").unwrap();
+    let page = Page::with(&user, &["--programs", folder.to_str().unwrap()]);
+    let address = format!(
+        "http://{}/#{}",
+        page.address,
+        page.token.as_deref().unwrap()
+    );
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&address);
+    tab.wait("document.querySelectorAll('#programs option').length === 3");
+    let open = |name: &str| {
+        format!(
+            "(() => {{ const list = document.getElementById('programs'); list.value = '{name}'; \
+             list.dispatchEvent(new Event('change')); return true; }})()"
+        )
+    };
+    let found =
+        |part: &str| format!("document.getElementById('found').textContent.includes('{part}')");
+    // What is wrong is said with its line, and the line is marked.
+    tab.until(&found("▲ 2: "), |tab| {
+        tab.says(&open("wrong.nc"));
+    });
+    tab.wait("document.querySelector('#numbers [data-tone=bad]')?.textContent === '2'");
+    tab.until(&found("✓"), |tab| {
+        tab.says(&open("a.nc"));
+    });
+    // What is typed is written by `Save`, and a key in the text moves nothing.
+    tab.says("document.getElementById('source').focus()");
+    let key = json!({"type": "keyDown", "key": "ArrowUp", "code": "ArrowUp"});
+    tab.asks("Input.dispatchKeyEvent", key);
+    tab.asks("Input.insertText", json!({"text": "(B)\n"}));
+    tab.wait("document.getElementById('text_note').textContent.includes('not saved')");
+    tab.click("#save");
+    tab.wait("!document.getElementById('text_note').textContent.includes('not saved')");
+    let written = std::fs::read_to_string(folder.join("a.nc")).unwrap();
+    assert!(
+        written.contains("(B)\n") && written.len() == text.len() + 4,
+        "{written}"
+    );
+    let line = 1 + written
+        .lines()
+        .position(|line| line == "G1 Z-30 F1")
+        .unwrap();
+    // The path is drawn: feed, in its colour.
+    let blue = "(() => { const canvas = document.getElementById('plot'); \
+        const all = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data; let count = 0; \
+        for (let n = 0; n < all.length; n += 4) if (all[n + 2] > all[n] + 60) count += 1; return count > 20; })()";
+    tab.wait(blue);
+    tab.operate();
+    tab.until(
+        "document.querySelector('[data-mode=\"automatic\"]').ariaPressed === 'true'",
+        |tab| {
+            tab.click("[data-mode=\"automatic\"]");
+        },
+    );
+    tab.until("document.body.dataset.state === 'run'", |tab| {
+        tab.mouse("#run", "mousePressed");
+    });
+    tab.mouse("#run", "mouseReleased");
+    tab.wait(&format!(
+        "document.querySelector('#numbers .here')?.textContent === '{line}' && !document.getElementById('here').hidden"
+    ));
+    tab.wait(blue);
+    tab.click("#stop");
+    tab.wait("document.getElementById('answer').textContent.includes('a.nc: 4300')");
+    tab.wait("document.getElementById('here').hidden");
+    user.wait_for("alarm");
+}

@@ -4,6 +4,7 @@
 mod browser;
 mod jog;
 mod orders;
+mod programs;
 
 use std::cell::Cell;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};

@@ -219,6 +219,18 @@ pub fn refusal(wish: Wish, now: Situation) -> Option<Both> {
     }
 }
 
+/// Why a program that is named is not sent and begun; `None` where it is.
+#[must_use]
+pub fn no_program(now: Situation) -> Option<Both> {
+    if now.old {
+        return Some(old());
+    }
+    if now.typed {
+        return Some(alarm_words(&Alarm::of(Code::ProgramUnderWay, &[])));
+    }
+    by_mode(now, &[OperatingMode::Automatic])
+}
+
 /// What is known of the machine is older than what may be ordered by.
 #[must_use]
 pub fn old() -> Both {

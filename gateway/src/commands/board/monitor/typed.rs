@@ -2,21 +2,17 @@
 //!
 //! So the panel goes on meanwhile, and what is checked and kept is the same wherever a line is typed [D323].
 
-use std::process::{Command, Output, Stdio};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-
 use leadscrew_core::alarm::Lang;
 use serde_json::Value;
 
+use super::super::own::{Handle, Own};
 use super::view::Tone;
 use crate::cli::Global;
-use crate::words::{Both, both, pick};
+use crate::words::{Both, both};
 
 /// A line that is being carried out.
 #[derive(Debug)]
-pub struct Typed {
-    ended: Receiver<std::io::Result<Output>>,
-}
+pub struct Typed(Own);
 
 /// What has become of it.
 pub type Answer = (Both, Tone);
@@ -24,39 +20,20 @@ pub type Answer = (Both, Tone);
 impl Typed {
     /// Begins a line; the answer is in this language.
     pub fn begin(global: &Global, line: &str, lang: Lang) -> std::io::Result<Self> {
-        let mut command = Command::new(std::env::current_exe()?);
-        command
-            .args(["mdi", "--json", "--bus", &global.bus.to_string()])
-            .args(["--lang", pick(lang, "en", "zh")]);
-        if let Some(node) = global.node {
-            command.args(["--node", &node.to_string()]);
-        }
-        if let Some(rate) = global.bitrate {
-            let kbit = rate.bits_per_second() / 1_000;
-            command.args(["--bitrate", &kbit.to_string()]);
-        }
-        let child = command
-            .args(["--", line])
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()?;
-        let (send, ended) = channel();
-        std::thread::spawn(move || {
-            // Nobody waits where the panel has ended.
-            let _ = send.send(child.wait_with_output());
-        });
-        Ok(Self { ended })
+        Own::begin(global, "mdi", line, lang).map(Self)
+    }
+
+    /// To end it before its time.
+    pub fn handle(&self) -> Handle {
+        self.0.handle.clone()
     }
 
     /// The answer, once the line has come to its end.
     pub fn answer(&self) -> Option<Answer> {
-        match self.ended.try_recv() {
-            Ok(Ok(output)) => Some(read(&output.stdout)),
-            Ok(Err(error)) => Some(not_begun(&error)),
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some((unanswered(), Tone::Bad)),
-        }
+        Some(match self.0.ended()? {
+            Ok(said) => read(&said),
+            Err(error) => not_begun(&error),
+        })
     }
 }
 
@@ -83,16 +60,22 @@ fn read(stdout: &[u8]) -> Answer {
     if let Some(modal) = text(&value["after"], "modal").filter(|_| value["ok"] == true) {
         return (both!("done: {modal}", "完成：{modal}"), Tone::Good);
     }
-    // Of a line that is wrong, its alarms; of one that was not begun, why.
+    match why(&value) {
+        Some(told) => (told, Tone::Care),
+        None => (unanswered(), Tone::Bad),
+    }
+}
+
+/// Why a line or a program was not carried out, as its result says: its alarms where it is wrong, else what has kept it
+/// from being begun.
+pub fn why(value: &Value) -> Option<Both> {
+    let text = |value: &Value, key: &str| value[key].as_str().map(str::to_owned);
     let alarm = value["alarms"].get(0).or_else(|| value["warnings"].get(0));
     let told = alarm.and_then(|alarm| {
         let (message, help) = (text(alarm, "message")?, text(alarm, "help")?);
         Some(format!("{:04} {message}; {help}", alarm["no"].as_u64()?))
     });
-    match told.or_else(|| text(&value, "error")) {
-        Some(told) => (Both::same(told), Tone::Care),
-        None => (unanswered(), Tone::Bad),
-    }
+    told.or_else(|| text(value, "error")).map(Both::same)
 }
 
 #[cfg(test)]

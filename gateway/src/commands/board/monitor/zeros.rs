@@ -82,6 +82,13 @@ impl Zeros {
         })
     }
 
+    /// The parameters and the table that zeros are read from; `None` where they are not known.
+    #[must_use]
+    pub fn read(&self) -> Option<(&Params, Option<&Offsets>)> {
+        let read = self.read.as_ref()?;
+        Some((&read.params, read.table.as_ref()))
+    }
+
     /// The zero.
     #[must_use]
     pub fn zero(&self) -> Option<Zero> {

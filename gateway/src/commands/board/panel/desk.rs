@@ -2,26 +2,32 @@
 //!
 //! ```text
 //! server's threads ─ order, jog ─► desk ─► turn ─► frames, wherever the link waits
-//!                  ◄─── answer ───  │ └─ asks ───► the panel's own thread: why an order was refused, lines that are typed
+//!                  ◄─── answer ───  │ └─ asks ───► the panel's own thread: why an order was refused, lines and programs
 //! ```
 //!
 //! Time and what was heard are arguments of [`Desk::turn`]; nothing here waits for the bus. So no transfer and no page
 //! delays a hold. What the machine lets in is judged on the board. This file must not know who orders.
 
+mod asks;
+
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::path::Path;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use leadscrew_core::bus::{Beat, BoardStatus, Frame, JogRequest, NodeId, Order};
+use leadscrew_core::bus::{Beat, BoardState, BoardStatus, Frame, JogRequest, NodeId, Order};
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
-use leadscrew_panel::{Jog, Machine};
+use leadscrew_panel::{Jog, Machine, View};
 
+pub use self::asks::{Asks, Line, Program};
 use super::super::by_hand;
 use super::super::monitor::hand::Hand;
 use super::super::monitor::homing::Homing;
 use super::super::monitor::keys::{self, Situation, Speed};
 use super::super::monitor::orders::{self, Orders};
 use super::super::monitor::view::OLD;
+use super::super::own::Handle;
+use super::views::Views;
 use super::wish::Wish;
 use crate::cli::AxisWay;
 use crate::json::Json;
@@ -43,25 +49,6 @@ struct Asked {
     echo: Option<Beat>,
 }
 
-/// A line to be carried out, and whether its answer is to be Chinese.
-pub struct Line {
-    /// Answers whether it has begun.
-    pub ticket: u64,
-    /// The line.
-    pub text: String,
-    /// The answer is Chinese.
-    pub zh: bool,
-}
-
-/// What the panel's own thread is asked.
-#[derive(Default)]
-pub struct Asks {
-    /// Orders of which the board has to say whether it has refused them.
-    pub reasons: Vec<u64>,
-    /// Lines.
-    pub lines: Vec<Line>,
-}
-
 struct Shared {
     waiting: VecDeque<Asked>,
     orders: Orders,
@@ -78,8 +65,12 @@ struct Shared {
     statuses: (u64, Option<Instant>),
     /// The newest of what was heard.
     told: Told,
-    /// A typed line is being carried out.
+    /// A command in a process of its own is asked for, or under way.
     typed: bool,
+    /// That process.
+    own: Option<Handle>,
+    /// Holds and stops that were given.
+    halts: u64,
 }
 
 /// What a page is told in answer to a frame of a press.
@@ -99,11 +90,12 @@ pub struct Desk {
     session: u8,
     shared: Mutex<Shared>,
     news: Condvar,
+    views: Arc<Views>,
 }
 
 impl Desk {
     /// Nothing is ordered.
-    pub fn new(node: NodeId) -> Self {
+    pub fn new(node: NodeId, views: Arc<Views>) -> Self {
         let session = by_hand::session();
         Self {
             node,
@@ -122,8 +114,11 @@ impl Desk {
                 statuses: (0, None),
                 told: Told::default(),
                 typed: false,
+                own: None,
+                halts: 0,
             }),
             news: Condvar::new(),
+            views,
         }
     }
 
@@ -153,7 +148,12 @@ impl Desk {
 
     /// What the panel's own thread is asked; each once.
     pub fn asks(&self) -> Asks {
-        std::mem::take(&mut self.shared().asks)
+        let mut shared = self.shared();
+        let halts = shared.halts;
+        Asks {
+            halts,
+            ..std::mem::take(&mut shared.asks)
+        }
     }
 
     /// Answers one of those.
@@ -162,9 +162,21 @@ impl Desk {
         self.news.notify_all();
     }
 
-    /// A typed line is being carried out, or none.
-    pub fn note_typed(&self, typed: bool) {
-        self.shared().typed = typed;
+    /// A line or a program has begun, which was asked for behind so many holds and stops. One that has come meanwhile ends
+    /// it.
+    pub fn note_begun(&self, handle: Handle, halts: u64) {
+        let mut shared = self.shared();
+        if shared.halts != halts {
+            handle.interrupt();
+        }
+        shared.own = Some(handle);
+    }
+
+    /// No line and no program is under way any more.
+    pub fn note_ended(&self) {
+        let mut shared = self.shared();
+        shared.own = None;
+        shared.typed = false;
     }
 
     /// Takes what a board that sends no beat was asked.
@@ -243,8 +255,28 @@ impl Shared {
         self.situation(now).old || age.is_none_or(|ms| Duration::from_millis(u64::from(ms)) > OLD)
     }
 
+    /// A machine at rest takes no notice of a hold: what is being checked or sent would begin behind it.
+    fn halt(&mut self) {
+        self.halts += 1;
+        let lines = self.asks.lines.drain(..).map(|line| line.ticket);
+        let programs = self.asks.programs.drain(..).map(|program| program.ticket);
+        let waiting: Vec<u64> = lines.chain(programs).collect();
+        for ticket in waiting {
+            self.done.insert(ticket, Err(halted()));
+            self.typed = false;
+        }
+        let status = self.told.status;
+        let is_at_rest = status.state == BoardState::Idle;
+        if let Some(own) = self.own.as_ref().filter(|_| is_at_rest) {
+            own.interrupt();
+        }
+    }
+
     fn begin(&mut self, asked: Asked, seen: &Seen, now: Instant) {
         let Asked { ticket, wish, echo } = asked;
+        if wish.halts() {
+            self.halt();
+        }
         if wish.needs_fresh() && self.is_old(echo, now) {
             self.done.insert(ticket, Err(keys::old()));
             return;
@@ -274,6 +306,20 @@ impl Shared {
                 None => {
                     self.typed = true;
                     self.asks.lines.push(Line { ticket, text, zh });
+                }
+            },
+            Wish::Program { name, tag, zh } => match keys::no_program(self.situation(now)) {
+                Some(words) => {
+                    self.done.insert(ticket, Err(words));
+                }
+                None => {
+                    self.typed = true;
+                    self.asks.programs.push(Program {
+                        ticket,
+                        name,
+                        tag,
+                        zh,
+                    });
                 }
             },
         }
@@ -376,6 +422,10 @@ impl Machine for Desk {
 
     fn jog(&self, jog: &Jog) -> String {
         self.press(jog, Instant::now())
+    }
+
+    fn view(&self, program: &Path, view: View, zh: bool) -> String {
+        self.views.of(program, view, zh)
     }
 }
 

@@ -4,28 +4,35 @@
 //! orders: sockets, tokens and refusals are those of `leadscrew_panel`.
 
 mod desk;
+mod path;
+mod sent;
+mod telling;
+mod views;
 mod wish;
 
 use std::collections::VecDeque;
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code, Lang};
 use leadscrew_core::board::device::objects::BEAT;
-use leadscrew_core::bus::{Beat, BoardStatus};
-use leadscrew_core::link::{Logged, Status};
-use leadscrew_core::units::Length;
-use leadscrew_panel::{Feed, Server, Token, Tokens, fresh_token};
+use leadscrew_core::bus::Beat;
+use leadscrew_core::link::Status;
+use leadscrew_panel::{Feed, Programs, Server, Token, Tokens, fresh_token};
 
-use self::desk::{Desk, Line};
+use self::desk::{Asks, Desk, Line, Program};
+use self::sent::Sent;
+use self::telling::{in_both, levels, log, places};
+use self::views::Views;
 use super::monitor::hand::broken;
-use super::monitor::told::{Told, of_alarm, told};
+use super::monitor::told::Told;
 use super::monitor::typed::{self, Typed};
 use super::monitor::view::Tone;
 use super::watch::{Every, LOG, STATUS, Watch};
-use super::{mdi, names, open};
+use super::{mdi, open};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -33,16 +40,31 @@ use crate::interrupt::{self, UnderWay};
 use crate::json::Json;
 use crate::link::{Link, LinkResult};
 use crate::output;
-use crate::place::SourceLine;
-use crate::words::{Both, both};
+use crate::words::{self, Both, both};
 
 /// Between two messages of state: 30 Hz.
 const PERIOD: Duration = Duration::from_millis(33);
 /// Messages of the log that are kept for the page.
 const KEPT: usize = 60;
 
-/// Gives out the page until it is interrupted; with `look` nobody orders by it.
-pub fn panel(global: &Global, listen: SocketAddr, hosts: &[String], look: bool) -> Outcome {
+/// Gives out the page until it is interrupted; with `look` nobody orders by it, with a folder it has programs.
+pub fn panel(
+    global: &Global,
+    listen: SocketAddr,
+    hosts: &[String],
+    look: bool,
+    folder: Option<&Path>,
+) -> Outcome {
+    let programs = match folder {
+        Some(folder) => Some(Arc::new(Programs::open(folder).map_err(|error| {
+            let folder = words::path(folder);
+            Failure::Usage(both!(
+                "`{folder}` is no folder that can be read: {error}; name one that is there with --programs",
+                "`{folder}` 不是可读的文件夹：{error}；请用 --programs 指定已有的文件夹"
+            ))
+        })?)),
+        None => None,
+    };
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
@@ -51,20 +73,22 @@ pub fn panel(global: &Global, listen: SocketAddr, hosts: &[String], look: bool) 
         operate: if look { None } else { Some(token()?) },
     };
     let feed = Arc::new(Feed::default());
-    let desk = Arc::new(Desk::new(link.node()));
+    let views = Arc::new(Views::new(global));
+    let desk = Arc::new(Desk::new(link.node(), Arc::clone(&views)));
     let turns = Arc::clone(&desk);
     link.meanwhile(move |seen, now| turns.turn(seen, now));
     let machine = Arc::clone(&desk);
-    let server =
-        Server::start(listen, hosts, tokens, Arc::clone(&feed), machine).map_err(|error| {
-            Failure::Usage(both!(
-                "cannot listen at {listen}: {error}; choose another address with --listen",
-                "无法监听 {listen}：{error}；请用 --listen 选择其他地址"
-            ))
-        })?;
+    let told = Arc::clone(&feed);
+    let server = Server::start(listen, hosts, tokens, told, machine, programs.clone());
+    let server = server.map_err(|error| {
+        Failure::Usage(both!(
+            "cannot listen at {listen}: {error}; choose another address with --listen",
+            "无法监听 {listen}：{error}；请用 --listen 选择其他地址"
+        ))
+    })?;
     interrupt::defer(UnderWay::Computed);
     tell_links(global, server.address, hosts, tokens)?;
-    Side::new(global, link, feed, desk)?.carry_out(&server)
+    Side::new(global, link, feed, desk, views, programs)?.carry_out(&server)
 }
 
 fn token() -> Outcome<Token> {
@@ -128,7 +152,10 @@ struct Side<'a> {
     link: Link,
     feed: Arc<Feed>,
     desk: Arc<Desk>,
+    views: Arc<Views>,
+    programs: Option<Arc<Programs>>,
     typed: Option<Typed>,
+    sent: Option<Sent>,
     watch: Watch,
     record: Option<(Status, Instant)>,
     /// The number of the last status, and when it came.
@@ -138,13 +165,21 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn new(global: &'a Global, mut link: Link, feed: Arc<Feed>, desk: Arc<Desk>) -> Outcome<Self> {
+    fn new(
+        global: &'a Global,
+        mut link: Link,
+        feed: Arc<Feed>,
+        desk: Arc<Desk>,
+        views: Arc<Views>,
+        programs: Option<Arc<Programs>>,
+    ) -> Outcome<Self> {
         let watch = Watch::new(&mut link)?;
         feed.tell(
             "hello",
             object(|json| {
                 json.text("bus", &global.bus.to_string());
                 json.integer("node", i64::from(link.node().get()));
+                json.flag("programs", programs.is_some());
             }),
         );
         Ok(Self {
@@ -153,7 +188,10 @@ impl<'a> Side<'a> {
             link,
             feed,
             desk,
+            views,
+            programs,
             typed: None,
+            sent: None,
             watch,
             record: None,
             messages: VecDeque::new(),
@@ -211,6 +249,7 @@ impl<'a> Side<'a> {
     /// Answers what only a bus that answers knows, and carries out typed lines.
     fn do_asked(&mut self) -> Outcome {
         let asks = self.desk.asks();
+        let Asks { halts, .. } = asks;
         for ticket in asks.reasons {
             let done = match self.link.refusal() {
                 Ok(None) => Ok(()),
@@ -222,33 +261,70 @@ impl<'a> Side<'a> {
             };
             self.desk.answer(ticket, done);
         }
-        for Line { ticket, text, zh } in asks.lines {
-            if self.typed.is_some() {
-                let alarm = Alarm::of(Code::ProgramUnderWay, &[]);
-                self.desk.answer(ticket, Err(alarm_words(&alarm)));
-                continue;
-            }
-            let lang = if zh { Lang::Zh } else { Lang::En };
-            match Typed::begin(self.global, &text, lang) {
-                Ok(typed) => {
-                    self.typed = Some(typed);
-                    self.desk.answer(ticket, Ok(()));
-                }
-                Err(error) => self.desk.answer(ticket, Err(typed::not_begun(&error).0)),
-            }
+        for line in asks.lines {
+            self.begin_line(line, halts);
         }
-        // A line may take long: who has typed it is told of its end as everybody else is.
+        for program in asks.programs {
+            self.begin_program(&program, halts);
+        }
+        self.end_own();
+        Ok(())
+    }
+
+    fn begin_line(&mut self, Line { ticket, text, zh }: Line, halts: u64) {
+        let lang = if zh { Lang::Zh } else { Lang::En };
+        let begun = if self.is_busy() {
+            Err(busy())
+        } else {
+            Typed::begin(self.global, &text, lang).map_err(|error| typed::not_begun(&error).0)
+        };
+        let done = begun.map(|typed| {
+            self.desk.note_begun(typed.handle(), halts);
+            self.typed = Some(typed);
+        });
+        self.desk.answer(ticket, done);
+    }
+
+    fn begin_program(&mut self, program: &Program, halts: u64) {
+        let begun = if self.is_busy() {
+            Err(busy())
+        } else {
+            Sent::begin(self.global, self.programs.as_ref(), program)
+        };
+        let done = begun.map(|sent| {
+            self.desk.note_begun(sent.handle(), halts);
+            self.feed.tell("program", sent.told(None));
+            self.sent = Some(sent);
+        });
+        self.desk.answer(program.ticket, done);
+    }
+
+    /// One command of its own is under way at a time.
+    const fn is_busy(&self) -> bool {
+        self.typed.is_some() || self.sent.is_some()
+    }
+
+    /// A line and a program may take long: who has begun it is told of its end as everybody else is.
+    fn end_own(&mut self) {
         if let Some((words, tone)) = self.typed.as_ref().and_then(Typed::answer) {
             self.typed = None;
-            let text = object(|json| {
-                json.flag("ok", tone == Tone::Good);
-                json.text("en", &words.en);
-                json.text("zh", &words.zh);
-            });
-            self.feed.tell("line", text);
+            let done = if tone == Tone::Good {
+                Ok(words)
+            } else {
+                Err(words)
+            };
+            self.feed
+                .tell("line", object(|json| sent::end(json, &done)));
         }
-        self.desk.note_typed(self.typed.is_some());
-        Ok(())
+        if let Some(sent) = &self.sent
+            && let Some(done) = sent.ended()
+        {
+            self.feed.tell("program", sent.told(Some(&done)));
+            self.sent = None;
+        }
+        if !self.is_busy() {
+            self.desk.note_ended();
+        }
     }
 
     fn read_log(&mut self) -> Outcome {
@@ -268,6 +344,7 @@ impl<'a> Side<'a> {
         if let Some((status, _)) = self.record {
             let read = self.watch.follow(self.global, &mut self.link, &status);
             self.tolerate(read)?;
+            self.views.note(self.watch.zeros.read(), &status);
         }
         Ok(())
     }
@@ -311,97 +388,19 @@ impl<'a> Side<'a> {
                 Some(words) => json.text("modal", words),
                 None => json.null("modal"),
             }
+            match self.views.tag() {
+                Some(tag) => json.text("by", &tag),
+                None => json.null("by"),
+            }
         });
         self.feed.tell("s", text);
         Ok(())
     }
 }
 
-/// State, alarm, overrides and place in the program.
-fn levels(json: &mut Json, record: &Status, status: &BoardStatus) {
-    json.text("state", status.state.name());
-    match status.alarm {
-        Some(number) => json.integer("number", i64::from(number)),
-        None => json.null("number"),
-    }
-    match record.alarm.filter(|_| status.alarm.is_some()) {
-        Some(alarm) => json.object_at("alarm", |json| {
-            let told = [Lang::En, Lang::Zh].map(|lang| of_alarm(&alarm, Tone::Bad, lang));
-            message(json, &told);
-        }),
-        None => json.null("alarm"),
-    }
-    json.flag("hold", status.flags.hold);
-    json.flag("single", status.flags.single_block);
-    json.flag("dry", status.flags.dry_run);
-    match record.line {
-        0 => json.null("line"),
-        line => json.text("line", &SourceLine(line).to_string()),
-    }
-    json.integer("move", i64::from(record.number));
-    json.integer("rpm", i64::from(record.speed.rpm().get()));
-    json.integer("commanded", i64::from(record.command.get()));
-    json.integer("feed", i64::from(record.feed_percent));
-    json.integer("rapid", i64::from(record.rapid_percent));
-    json.integer("turn", i64::from(record.spindle_percent));
-    match record.sync_error {
-        Some(error) => json.decimal::<3>("sync_um", error.nm()),
-        None => json.null("sync_um"),
-    }
-    json.integer("late", i64::from(record.late));
-}
-
-/// Where the axes are, X as a diameter, by the work's zero and by the machine's.
-fn places(json: &mut Json, record: &Status, zero: Option<[Length; 2]>) {
-    let place = record.position;
-    match zero {
-        Some([x, z]) => {
-            json.decimal::<6>("wx", (place.x - x).nm().saturating_mul(2));
-            json.decimal::<6>("wz", (place.z - z).nm());
-        }
-        None => {
-            json.null("wx");
-            json.null("wz");
-        }
-    }
-    json.decimal::<6>("mx", place.x.nm().saturating_mul(2));
-    json.decimal::<6>("mz", place.z.nm());
-    json.decimal::<6>("mc", place.c.udeg());
-    json.text("referenced", &names(record.referenced));
-    json.text("unreferenced", &names(record.unreferenced));
-}
-
-fn in_both(entry: &Logged) -> Option<[Told; 2]> {
-    Some([told(entry, Lang::En)?, told(entry, Lang::Zh)?])
-}
-
-fn log(messages: &VecDeque<[Told; 2]>) -> String {
-    let mut json = Json::new();
-    let items: Vec<String> = messages
-        .iter()
-        .map(|told| object(|json| message(json, told)))
-        .collect();
-    json.item(&format!("[{}]", items.join(",")));
-    text(json)
-}
-
-fn message(json: &mut Json, told: &[Told; 2]) {
-    let [en, zh] = told;
-    let tone = match en.tone {
-        Tone::Bad => "bad",
-        Tone::Care => "care",
-        Tone::Plain | Tone::Good | Tone::Old => "plain",
-    };
-    json.text("tone", tone);
-    for (key, [en, zh]) in [
-        ("text", [&en.text, &zh.text]),
-        ("help", [&en.help, &zh.help]),
-    ] {
-        json.array_at(key, |json| {
-            json.text_item(en);
-            json.text_item(zh);
-        });
-    }
+/// A command of its own is under way.
+fn busy() -> Both {
+    alarm_words(&Alarm::of(Code::ProgramUnderWay, &[]))
 }
 
 fn object(fill: impl FnOnce(&mut Json)) -> String {

@@ -27,6 +27,15 @@ pub enum Wish {
         /// Its answer is to be Chinese.
         zh: bool,
     },
+    /// A program of the panel's folder is sent and begun.
+    Program {
+        /// Its name.
+        name: String,
+        /// The tag of the text that the page shows.
+        tag: String,
+        /// Its answer is to be Chinese.
+        zh: bool,
+    },
 }
 
 impl Wish {
@@ -79,6 +88,11 @@ impl Wish {
                     zh: args["zh"] == true,
                 })?
             }
+            "program" => Self::Program {
+                name: args["name"].as_str()?.to_owned(),
+                tag: args["tag"].as_str()?.to_owned(),
+                zh: args["zh"] == true,
+            },
             _ => return None,
         })
     }
@@ -135,6 +149,20 @@ mod tests {
         ] {
             assert_eq!(Wish::of(op, &args), wish, "{op} {args}");
         }
+    }
+
+    #[test]
+    fn a_program_is_named_with_the_text_that_is_meant() {
+        let args = json!({"name": "a.nc", "tag": "4-x", "zh": false});
+        let wish = Wish::Program {
+            name: "a.nc".into(),
+            tag: "4-x".into(),
+            zh: false,
+        };
+        assert!(wish.needs_fresh() && !wish.halts());
+        assert_eq!(Wish::of("program", &args), Some(wish));
+        assert_eq!(Wish::of("program", &json!({"name": "a.nc"})), None);
+        assert_eq!(Wish::of("program", &json!({"tag": "4-x"})), None);
     }
 
     #[test]

@@ -211,3 +211,17 @@ fn by_old_values_nothing_is_ordered_but_what_halts() {
     assert!(refusal(Wish::Line, typed).is_some());
     assert_eq!(refusal(Wish::Hold, typed), None);
 }
+
+#[test]
+fn a_program_that_is_named_begins_in_automatic_where_nothing_is_under_way() {
+    let told = |now| no_program(now).map_or(String::new(), |words| words.en);
+    let now = at_rest(OperatingMode::Automatic);
+    assert_eq!(told(now), "");
+    for mode in [OperatingMode::Manual, OperatingMode::Mdi] {
+        assert!(told(at_rest(mode)).starts_with("4501 "), "{mode:?}");
+    }
+    let (program, typed, old) = (true, true, true);
+    assert!(told(Situation { program, ..now }).starts_with("4502 "));
+    assert!(told(Situation { typed, ..now }).starts_with("4502 "));
+    assert!(told(Situation { old, ..now }).contains("is old"));
+}

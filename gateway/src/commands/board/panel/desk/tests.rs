@@ -3,12 +3,18 @@
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
+use clap::Parser as _;
 use leadscrew_core::bus::{BoardBeat, BoardCommand};
 use serde_json::{Value, json};
 
 use super::*;
 
 const NODE: NodeId = NodeId::BOARD;
+
+fn desk() -> Desk {
+    let typed = crate::cli::Cli::try_parse_from(["leadscrew", "panel"]).unwrap();
+    Desk::new(NODE, Arc::new(Views::new(&typed.global)))
+}
 
 /// What was heard: the count of the last order, and a beat.
 fn heard(count: u8, beat: u16) -> Seen {
@@ -31,11 +37,15 @@ fn heard(count: u8, beat: u16) -> Seen {
 
 /// A page that orders, in a thread of its own: the answer comes when the board has confirmed.
 fn orders(desk: &Arc<Desk>, op: &str, echo: Option<u16>) -> JoinHandle<Value> {
+    orders_with(desk, op, Value::Null, echo)
+}
+
+fn orders_with(desk: &Arc<Desk>, op: &str, args: Value, echo: Option<u16>) -> JoinHandle<Value> {
     let before = desk.shared().tickets;
     let own = Arc::clone(desk);
     let order = leadscrew_panel::Order {
         op: op.to_owned(),
-        args: Value::Null,
+        args,
         echo,
     };
     let page = std::thread::spawn(move || {
@@ -57,7 +67,7 @@ fn sent(frames: &[Frame]) -> Vec<(u8, Order, Option<Beat>)> {
 
 #[test]
 fn an_order_shows_the_age_of_what_its_page_has_seen() {
-    let (desk, now) = (Arc::new(Desk::new(NODE)), Instant::now());
+    let (desk, now) = (Arc::new(desk()), Instant::now());
     desk.turn(&heard(4, 1_000), now);
     let page = orders(&desk, "start", Some(800));
     let echo = Some(Beat::new(800));
@@ -77,7 +87,7 @@ fn an_order_shows_the_age_of_what_its_page_has_seen() {
 
 #[test]
 fn by_old_values_nothing_is_ordered_but_hold_stop_and_reset() {
-    let (desk, now) = (Arc::new(Desk::new(NODE)), Instant::now());
+    let (desk, now) = (Arc::new(desk()), Instant::now());
     let refused = |op: &str, echo, at| {
         let page = orders(&desk, op, echo);
         assert!(desk.turn(&heard(4, 1_000), at).is_empty());
@@ -106,7 +116,7 @@ fn by_old_values_nothing_is_ordered_but_hold_stop_and_reset() {
 
 #[test]
 fn a_stop_passes_what_is_on_its_way_and_no_hold_takes_its_place() {
-    let (desk, now) = (Arc::new(Desk::new(NODE)), Instant::now());
+    let (desk, now) = (Arc::new(desk()), Instant::now());
     desk.turn(&heard(4, 1_000), now);
     let resume = orders(&desk, "resume", Some(1_000));
     assert_eq!(sent(&desk.turn(&heard(4, 1_000), now)).len(), 1);
@@ -128,7 +138,7 @@ fn a_stop_passes_what_is_on_its_way_and_no_hold_takes_its_place() {
 
 #[test]
 fn a_press_is_as_many_frames_as_came_and_a_release_always_goes() {
-    let (desk, now) = (Desk::new(NODE), Instant::now());
+    let (desk, now) = (desk(), Instant::now());
     let jog = |way: i8, echo| {
         let jog = Jog {
             press: 9,
@@ -174,4 +184,41 @@ fn a_press_is_as_many_frames_as_came_and_a_release_always_goes() {
         jog(0, 992);
     }
     assert_eq!(desk.turn(&heard(4, 1_000), now).len(), FRAMES);
+}
+
+#[test]
+fn a_hold_of_a_machine_at_rest_takes_back_the_program_that_is_to_be_sent() {
+    let (desk, now) = (Arc::new(desk()), Instant::now());
+    let mut seen = heard(4, 1_000);
+    seen.beat.as_mut().unwrap().mode = OperatingMode::Automatic;
+    desk.turn(&seen, now);
+    let args = json!({"name": "a.nc", "tag": "1-x"});
+    let start = || orders_with(&desk, "program", args.clone(), Some(1_000));
+    let page = start();
+    desk.turn(&seen, now);
+    // A second one has to wait for the first.
+    let second = start();
+    desk.turn(&seen, now);
+    let refused = second.join().unwrap()["en"].clone();
+    assert!(refused.as_str().unwrap().starts_with("4502 "), "{refused}");
+    let hold = orders(&desk, "hold", None);
+    desk.turn(&seen, now);
+    let taken = page.join().unwrap();
+    assert!(
+        taken["en"].as_str().unwrap().contains("taken the place"),
+        "{taken}"
+    );
+    let asks = desk.asks();
+    assert!(asks.programs.is_empty() && asks.halts == 1);
+    seen = heard(5, 1_000);
+    seen.beat.as_mut().unwrap().mode = OperatingMode::Automatic;
+    desk.turn(&seen, now);
+    assert_eq!(hold.join().unwrap(), json!({"ok": true}));
+    // Behind it another one may be begun.
+    let page = start();
+    desk.turn(&seen, now);
+    let asks = desk.asks();
+    assert_eq!((asks.programs.len(), asks.halts), (1, 1));
+    desk.answer(asks.programs[0].ticket, Ok(()));
+    assert_eq!(page.join().unwrap(), json!({"ok": true}));
 }

@@ -1,12 +1,15 @@
 //! The server over real sockets: each refusal, clients that are slow or say nothing, and what one who watches is told.
 
+mod programs;
+
 use std::io::{Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpStream};
+use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use leadscrew_panel::{
-    CONNECTIONS, Feed, Jog, Machine, Order, Refusal, STREAMS, Server, Token, Tokens,
+    CONNECTIONS, Feed, Jog, Machine, Order, Programs, Refusal, STREAMS, Server, Token, Tokens, View,
 };
 
 /// Nothing takes so long on any computer.
@@ -32,6 +35,11 @@ impl Machine for Noted {
         self.0.lock().unwrap().push(format!("{:?}", jog.axes));
         "{\"ok\":true}".into()
     }
+
+    fn view(&self, program: &Path, view: View, zh: bool) -> String {
+        let name = program.file_name().unwrap();
+        format!("{{\"seen\":{name:?},\"view\":\"{view:?}\",\"zh\":{zh}}}")
+    }
 }
 
 struct Bench {
@@ -42,6 +50,10 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
+        Self::with(None)
+    }
+
+    fn with(programs: Option<Arc<Programs>>) -> Self {
         let feed = Arc::new(Feed::default());
         let listen = SocketAddr::from(([127, 0, 0, 1], 0));
         let names = ["panel.example".to_owned()];
@@ -51,7 +63,8 @@ impl Bench {
         };
         let machine = Arc::new(Noted::default());
         let owned = Arc::clone(&machine);
-        let server = Server::start(listen, &names, tokens, Arc::clone(&feed), owned).unwrap();
+        let told = Arc::clone(&feed);
+        let server = Server::start(listen, &names, tokens, told, owned, programs).unwrap();
         Self {
             server,
             feed,

@@ -1,0 +1,142 @@
+//! Another command of this program, in a process of its own: the one who begins it goes on, and what is checked and kept
+//! is the same wherever it is begun.
+//!
+//! It must not know what the command does. Who ends does not end it: a program that the machine runs goes on.
+
+use std::ffi::OsString;
+use std::io::{self, Read as _};
+use std::os::unix::process::CommandExt as _;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use clap::ValueEnum as _;
+use leadscrew_core::alarm::Lang;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+
+use crate::cli::Global;
+use crate::words::pick;
+
+/// A command under way.
+#[derive(Debug)]
+pub struct Own {
+    ended: Receiver<io::Result<Vec<u8>>>,
+    /// To end it before its time.
+    pub handle: Handle,
+}
+
+/// The process, until it has ended.
+#[derive(Clone, Debug)]
+pub struct Handle(Arc<Mutex<Option<Child>>>);
+
+impl Own {
+    /// Begins a command with the options of this one; what it says is JSON, its words in this language.
+    ///
+    /// # Errors
+    /// No process is to be had.
+    pub fn begin(
+        global: &Global,
+        name: &str,
+        argument: impl Into<OsString>,
+        lang: Lang,
+    ) -> io::Result<Self> {
+        let mut child = Command::new(std::env::current_exe()?)
+            .args([name, "--json", "--lang", pick(lang, "en", "zh")])
+            .args(passed_on(global))
+            .arg("--")
+            .arg(argument.into())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            // A key that ends this program does not end that one.
+            .process_group(0)
+            .spawn()?;
+        let output = child.stdout.take();
+        let handle = Handle(Arc::new(Mutex::new(Some(child))));
+        let (send, ended) = channel();
+        let own = handle.clone();
+        std::thread::spawn(move || {
+            let mut said = Vec::new();
+            let read = output.map_or(Ok(0), |mut output| output.read_to_end(&mut said));
+            // It has said all. While it is waited for nobody ends it: its number may be another's afterwards.
+            let mut child = own.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let waited = child
+                .take()
+                .map_or(Ok(()), |mut child| child.wait().map(drop));
+            drop(child);
+            // Nobody waits where the panel has ended.
+            let _ = send.send(read.and(waited).map(|()| said));
+        });
+        Ok(Self { ended, handle })
+    }
+
+    /// What it has said, once it has come to its end.
+    pub fn ended(&self) -> Option<io::Result<Vec<u8>>> {
+        match self.ended.try_recv() {
+            Ok(said) => Some(said),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Ok(Vec::new())),
+        }
+    }
+}
+
+impl Handle {
+    /// Ends it as Ctrl-C does: what has not begun does not begin.
+    pub fn interrupt(&self) {
+        let child = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let number = child
+            .as_ref()
+            .and_then(|child| i32::try_from(child.id()).ok());
+        if let Some(number) = number {
+            // It may just have ended.
+            let _ = kill(Pid::from_raw(number), Signal::SIGINT);
+        }
+    }
+}
+
+/// The options that say which board it is, and how programs are read.
+fn passed_on(global: &Global) -> Vec<OsString> {
+    let mut options: Vec<OsString> = vec!["--bus".into(), global.bus.to_string().into()];
+    let mut pair = |name: &str, value: OsString| options.extend([name.into(), value]);
+    if let Some(node) = global.node {
+        pair("--node", node.to_string().into());
+    }
+    if let Some(rate) = global.bitrate {
+        pair(
+            "--bitrate",
+            (rate.bits_per_second() / 1_000).to_string().into(),
+        );
+    }
+    let dialect = global
+        .dialect
+        .and_then(|dialect| dialect.to_possible_value());
+    if let Some(dialect) = dialect {
+        pair("--dialect", dialect.get_name().into());
+    }
+    for (name, file) in [
+        ("--tools", &global.tools),
+        ("--variables", &global.variables),
+    ] {
+        if let Some(file) = file {
+            pair(name, file.into());
+        }
+    }
+    for file in &global.params {
+        pair("--params", file.into());
+    }
+    for value in &global.set {
+        pair("--set", value.into());
+    }
+    for (name, is_on) in [
+        ("--skip", global.skip),
+        ("--optional-stop", global.optional_stop),
+        ("--single-block", global.single_block),
+        ("--dry-run", global.dry_run),
+    ] {
+        if is_on {
+            options.push(name.into());
+        }
+    }
+    options
+}

@@ -1,0 +1,36 @@
+//! What the desk asks of the panel's own thread, which alone waits for the bus and begins processes. Values alone.
+
+/// A line to be carried out, and whether its answer is to be Chinese.
+pub struct Line {
+    /// Answers whether it has begun.
+    pub ticket: u64,
+    /// The line.
+    pub text: String,
+    /// The answer is Chinese.
+    pub zh: bool,
+}
+
+/// A program to be sent and begun.
+pub struct Program {
+    /// Answers whether it is being sent.
+    pub ticket: u64,
+    /// Its name.
+    pub name: String,
+    /// The tag of its text.
+    pub tag: String,
+    /// The answer is Chinese.
+    pub zh: bool,
+}
+
+/// What the panel's own thread is asked.
+#[derive(Default)]
+pub struct Asks {
+    /// Orders of which the board has to say whether it has refused them.
+    pub reasons: Vec<u64>,
+    /// Lines.
+    pub lines: Vec<Line>,
+    /// Programs.
+    pub programs: Vec<Program>,
+    /// Holds and stops that were given before.
+    pub halts: u64,
+}

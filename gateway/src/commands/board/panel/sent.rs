@@ -1,0 +1,113 @@
+//! A program of the panel's folder that is sent and begun: `leadscrew run` does it, in a process of its own.
+//!
+//! The text is the one that its page has shown, and nobody changes it here before it has ended. This must not know who has
+//! ordered it.
+
+use std::sync::Arc;
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_panel::{Claim, Programs, Refusal};
+use serde_json::Value;
+
+use super::super::monitor::typed;
+use super::super::own::{Handle, Own};
+use super::desk::Program;
+use super::object;
+use crate::cli::Global;
+use crate::json::Json;
+use crate::words::{Both, both};
+
+/// A program under way.
+#[derive(Debug)]
+pub struct Sent {
+    name: String,
+    tag: String,
+    own: Own,
+    /// It stays as it is until this goes.
+    _claim: Claim,
+}
+
+impl Sent {
+    /// Begins it.
+    ///
+    /// # Errors
+    /// There is no folder, no such program, or another text under its name; no process is to be had.
+    pub fn begin(
+        global: &Global,
+        programs: Option<&Arc<Programs>>,
+        program: &Program,
+    ) -> Result<Self, Both> {
+        let programs = programs.ok_or_else(|| of_refusal(Refusal::NoStore))?;
+        let claim = programs
+            .claim(&program.name, &program.tag)
+            .map_err(of_refusal)?;
+        let lang = if program.zh { Lang::Zh } else { Lang::En };
+        let own = Own::begin(global, "run", &claim.path, lang).map_err(|error| {
+            both!(
+                "`leadscrew run` does not begin: {error}",
+                "无法启动 `leadscrew run`：{error}"
+            )
+        })?;
+        Ok(Self {
+            name: program.name.clone(),
+            tag: program.tag.clone(),
+            own,
+            _claim: claim,
+        })
+    }
+
+    /// To end it before its time.
+    pub fn handle(&self) -> Handle {
+        self.own.handle.clone()
+    }
+
+    /// What has become of it, once it has ended.
+    pub fn ended(&self) -> Option<Result<Both, Both>> {
+        let said = self.own.ended()?;
+        let value: Value = serde_json::from_slice(&said.unwrap_or_default()).unwrap_or_default();
+        let name = &self.name;
+        if value["ok"] == true {
+            return Some(Ok(both!("{name} has ended well", "{name} 已正常结束")));
+        }
+        let why = typed::why(&value).unwrap_or_else(|| {
+            both!(
+                "it was held or stopped before it had begun, or has ended without a result: look at the alarms",
+                "在开始前被保持或停止，或未给出结果即结束：请查看报警"
+            )
+        });
+        Some(Err(both!(
+            "{name}: {en}",
+            "{name}：{zh}",
+            en = why.en,
+            zh = why.zh
+        )))
+    }
+
+    /// What all pages are told: which program it is, and its end.
+    pub fn told(&self, end: Option<&Result<Both, Both>>) -> String {
+        object(|json| {
+            json.text("name", &self.name);
+            json.text("tag", &self.tag);
+            match end {
+                Some(done) => json.object_at("end", |json| self::end(json, done)),
+                None => json.null("end"),
+            }
+        })
+    }
+}
+
+/// The end of a command of its own.
+pub fn end(json: &mut Json, done: &Result<Both, Both>) {
+    json.flag("ok", done.is_ok());
+    let (Ok(words) | Err(words)) = done;
+    json.text("en", &words.en);
+    json.text("zh", &words.zh);
+}
+
+fn of_refusal(refusal: Refusal) -> Both {
+    let [en, zh] = refusal.words();
+    Both {
+        en: en.to_owned(),
+        zh: zh.to_owned(),
+    }
+}

@@ -1,0 +1,155 @@
+//! What is to be known of a program without running it: what `check` says, and the path, both by the parameters and the
+//! table that the board has now. The bus is not asked for it.
+//!
+//! This must not know pages. One program is looked at at a time: it takes a processor, and the machine's side needs one too.
+
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use leadscrew_core::call::Position;
+use leadscrew_core::link::Status;
+use leadscrew_core::offsets::Offsets;
+use leadscrew_core::params::Params;
+use leadscrew_panel::View;
+
+use super::super::{Base, Table};
+use super::{object, path};
+use crate::checking::{self, Detail};
+use crate::cli::{Global, LangName};
+use crate::failure::{Failure, Outcome};
+use crate::setup::{Answer, Setup};
+use crate::source::SourceFile;
+use crate::words::{Both, both, pick};
+
+/// What a board has.
+#[derive(Debug)]
+struct Known {
+    base: Base,
+    /// Names both: another one where either is another.
+    tag: String,
+    /// Where its axes stand.
+    position: Position,
+}
+
+/// Looks at programs.
+#[derive(Debug)]
+pub struct Views {
+    /// With the options of the panel.
+    global: Global,
+    known: Mutex<Option<Known>>,
+    turn: Mutex<()>,
+}
+
+impl Views {
+    /// Nothing is known of the board yet.
+    pub fn new(global: &Global) -> Self {
+        Self {
+            global: Global {
+                // What the loading of parameters says to a program is for nobody.
+                json: false,
+                ..global.clone()
+            },
+            known: Mutex::default(),
+            turn: Mutex::default(),
+        }
+    }
+
+    fn known(&self) -> MutexGuard<'_, Option<Known>> {
+        // It is replaced whole.
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes what the board has; `None` where that is not known.
+    pub fn note(&self, read: Option<(&Params, Option<&Offsets>)>, status: &Status) {
+        let mut known = self.known();
+        let Some((params, table)) = read else {
+            *known = None;
+            return;
+        };
+        let revision = table.map_or(0, |table| table.revision.0);
+        let tag = format!("{revision}-{:08x}", status.parameters);
+        match &mut *known {
+            Some(known) if known.tag == tag => known.position = status.position,
+            _ => {
+                let base = Base {
+                    params: params.clone(),
+                    offsets: Table::Board(table.copied().map(Box::new)),
+                };
+                let position = status.position;
+                *known = Some(Known {
+                    base,
+                    tag,
+                    position,
+                });
+            }
+        }
+    }
+
+    /// By what programs are looked at now.
+    pub fn tag(&self) -> Option<String> {
+        self.known().as_ref().map(|known| known.tag.clone())
+    }
+
+    /// What is asked of a program, as JSON; `error` where there is nothing to say.
+    pub fn of(&self, program: &Path, view: View, zh: bool) -> String {
+        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        self.look(program, view, zh).unwrap_or_else(|failure| {
+            let words = failure.words().unwrap_or_else(unsaid);
+            let text = if zh { &words.zh } else { &words.en };
+            object(|json| json.text("error", text))
+        })
+    }
+
+    fn look(&self, program: &Path, view: View, zh: bool) -> Outcome<String> {
+        let known = self.known();
+        let (base, tag, position) = match &*known {
+            Some(known) => (known.base.clone(), known.tag.clone(), known.position),
+            None => return Err(Failure::WrongBecause(unread())),
+        };
+        drop(known);
+        let mut global = self.global.clone();
+        global.lang = if zh { LangName::Zh } else { LangName::En };
+        let source = SourceFile::new(program);
+        let mut setup = Setup::over(&global, Some(base), Some(program), Answer::Check)?;
+        if view == View::Path {
+            setup.position = Some(position);
+            return path::json(&setup, &source, &tag);
+        }
+        let report = checking::check(&setup, &source, Detail::Verdict)?;
+        let further: String = report
+            .unlisted
+            .iter()
+            .map(|kind| kind.words().get(setup.lang).to_owned() + pick(setup.lang, ". ", "。"))
+            .collect();
+        Ok(object(|json| {
+            json.text("by", &tag);
+            json.flag("ok", report.alarms.is_empty());
+            json.integer("moves", i64::try_from(report.moves).unwrap_or(i64::MAX));
+            json.text("more", further.trim_end());
+            for (key, list) in [("alarms", &report.alarms), ("warnings", &report.warnings)] {
+                json.array_at(key, |json| {
+                    // Of the text itself no file is named.
+                    for diagnostic in list {
+                        json.object(|json| diagnostic.fields(json, false));
+                    }
+                });
+            }
+        }))
+    }
+}
+
+fn unread() -> Both {
+    both!(
+        "the parameters and the tool table of the board are not read yet, or the table is damaged: look at the alarms, then open \
+         the program again",
+        "尚未读到控制板的参数和刀具表，或刀具表已损坏：请查看报警，然后重新打开程序"
+    )
+}
+
+/// Of a failure that has told its reason elsewhere.
+fn unsaid() -> Both {
+    both!(
+        "the machine file beside the program is wrong: `leadscrew check` says where",
+        "程序旁边的机床文件有误：`leadscrew check` 会指出位置"
+    )
+}

@@ -1,0 +1,211 @@
+//! Programs of the page against a machine that stays: what is said of one by what the board has, and how it is begun.
+
+use serde_json::{Value, json};
+
+use super::{Client, Page, wait};
+use crate::{LONG, SHORT, User, good};
+
+/// A panel with a folder of programs.
+fn with_programs(user: &User, programs: &[(&str, &str)]) -> Page {
+    let folder = user.0.join("parts");
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, text) in programs {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    Page::with(user, &["--programs", folder.to_str().unwrap()])
+}
+
+impl Client<'_> {
+    /// What a page reads; with the tag of a text.
+    fn get(&self, path: &str) -> (u16, String, String) {
+        let cookie = format!("Cookie: {}", self.cookie);
+        let (status, head, body) = self.page.ask(&format!("GET {path}"), &[&cookie], "");
+        let tag = head.lines().find_map(|line| line.strip_prefix("ETag: "));
+        let tag = tag.unwrap_or_default().trim_matches('"').to_owned();
+        (status, tag, body)
+    }
+
+    /// What is said of a program, once the board's parameters are read.
+    fn seen(&self, path: &str) -> Value {
+        loop {
+            let (status, _, body) = self.get(path);
+            assert_eq!(status, 200, "{body}");
+            let seen: Value = serde_json::from_str(&body).unwrap();
+            if seen["by"].is_string() {
+                return seen;
+            }
+            let why = seen["error"].as_str().unwrap();
+            assert!(why.contains("not read yet"), "{why}");
+        }
+    }
+}
+
+#[test]
+fn what_is_said_of_a_program_is_by_what_the_board_has() {
+    let user = User::with_machine();
+    let page = with_programs(
+        &user,
+        &[
+            (
+                "a.nc",
+                "(STOCK X60 L100)\nG50 X0 Z0\nM3 S600\nG0 X10 Z2\nG98 G1 Z-3 F100\nG2 X14 Z-5 R2\nM30\n",
+            ),
+            ("wrong.nc", "G98 G1 X1 F100\nG1 Q\nM30\n"),
+        ],
+    );
+    let one = page.client("one");
+    let check = one.seen("/programs/wrong.nc/check");
+    assert_eq!(
+        (&check["ok"], &check["alarms"][0]["line"]),
+        (&json!(false), &json!(2))
+    );
+    for key in ["message", "help"] {
+        assert!(
+            check["alarms"][0][key].as_str().unwrap().is_ascii(),
+            "{check}"
+        );
+    }
+    let check = one.seen("/programs/a.nc/check");
+    assert_eq!((&check["ok"], &check["alarms"]), (&json!(true), &json!([])));
+    let path = one.seen("/programs/a.nc/path");
+    let kinds = path["kinds"].as_str().unwrap();
+    assert!(kinds.starts_with("mrf") && kinds.len() > 6, "{kinds}");
+    let sum = |key: &str| -> i64 {
+        let list = path[key].as_array().unwrap();
+        assert_eq!(list.len(), kinds.len());
+        list.iter().map(|value| value.as_i64().unwrap()).sum()
+    };
+    // The end: X14 Z-5 in micrometres of the radius, on line 6, by the sixth move.
+    let ends = ["x", "z", "lines", "numbers"].map(sum);
+    assert_eq!(ends, [7_000, -5_000, 6, 4]);
+    assert_eq!(
+        path["stock"],
+        json!({"x0": 0, "x1": 30, "z0": -100, "z1": 0})
+    );
+    // Another set of parameters, and what is said goes by that one.
+    let by = path["by"].clone();
+    good(&user.does(&["params", "set", "1321.X=-4mm"]));
+    let _ = wait(&mut page.watch(), "s", |s| {
+        s["by"].is_string() && s["by"] != by
+    });
+    let path = one.seen("/programs/a.nc/path");
+    assert_eq!(path["limits"]["x0"], -4);
+}
+
+#[test]
+fn a_program_is_sent_and_begun_as_its_page_has_seen_it_and_stays_until_its_end() {
+    let user = User::with_machine();
+    let page = with_programs(
+        &user,
+        &[
+            ("long.nc", LONG),
+            ("short.nc", SHORT),
+            ("wrong.nc", "G1 Q\n"),
+        ],
+    );
+    let mut one = page.client("one");
+    let (_, tag, text) = one.get("/programs/long.nc");
+    assert_eq!(text, LONG);
+    let args = json!({"name": "long.nc", "tag": tag});
+    let refused = |answer: (u16, Value), why: &str| {
+        assert!(
+            answer.1["en"].as_str().unwrap().contains(why),
+            "{}",
+            answer.1
+        );
+    };
+    refused(one.orders("program", &args), "does not operate");
+    one.take();
+    refused(one.orders("program", &args), "4501 ");
+    one.does("mode", &json!({"mode": "automatic"}));
+    refused(
+        one.orders("program", &json!({"name": "long.nc", "tag": "1-x"})),
+        "not what this page has seen",
+    );
+    refused(
+        one.orders("program", &json!({"name": "../a", "tag": tag})),
+        "no program can have this name",
+    );
+    refused(
+        one.orders("program", &json!({"name": "none", "tag": tag})),
+        "no such program",
+    );
+    let mut told = page.watch();
+    one.does("program", &args);
+    let begun = wait(&mut told, "program", |_| true);
+    assert_eq!(begun, json!({"name": "long.nc", "tag": tag, "end": null}));
+    user.wait_for("run");
+    refused(one.orders("program", &args), "4502 ");
+    // Nobody changes it under way.
+    let own = one.cookie.clone();
+    let write = |name: &str, tag: &str| {
+        let origin = format!("Origin: http://{}", page.address);
+        let (cookie, seen) = (format!("Cookie: {own}"), format!("If-Match: \"{tag}\""));
+        let kind = "Content-Type: application/octet-stream";
+        let headers = [&*origin, "X-Leadscrew: 1", kind, &cookie, &seen];
+        page.ask(&format!("PUT /programs/{name}"), &headers, "M30\n")
+    };
+    let (status, _, body) = write("long.nc", &tag);
+    assert!(
+        status == 409 && body.contains("\"runs\""),
+        "{status} {body}"
+    );
+    let (_, other, _) = one.get("/programs/short.nc");
+    one.does("stop", &Value::Null);
+    let end = wait(&mut told, "program", |one| !one["end"].is_null());
+    assert_eq!(end["end"]["ok"], false);
+    assert!(
+        end["end"]["en"]
+            .as_str()
+            .unwrap()
+            .starts_with("long.nc: 4300 "),
+        "{end}"
+    );
+    let (status, _, body) = write("long.nc", &tag);
+    assert_eq!(status, 200, "{body}");
+    one.does("reset", &Value::Null);
+    user.wait_for("idle");
+    // One that comes to its end, and one that is wrong.
+    one.does("program", &json!({"name": "short.nc", "tag": other}));
+    let end = wait(&mut told, "program", |one| {
+        one["name"] == "short.nc" && !one["end"].is_null()
+    });
+    assert_eq!(end["end"]["ok"], true, "{end}");
+    let (_, wrong, _) = one.get("/programs/wrong.nc");
+    one.does(
+        "program",
+        &json!({"name": "wrong.nc", "tag": wrong, "zh": true}),
+    );
+    let end = wait(&mut told, "program", |one| {
+        one["name"] == "wrong.nc" && !one["end"].is_null()
+    });
+    assert_eq!(end["end"]["ok"], false, "{end}");
+    assert!(!end["end"]["zh"].as_str().unwrap().is_ascii(), "{end}");
+}
+
+#[test]
+fn a_program_goes_on_where_the_panel_ends() {
+    let user = User::with_machine();
+    let page = with_programs(&user, &[("long.nc", LONG)]);
+    let mut one = page.client("one");
+    one.take();
+    one.does("mode", &json!({"mode": "automatic"}));
+    let (_, tag, _) = one.get("/programs/long.nc");
+    one.does("program", &json!({"name": "long.nc", "tag": tag}));
+    user.wait_for("run");
+    drop(one);
+    drop(page);
+    assert_eq!(user.json(&["status"])["state"], "run");
+    good(&user.does(&["stop"]));
+    user.wait_for("alarm");
+}
+
+#[test]
+fn a_panel_without_a_folder_tells_its_page_and_a_folder_that_is_none_is_refused() {
+    let user = User::with_machine();
+    let page = Page::start(&user);
+    let hello = wait(&mut page.watch(), "hello", |_| true);
+    assert_eq!(hello["programs"], false);
+    let output = user.does(&["panel", "--listen", "127.0.0.1:0", "--programs", "nowhere"]);
+    assert!(crate::bad(&output, 2).contains("`nowhere` is no folder"));
+}

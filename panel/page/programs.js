@@ -1,0 +1,209 @@
+// The programs of the panel's folder: opened, changed, checked, drawn, and begun. It must not know how the machine is told.
+
+import { Path } from "./path.js";
+import { Text } from "./text.js";
+import { program, programs, view, write } from "./transport.js";
+import { isChinese, word } from "./words.js";
+
+const at = (id) => document.getElementById(id);
+const text = new Text({ area: at("source"), numbers: at("numbers"), bar: at("here"), changed });
+const path = new Path(at("plot"));
+// The open program: name, tag, line ends, whether it may be changed, whether it was, by what it was looked at.
+let open = null;
+// The one that the machine runs from here.
+let runs = null;
+// Programs that are opened one behind the other: only the last one counts.
+let turn = 0;
+// A change that is not saved is given up by asking twice.
+let doomed = null;
+let tell = () => {};
+
+const both = (key) => ({ en: word(key), zh: word(key) });
+const is_open = (one) => open !== null && one !== null && open.name === one.name && open.tag === one.tag;
+
+function changed() {
+  if (open) open.changed = true;
+  doomed = null;
+  text.mark([]);
+  note();
+}
+
+function note() {
+  const parts = [open?.name, open?.changed && word("unsaved"), open?.bare && word("other_letters"),
+    open && text.is_long && word("too_long")];
+  if (runs) parts.push(`▶ ${runs.name}`);
+  at("text_note").textContent = parts.filter(Boolean).join(" · ");
+  at("save").disabled = text.is_long || document.body.classList.contains("looks");
+  at("source").readOnly = open?.bare || text.is_long || is_open(runs) || document.body.classList.contains("looks");
+}
+
+// What was answered: its refusal is told, and then there is nothing.
+async function asked(what) {
+  try {
+    const answer = await what;
+    if (!answer.refused && !answer.error) return answer;
+    tell(answer.error ? { en: answer.error, zh: answer.error } : answer);
+  } catch {
+    tell(both("no_panel"));
+  }
+  return null;
+}
+
+async function list() {
+  const answer = await asked(programs());
+  if (!answer) return;
+  const options = answer.programs.map(({ name, size }) => {
+    const option = document.createElement("option");
+    option.value = name;
+    option.textContent = `${name} · ${size < 1000 ? `${size} B` : `${(size / 1000).toFixed(1)} kB`}`;
+    return option;
+  });
+  const first = document.createElement("option");
+  first.value = "";
+  first.textContent = `${word("choose")} (${answer.programs.length + answer.further})`;
+  at("programs").replaceChildren(first, ...options);
+  at("programs").value = open?.name ?? "";
+}
+
+// Opens a program. Changes that are not saved are kept the first time.
+async function show(name) {
+  if (open?.changed && doomed !== name) {
+    doomed = name;
+    at("programs").value = open.name;
+    tell(both("unsaved_stay"));
+    return;
+  }
+  turn += 1;
+  const own = turn;
+  at("path_note").textContent = "";
+  const answer = await asked(program(name));
+  if (!answer || own !== turn) return;
+  doomed = null;
+  const decoded = read(answer.bytes);
+  open = { name, tag: answer.tag, ends: decoded.text.includes("\r\n") ? "\r\n" : "\n", bare: decoded.bare, changed: false };
+  text.value = decoded.text;
+  at("name").value = name;
+  at("programs").value = name;
+  path.show(null);
+  note();
+  await look();
+}
+
+// Letters that are not UTF-8 are shown, and not written: they would come back as others.
+function read(bytes) {
+  try {
+    return { text: new TextDecoder("utf-8", { fatal: true }).decode(bytes), bare: false };
+  } catch {
+    return { text: new TextDecoder("gb18030").decode(bytes), bare: true };
+  }
+}
+
+// What is wrong with the open program, and its path, by what the board has now.
+async function look() {
+  const own = turn;
+  const { name } = open;
+  at("found").replaceChildren(row("plain", word("checking")));
+  const [check, way] = await Promise.all([view(name, "check", isChinese()), view(name, "path", isChinese())].map(asked));
+  if (own !== turn) return;
+  open.by = check?.by;
+  found(check);
+  path.show(way);
+  at("path_note").textContent = way ? said(way, check) : "";
+}
+
+function said(way, check) {
+  const parts = [`${way.kinds.length - way.zeros.length} ${word("pieces")}`];
+  if (!way.whole) parts.push(word("path_cut"));
+  if (check && !check.ok) parts.push(word("path_alarm"));
+  return parts.join(" · ");
+}
+
+function row(tone, told, line) {
+  const item = document.createElement("li");
+  item.dataset.tone = tone;
+  if (!line) {
+    item.textContent = told;
+    return item;
+  }
+  const button = document.createElement("button");
+  button.type = "button";
+  button.textContent = told;
+  button.onclick = () => text.go(line);
+  item.append(button);
+  return item;
+}
+
+function found(check) {
+  if (!check) return at("found").replaceChildren();
+  const rows = [["alarms", "bad", "▲"], ["warnings", "care", "!"]].flatMap(([key, tone, sign]) => check[key].map((one) => {
+    const number = String(one.no).padStart(4, "0");
+    // A line of a subprogram is none of this text.
+    const line = one.file ? 0 : one.line;
+    return { tone, line, told: `${sign} ${one.file ? `${one.file}:` : ""}${one.line}: ${number} ${one.message} — ${word("remedy")}: ${one.help}` };
+  }));
+  const list = rows.map(({ tone, line, told }) => row(tone, told, line));
+  if (check.more) list.push(row("care", check.more));
+  if (!list.length) list.push(row("good", `✓ ${word("good")} · ${check.moves} ${word("moves")}`));
+  at("found").replaceChildren(...list);
+  text.mark(rows.toReversed().filter(({ line }) => line).map(({ line, tone }) => [line, tone]));
+}
+
+async function save() {
+  const name = at("name").value.trim();
+  const own = open?.name === name ? open : null;
+  const sent = own?.ends === "\r\n" ? text.value.replaceAll("\n", "\r\n") : text.value;
+  const answer = await asked(write(name, sent, own?.tag ?? null));
+  if (!answer) return;
+  turn += 1;
+  open = { name, tag: answer.tag, ends: own?.ends ?? "\n", bare: false, changed: false };
+  tell(both("saved"));
+  await list();
+  note();
+  await look();
+}
+
+// Ready: whether the panel has a folder; what an order has to do; how it is told.
+export function begin({ order, said: told, held, has_folder }) {
+  tell = told;
+  at("store").hidden = !has_folder;
+  at("no_store").hidden = has_folder;
+  if (!has_folder || begin.done) return;
+  begin.done = true;
+  at("programs").onchange = (event) => { if (event.target.value) show(event.target.value); };
+  at("reload").onclick = () => { list(); if (open) show(open.name); };
+  at("save").onclick = save;
+  held(at("run"), () => {
+    if (!open) return tell(both("none_open"));
+    if (open.changed) return tell(both("save_first"));
+    order("program", { name: open.name, tag: open.tag, zh: isChinese() });
+  });
+  list();
+}
+
+for (const [id, act] of [["fit", () => path.view.fit()], ["nearer", () => path.view.magnify(1.5)], ["farther", () => path.view.magnify(1 / 1.5)]]) {
+  at(id).onclick = act;
+}
+
+// Words have changed.
+export function again() {
+  note();
+  if (begin.done) list();
+  if (open && !open.changed) look();
+}
+
+// What runs from here, or has ended.
+export function under_way(one) {
+  runs = one.end ? null : one;
+  note();
+  if (runs && !open && begin.done) show(runs.name);
+}
+
+export function state(s) {
+  const own = is_open(runs) && s.line !== null;
+  text.here(own ? Number(s.line) || null : null);
+  path.at(s.mx / 2, s.mz, own ? s.move : null);
+  if (open && !open.changed && open.by && s.by && s.by !== open.by) {
+    open.by = s.by;
+    look();
+  }
+}
