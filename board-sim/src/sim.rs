@@ -399,6 +399,12 @@ impl Sim {
         &self.board
     }
 
+    /// Ticks so far: the next row has this number.
+    #[must_use]
+    pub const fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
     /// The plant, to disturb it.
     pub const fn plant(&mut self) -> &mut Plant {
         &mut self.plant

@@ -58,6 +58,33 @@ pub enum Request {
         /// How it is then.
         to: Turret,
     },
+    /// Spoils a drive, or mends it.
+    Drive {
+        /// Which one.
+        which: Drive,
+        /// How it is then.
+        to: DriveFault,
+    },
+    /// The spindle turns at another speed than it is told.
+    Spindle {
+        /// In hundredths of what it is told: 100 is as it is told.
+        percent: i16,
+    },
+    /// Spoils the spindle's encoder, or mends it.
+    Encoder {
+        /// How it is then.
+        to: Encoder,
+    },
+    /// Spoils the wire between the board, its drives and all others, or mends it.
+    Bus {
+        /// How it is then.
+        to: Bus,
+    },
+    /// Spoils the board's flash, or mends it.
+    Flash {
+        /// How it is then.
+        to: Flash,
+    },
     /// Takes the power of board and drives, or gives it.
     Power {
         /// What happens to it.
@@ -119,6 +146,92 @@ pub enum Turret {
     Slips,
     /// It never says that it is clamped.
     Loose,
+}
+
+/// A drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+#[value(rename_all = "UPPER")]
+pub enum Drive {
+    /// Of X.
+    X,
+    /// Of Z.
+    Z,
+    /// Of C.
+    C,
+    /// Of the spindle.
+    S,
+}
+
+impl Drive {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 4] = [Self::X, Self::Z, Self::C, Self::S];
+}
+
+/// What is wrong with a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum DriveFault {
+    /// Nothing.
+    Well,
+    /// It moves as it is told, and sends nothing.
+    Silent,
+    /// Its cable is out.
+    Unplugged,
+    /// It does not move, whatever it is told.
+    Blocked,
+    /// It is in fault, and stays so.
+    Fault,
+    /// Safe torque off.
+    TorqueOff,
+    /// Its own supply has dropped: it starts again, once.
+    Restart,
+    /// Homing does not find its mark.
+    NoMark,
+}
+
+/// An encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Encoder {
+    /// Nothing is wrong with it.
+    Well,
+    /// The wire of its index is broken.
+    NoIndex,
+    /// It counts 40 more, once.
+    Slip,
+}
+
+/// A wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bus {
+    /// Nothing is wrong with it.
+    Well,
+    /// The board's cable is out.
+    Unplugged,
+    /// So bad that the board's controller goes bus-off.
+    Off,
+    /// So bad that the board's controller is error passive.
+    Passive,
+    /// Setpoints come after their SYNC.
+    Late,
+    /// Another node sends SYNC, too.
+    SecondSync,
+    /// Another node moves the drive of X.
+    SecondMaster,
+    /// Another node stops the drive of X by NMT, once.
+    StopsDrive,
+}
+
+/// A flash.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Flash {
+    /// Nothing is wrong with it.
+    Well,
+    /// It takes nothing any more, and keeps what it has.
+    Worn,
 }
 
 /// The power of board and drives.
@@ -294,6 +407,33 @@ mod tests {
             (
                 Request::Speed { thousandths: 500 },
                 r#"{"do":"speed","thousandths":500}"#,
+            ),
+            (
+                Request::Drive {
+                    which: Drive::X,
+                    to: DriveFault::TorqueOff,
+                },
+                r#"{"do":"drive","which":"x","to":"torque-off"}"#,
+            ),
+            (
+                Request::Spindle { percent: -50 },
+                r#"{"do":"spindle","percent":-50}"#,
+            ),
+            (
+                Request::Encoder {
+                    to: Encoder::NoIndex,
+                },
+                r#"{"do":"encoder","to":"no-index"}"#,
+            ),
+            (
+                Request::Bus {
+                    to: Bus::SecondSync,
+                },
+                r#"{"do":"bus","to":"second-sync"}"#,
+            ),
+            (
+                Request::Flash { to: Flash::Worn },
+                r#"{"do":"flash","to":"worn"}"#,
             ),
             (Request::State, r#"{"do":"state"}"#),
             (Request::Down, r#"{"do":"down"}"#),

@@ -28,3 +28,4 @@ pub mod clock;
 pub mod control;
 pub mod machine;
 pub mod server;
+mod spoilt;

@@ -24,7 +24,8 @@ use leadscrew_slcan::SlcanFrame;
 use leadscrew_store::{BUFFER, Store};
 
 use crate::bus::Traffic;
-use crate::control::Door;
+use crate::control::{self, Door};
+use crate::spoilt::Spoilt;
 
 /// What a person can press or open.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,6 +72,15 @@ enum Power {
     Off(Box<Flash>),
 }
 
+impl Power {
+    const fn sim(&mut self) -> Option<&mut Sim> {
+        match self {
+            Self::On(sim) => Some(sim),
+            Self::Off(_) => None,
+        }
+    }
+}
+
 /// A machine.
 pub struct Machine {
     state: StateFile,
@@ -80,6 +90,8 @@ pub struct Machine {
     contacts: Contacts,
     /// Inputs that somebody has set.
     around: Around,
+    /// What somebody has spoilt.
+    spoilt: Spoilt,
     power: Power,
     /// What the flash had seen when it was saved last.
     written: u32,
@@ -112,6 +124,7 @@ impl Machine {
             drives: recipe.drives.clone(),
             contacts: Contacts::default(),
             around: Around::default(),
+            spoilt: Spoilt::default(),
             written: flash.written(),
             power: Power::Off(Box::new(flash)),
             made_with: Params::slant_bed(),
@@ -173,6 +186,33 @@ impl Machine {
     pub fn spoil_turret(&mut self, fault: TurretFault) {
         self.around.spoil_turret(fault);
         self.show_around();
+    }
+
+    /// Something happens to a drive.
+    pub fn spoil_drive(&mut self, which: control::Drive, to: control::DriveFault) {
+        let sim = self.power.sim().map(|sim| (sim, &self.made_with));
+        self.spoilt.drive(which, to, sim);
+    }
+
+    /// The spindle turns at so many hundredths of what it is told.
+    pub fn spoil_spindle(&mut self, percent: i16) {
+        self.spoilt.spindle(percent, self.power.sim());
+    }
+
+    /// Something happens to the spindle's encoder.
+    pub fn spoil_encoder(&mut self, to: control::Encoder) {
+        self.spoilt.encoder(to, self.power.sim());
+    }
+
+    /// Something happens to the wire.
+    pub fn spoil_bus(&mut self, to: control::Bus) {
+        let sim = self.power.sim().map(|sim| (sim, &self.made_with));
+        self.spoilt.bus(to, sim);
+    }
+
+    /// Something happens to the board's flash.
+    pub fn spoil_flash(&mut self, to: control::Flash) {
+        self.spoilt.flash(to, self.power.sim());
     }
 
     /// Somebody sets an input, or leaves it to the simulated devices.
@@ -240,6 +280,7 @@ impl Machine {
         sim.set_pins(self.contacts.pins());
         *sim.around() = self.around;
         fit_switches(&mut sim, &params);
+        self.spoilt.begin(&mut sim, &params);
         self.made_with = params;
         self.power = Power::On(sim);
         self.keep()
@@ -343,14 +384,19 @@ impl Machine {
 /// of the mark [D310].
 fn fit_switches(sim: &mut Sim, params: &Params) {
     for axis in Axis::ALL {
-        let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
-        let mark = scale.and_then(|scale| scale.increments(params.home_position(axis)));
-        if let Some(mark) = mark.filter(|_| params.home_method(axis) == 1) {
+        if let Some(options) = switch(axis, params) {
             let drive = sim.plant().drive(axis);
-            drive.set_homing(HomingOptions::at_plus_end(mark.get().into()));
+            drive.set_homing(options);
             drive.set_homing_method(HomingOptions::OFF_THE_PLUS_END);
         }
     }
+}
+
+/// The reference switch of an axis whose drive homes by itself.
+pub(crate) fn switch(axis: Axis, params: &Params) -> Option<HomingOptions> {
+    let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
+    let mark = scale.increments(params.home_position(axis))?;
+    (params.home_method(axis) == 1).then(|| HomingOptions::at_plus_end(mark.get().into()))
 }
 
 /// Where the axes stand, whatever their drives count.

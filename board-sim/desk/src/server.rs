@@ -323,6 +323,26 @@ impl Server {
                 });
                 Ok(())
             }
+            Request::Drive { which, to } => {
+                self.machine.spoil_drive(which, to);
+                Ok(())
+            }
+            Request::Spindle { percent } => {
+                self.machine.spoil_spindle(percent);
+                Ok(())
+            }
+            Request::Encoder { to } => {
+                self.machine.spoil_encoder(to);
+                Ok(())
+            }
+            Request::Bus { to } => {
+                self.machine.spoil_bus(to);
+                Ok(())
+            }
+            Request::Flash { to } => {
+                self.machine.spoil_flash(to);
+                Ok(())
+            }
             Request::Power { to } => self.power(to),
             Request::Speed { thousandths } => match Speed::of_thousandths(thousandths) {
                 Some(speed) => {

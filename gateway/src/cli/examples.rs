@@ -333,6 +333,26 @@ Examples:
   leadscrew sim speed 0.1         a tenth of real time
   leadscrew sim state --name big";
 
+pub(super) const SIM_DRIVE: &str = "\
+Example:
+  leadscrew sim drive Z fault       alarm 4357; behind `sim drive Z well` a reset";
+
+pub(super) const SIM_SPINDLE: &str = "\
+Example:
+  leadscrew sim spindle 60          alarm 4303 in a thread";
+
+pub(super) const SIM_ENCODER: &str = "\
+Example:
+  leadscrew sim encoder no-index    alarm 4260 in a thread";
+
+pub(super) const SIM_BUS: &str = "\
+Example:
+  leadscrew sim bus off             alarm 4370";
+
+pub(super) const SIM_FLASH: &str = "\
+Example:
+  leadscrew sim flash worn          alarm 4343 where parameters are written";
+
 pub(super) const SIM_DOOR: &str = "\
 Example:
   leadscrew sim door open";

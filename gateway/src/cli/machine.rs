@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use leadscrew_can::MachineName;
-use leadscrew_desk::control::{Contact, Door, Level, Power, Turret};
+use leadscrew_desk::control::{
+    Bus, Contact, Door, Drive, DriveFault, Encoder, Flash, Level, Power, Turret,
+};
 
 use super::{Drives, examples};
 use crate::values::Factor;
@@ -156,6 +158,44 @@ pub enum SimCommand {
         /// How it is then
         #[arg(value_enum)]
         to: Turret,
+    },
+    /// Spoil a drive, or mend it
+    #[command(after_help = examples::SIM_DRIVE)]
+    Drive {
+        /// Which one; `S` is the spindle's
+        #[arg(value_enum, ignore_case = true)]
+        which: Drive,
+        /// How it is then
+        #[arg(value_enum)]
+        to: DriveFault,
+    },
+    /// Let the spindle turn at another speed than it is told
+    #[command(after_help = examples::SIM_SPINDLE)]
+    Spindle {
+        /// In percent of what it is told: 100 is as it is told, 0 stands, −100 turns the other way
+        #[arg(value_name = "PERCENT", allow_negative_numbers = true, value_parser = clap::value_parser!(i16).range(-200..=200))]
+        percent: i16,
+    },
+    /// Spoil the spindle's encoder, or mend it
+    #[command(after_help = examples::SIM_ENCODER)]
+    Encoder {
+        /// How it is then
+        #[arg(value_enum)]
+        to: Encoder,
+    },
+    /// Spoil the wire at the board, or mend it
+    #[command(after_help = examples::SIM_BUS)]
+    Bus {
+        /// How it is then
+        #[arg(value_enum)]
+        to: Bus,
+    },
+    /// Let the board's flash take nothing any more, or mend it
+    #[command(after_help = examples::SIM_FLASH)]
+    Flash {
+        /// How it is then
+        #[arg(value_enum)]
+        to: Flash,
     },
     /// Tell which inputs and outputs of the board are on
     #[command(after_help = examples::SIM_OUTPUTS)]

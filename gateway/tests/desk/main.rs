@@ -3,6 +3,7 @@
 mod agent;
 mod away;
 mod clients;
+mod explain;
 mod from;
 mod functions;
 mod life;

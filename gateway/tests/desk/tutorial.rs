@@ -5,7 +5,7 @@
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
-use std::process::{ChildStdin, ChildStdout, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
 use crate::{LIMIT, User};
@@ -66,14 +66,31 @@ fn is_shown(shown: &str, told: &str) -> bool {
 }
 
 /// A shell in which the commands are typed.
-struct Shell {
+pub struct Shell {
     input: ChildStdin,
     output: BufReader<ChildStdout>,
 }
 
 impl Shell {
+    /// Starts one whose two outputs are one, with the programs that are tested.
+    pub fn start(command: &mut Command) -> (Self, Child) {
+        let binary = Path::new(env!("CARGO_BIN_EXE_leadscrew")).parent().unwrap();
+        let path = std::env::var("PATH").unwrap();
+        command
+            .env("PATH", format!("{}:{path}", binary.display()))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut shell = Self {
+            input: child.stdin.take().unwrap(),
+            output: BufReader::new(child.stdout.take().unwrap()),
+        };
+        assert_eq!(shell.types("exec 2>&1"), "");
+        (shell, child)
+    }
+
     /// Types a command. Gives what has been printed until the shell takes the next one.
-    fn types(&mut self, command: &str) -> String {
+    pub fn types(&mut self, command: &str) -> String {
         // The exit code stays what it was, for a page that asks for it.
         let typed = format!("{command}\nlast=$?; echo; echo \"{MARK}$last\"; (exit $last)\n");
         self.input.write_all(typed.as_bytes()).unwrap();
@@ -99,20 +116,7 @@ fn the_page_of_the_first_hour_prints_what_it_shows() {
     for folder in ["examples", "params"] {
         std::os::unix::fs::symlink(root.join(folder), user.0.join(folder)).unwrap();
     }
-    let binary = Path::new(env!("CARGO_BIN_EXE_leadscrew")).parent().unwrap();
-    let path = std::env::var("PATH").unwrap();
-    let mut shell = user.shell();
-    shell
-        .env("PATH", format!("{}:{path}", binary.display()))
-        .env_remove("LEADSCREW_BUS")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped());
-    let mut child = shell.spawn().unwrap();
-    let mut shell = Shell {
-        input: child.stdin.take().unwrap(),
-        output: BufReader::new(child.stdout.take().unwrap()),
-    };
-    assert_eq!(shell.types("exec 2>&1"), "");
+    let (mut shell, mut child) = Shell::start(user.shell().env_remove("LEADSCREW_BUS"));
     let steps = steps(&page);
     assert!(steps.len() > 30, "{}", steps.len());
     for step in &steps {

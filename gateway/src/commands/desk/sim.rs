@@ -1,4 +1,4 @@
-//! `sim`: door, contacts, power and time of a machine that `up` keeps running.
+//! `sim`: door, contacts, faults, power and time of a machine that `up` keeps running.
 
 use leadscrew_can::MachineName;
 use leadscrew_desk::clock::Speed;
@@ -28,6 +28,11 @@ pub fn sim(global: &Global, named: Option<&MachineName>, command: SimCommand) ->
         }
         SimCommand::Wheel { counts } => Request::Wheel { counts },
         SimCommand::Turret { to } => Request::Turret { to },
+        SimCommand::Drive { which, to } => Request::Drive { which, to },
+        SimCommand::Spindle { percent } => Request::Spindle { percent },
+        SimCommand::Encoder { to } => Request::Encoder { to },
+        SimCommand::Bus { to } => Request::Bus { to },
+        SimCommand::Flash { to } => Request::Flash { to },
         SimCommand::Input { number, to } => Request::Input { number, to },
         SimCommand::State | SimCommand::Outputs => Request::State,
     };

@@ -1,0 +1,159 @@
+//! What is wrong with drives, spindle, encoder, wire and flash of a machine: it stays wrong until it is mended, over a loss
+//! of power too. It must not know who asks for it.
+
+use leadscrew_board_sim::Sim;
+use leadscrew_board_sim::line::{Faults, Intruder, Span};
+use leadscrew_board_sim::plant::{Drive, HomingOptions, Trouble};
+use leadscrew_core::bus::NodeId;
+use leadscrew_core::params::Params;
+use leadscrew_core::units::Axis;
+
+use crate::control::{Bus, Drive as Which, DriveFault, Encoder, Flash};
+
+/// Counts by which interference moves the encoder's counter.
+const SLIP: i32 = 40;
+
+/// The error code of a drive in fault: over-temperature of the drive.
+const HOT: u16 = 0x4210;
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spoilt {
+    drives: [Trouble; 4],
+    /// Axes whose homing never ends.
+    no_mark: [bool; 3],
+    /// Speed of the spindle in hundredths of what it is told.
+    spindle: i16,
+    no_index: bool,
+    bus: Bus,
+    worn: bool,
+}
+
+impl Default for Spoilt {
+    fn default() -> Self {
+        Self {
+            drives: [Trouble::None; 4],
+            no_mark: [false; 3],
+            spindle: 100,
+            no_index: false,
+            bus: Bus::Well,
+            worn: false,
+        }
+    }
+}
+
+impl Spoilt {
+    /// All of it, for a machine that has just been switched on.
+    pub(crate) fn begin(&self, sim: &mut Sim, params: &Params) {
+        for which in Which::ALL {
+            drive(sim, which).trouble(self.drives[which as usize]);
+        }
+        self.show_marks(sim, params);
+        sim.plant().spindle().disturb(self.spindle);
+        sim.plant().encoder().break_index(self.no_index);
+        sim.flash_mut().set_broken(self.worn);
+        if self.bus != Bus::Well {
+            self.show_bus(sim, params);
+        }
+    }
+
+    /// Something happens to a drive.
+    pub(crate) fn drive(&mut self, which: Which, to: DriveFault, sim: Option<(&mut Sim, &Params)>) {
+        let place = which as usize;
+        if let Some(no_mark) = self.no_mark.get_mut(place) {
+            *no_mark = to == DriveFault::NoMark;
+        }
+        self.drives[place] = match to {
+            DriveFault::Well | DriveFault::Restart | DriveFault::NoMark => Trouble::None,
+            DriveFault::Silent => Trouble::Silent,
+            DriveFault::Unplugged => Trouble::CutOff,
+            DriveFault::Blocked => Trouble::Stuck,
+            DriveFault::Fault => Trouble::Fault(HOT),
+            DriveFault::TorqueOff => Trouble::TorqueOff,
+        };
+        if let Some((sim, params)) = sim {
+            drive(sim, which).trouble(self.drives[place]);
+            self.show_marks(sim, params);
+            if to == DriveFault::Restart {
+                drive(sim, which).restart();
+            }
+        }
+    }
+
+    /// The spindle turns at so many hundredths of what it is told.
+    pub(crate) fn spindle(&mut self, percent: i16, sim: Option<&mut Sim>) {
+        self.spindle = percent;
+        if let Some(sim) = sim {
+            sim.plant().spindle().disturb(percent);
+        }
+    }
+
+    /// Something happens to the encoder.
+    pub(crate) fn encoder(&mut self, to: Encoder, sim: Option<&mut Sim>) {
+        self.no_index = to == Encoder::NoIndex;
+        if let Some(sim) = sim {
+            let encoder = sim.plant().encoder();
+            encoder.break_index(self.no_index);
+            if to == Encoder::Slip {
+                encoder.slip(SLIP);
+            }
+        }
+    }
+
+    /// Something happens to the wire.
+    pub(crate) fn bus(&mut self, to: Bus, sim: Option<(&mut Sim, &Params)>) {
+        self.bus = to;
+        if let Some((sim, params)) = sim {
+            self.show_bus(sim, params);
+        }
+    }
+
+    /// Something happens to the flash.
+    pub(crate) fn flash(&mut self, to: Flash, sim: Option<&mut Sim>) {
+        self.worn = to == Flash::Worn;
+        if let Some(sim) = sim {
+            sim.flash_mut().set_broken(self.worn);
+        }
+    }
+
+    fn show_bus(&self, sim: &mut Sim, params: &Params) {
+        let always = Some(Span {
+            from: sim.ticks(),
+            to: u64::MAX,
+        });
+        let x = NodeId::new(params.drive_node(Axis::X)).unwrap_or(NodeId::DRIVE_X);
+        let second = |what| always.map(|span| (what, span));
+        let mut faults = Faults::NONE;
+        match self.bus {
+            // A wire that still tells how its controller is: well again.
+            Bus::Well => faults.error_passive = Some(Span { from: 0, to: 0 }),
+            Bus::Unplugged => faults.cable_out = always,
+            Bus::Off => faults.bus_off = always,
+            Bus::Passive => faults.error_passive = always,
+            Bus::Late => faults.late = always,
+            Bus::SecondSync => faults.intruder = second(Intruder::Sync),
+            Bus::SecondMaster => faults.intruder = second(Intruder::Setpoint(x)),
+            Bus::StopsDrive => faults.intruder = second(Intruder::Stop(x)),
+        }
+        sim.spoil(faults);
+    }
+
+    fn show_marks(&self, sim: &mut Sim, params: &Params) {
+        for (axis, never) in Axis::ALL.into_iter().zip(self.no_mark) {
+            if let Some(options) = crate::machine::switch(axis, params) {
+                let options = HomingOptions { never, ..options };
+                sim.plant().drive(axis).set_homing(options);
+            }
+        }
+    }
+}
+
+const fn drive(sim: &mut Sim, which: Which) -> &mut Drive {
+    let plant = sim.plant();
+    match which {
+        Which::X => plant.drive(Axis::X),
+        Which::Z => plant.drive(Axis::Z),
+        Which::C => plant.drive(Axis::C),
+        Which::S => plant.spindle_drive(),
+    }
+}
