@@ -7,46 +7,24 @@
 use std::path::Path;
 use std::time::Duration;
 
-use leadscrew_board_sim::plant::{Flash, HomingOptions, PlantOptions};
-use leadscrew_board_sim::{Around, Sim, SimError, TurretFault};
+use leadscrew_board_sim::plant::{Flash, PlantOptions};
+use leadscrew_board_sim::{Around, Sim, SimError, TurretFault, fit_switches, places};
 use leadscrew_common::diagnostics::alarm_words;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::profiles::Chosen;
 use leadscrew_common::state::{StateFile, stored_set};
 use leadscrew_common::words::{Both, both};
-use leadscrew_core::board::{Event, Inputs, KeptSet, Mark, Region};
-use leadscrew_core::bus::{Increments, NodeId, Scale};
+use leadscrew_core::board::{Event, KeptSet, Mark, Region};
+use leadscrew_core::bus::NodeId;
 use leadscrew_core::call::Position;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Contact, Params};
-use leadscrew_core::units::{Angle, Axis, Length};
 use leadscrew_slcan::SlcanFrame;
 use leadscrew_store::{BUFFER, Store};
 
 use crate::bus::Traffic;
 use crate::control::Door;
-
-/// What a person can press or open.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Contacts {
-    /// The door.
-    pub door: Door,
-    /// The emergency stop is pressed.
-    pub estop: bool,
-    /// Feed hold is pressed.
-    pub hold: bool,
-}
-
-impl Contacts {
-    /// The board's pins.
-    fn pins(self) -> Inputs {
-        Inputs {
-            stop: self.estop,
-            hold: self.hold,
-            ..Inputs::default()
-        }
-    }
-}
+use crate::hand::Contacts;
 
 /// How a machine is made.
 #[derive(Debug)]
@@ -239,7 +217,7 @@ impl Machine {
             .map_err(|alarm| not_started(&SimError::Board(alarm)))?;
         sim.set_pins(self.contacts.pins());
         *sim.around() = self.around;
-        fit_switches(&mut sim, &params);
+        fit_switches(sim.plant(), &params);
         self.made_with = params;
         self.power = Power::On(sim);
         self.keep()
@@ -253,7 +231,7 @@ impl Machine {
         let Power::On(sim) = &mut self.power else {
             return Ok(());
         };
-        self.at = position(sim, &self.made_with).unwrap_or(self.at);
+        self.at = places(sim.plant(), &self.made_with).unwrap_or(self.at);
         sim.cut_power();
         let mut flash = Box::new(sim.flash().clone());
         // What is kept can be read while the board has no power.
@@ -337,33 +315,6 @@ impl Machine {
         }
         Ok(())
     }
-}
-
-/// Gives each axis that homes its reference switch, at the plus end, with its edge at the position of the mark [D310].
-fn fit_switches(sim: &mut Sim, params: &Params) {
-    for axis in Axis::ALL {
-        let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
-        let mark = scale.and_then(|scale| scale.increments(params.home_position(axis)));
-        if let Some(mark) = mark.filter(|_| params.home_method(axis) != 0) {
-            let drive = sim.plant().drive(axis);
-            drive.set_homing(HomingOptions::at_plus_end(mark.get().into()));
-            drive.set_homing_method(HomingOptions::OFF_THE_PLUS_END);
-        }
-    }
-}
-
-/// Where the axes stand, whatever their drives count.
-fn position(sim: &mut Sim, params: &Params) -> Option<Position> {
-    let mut at = |axis| {
-        let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
-        let place = i32::try_from(sim.plant().drive(axis).place()).ok()?;
-        Some(scale.position(Increments::new(place)))
-    };
-    Some(Position {
-        x: Length::from_nm(at(Axis::X)?),
-        z: Length::from_nm(at(Axis::Z)?),
-        c: Angle::from_udeg(at(Axis::C)?),
-    })
 }
 
 /// The flash of a board that is delivered with this set: an empty one gets it, as if it had been pushed. One that has

@@ -13,6 +13,8 @@ mod pickup;
 mod tune;
 mod tutorial;
 mod typed;
+#[path = "../../../tests/src/typed_page.rs"]
+mod typed_page;
 mod wheel;
 
 use std::io::Write as _;
