@@ -20,7 +20,9 @@
 //! ```
 
 mod around;
+mod fitted;
 pub mod line;
+mod pins;
 pub mod plant;
 mod sim;
 mod storage;
@@ -28,6 +30,9 @@ mod turret;
 mod wheel;
 
 pub use around::Around;
+pub use fitted::{fit_switches, places, switch};
+pub use pins::show_pins;
 pub use sim::{CutPoint, Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};
 pub use storage::{keep, stored_params, stored_tap};
 pub use turret::TurretFault;
+pub use wheel::Wheel;

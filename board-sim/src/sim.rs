@@ -27,6 +27,7 @@ use leadscrew_core::units::{Axis, Rpm, Turns};
 use self::judge::{Delay, Instant, LATENCY_TICKS, Law, Pending, TRUTHS};
 use crate::around::Around;
 use crate::line::{Line, Way};
+use crate::pins::show_pins;
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
 use crate::storage::{keep, stored_params, stored_tap};
 use crate::wheel::Wheel;
@@ -364,22 +365,12 @@ impl Sim {
 
     /// The board sees its pins.
     fn look_around(&mut self) {
-        let outputs = self.board.ticker().machine_outputs();
-        // The gearbox has no sensors: what the board takes to be in is in.
-        let gear = self.board.ticker().gear();
-        self.plant.shift(self.board.params().gear(gear));
-        let params = self.board.params();
-        for axis in [Axis::X, Axis::Z] {
-            if let Some(place) = self.plant.place(params, axis) {
-                self.around.stand(params, axis, place);
-            }
-        }
-        let mut wires = || self.around.wires(self.board.params(), outputs);
-        let machine = self.pins.machine.or_else(|| Some(wires()));
-        self.board.set_pins(Inputs {
-            machine,
-            ..self.pins
-        });
+        show_pins(
+            &mut self.board,
+            &mut self.plant,
+            &mut self.around,
+            self.pins,
+        );
     }
 
     /// The oldest event not yet read.

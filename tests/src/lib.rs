@@ -11,3 +11,4 @@ pub mod random;
 pub mod soak;
 pub mod stream;
 mod transfer;
+pub mod typed_page;

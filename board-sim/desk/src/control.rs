@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Every request that is carried out is answered with the machine as it is then. A new verb is a variant of [`Request`] and
-//! an arm in `server`; what a machine tells more is a field of [`View`]. It must not know how a request is carried out.
+//! an arm in [`hand`](crate::hand); what a machine tells more is a field of [`View`]. It must not know how a request is
+//! carried out.
 
 use std::io::{BufRead as _, BufReader, ErrorKind, Write as _};
 use std::time::Duration;

@@ -8,8 +8,9 @@
 //! ```
 //!
 //! One thread does all of it, so that all clients and the board see the frames in one order ([`server`]). `bus` is the
-//! wire, [`machine`] the board with what is around it, [`clock`] says how many ticks are due, [`control`] is the language
-//! of `leadscrew sim`. The board is the one of `leadscrew_core`; it joins this bus as it does a real one.
+//! wire, [`machine`] the board with what is around it, [`clock`] says how many ticks are due. [`control`] is the language
+//! of `leadscrew sim`, [`callers`] are those who speak it, and [`hand`] carries it out: here, and in `board-sim`. The board
+//! is the one of `leadscrew_core`; it joins this bus as it does a real one.
 //!
 //! It must not know commands of `leadscrew`, nor how motion works inside the board.
 //!
@@ -24,8 +25,10 @@
 //! ```
 
 mod bus;
+pub mod callers;
 pub mod clock;
 pub mod control;
+pub mod hand;
 pub mod machine;
 pub mod server;
 mod spoilt;

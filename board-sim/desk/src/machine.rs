@@ -7,47 +7,25 @@
 use std::path::Path;
 use std::time::Duration;
 
-use leadscrew_board_sim::plant::{Flash, HomingOptions, PlantOptions};
-use leadscrew_board_sim::{Around, Sim, SimError, TurretFault};
+use leadscrew_board_sim::plant::{Flash, PlantOptions};
+use leadscrew_board_sim::{Around, Sim, SimError, TurretFault, fit_switches, places};
 use leadscrew_common::diagnostics::alarm_words;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::profiles::Chosen;
 use leadscrew_common::state::{StateFile, stored_set};
 use leadscrew_common::words::{Both, both};
-use leadscrew_core::board::{Event, Inputs, KeptSet, Mark, Region};
-use leadscrew_core::bus::{NodeId, Scale};
+use leadscrew_core::board::{Event, KeptSet, Mark, Region};
+use leadscrew_core::bus::NodeId;
 use leadscrew_core::call::Position;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Contact, Params};
-use leadscrew_core::units::{Angle, Axis, Length};
 use leadscrew_slcan::SlcanFrame;
 use leadscrew_store::{BUFFER, Store};
 
 use crate::bus::Traffic;
 use crate::control::{self, Door};
+use crate::hand::Contacts;
 use crate::spoilt::Spoilt;
-
-/// What a person can press or open.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Contacts {
-    /// The door.
-    pub door: Door,
-    /// The emergency stop is pressed.
-    pub estop: bool,
-    /// Feed hold is pressed.
-    pub hold: bool,
-}
-
-impl Contacts {
-    /// The board's pins.
-    fn pins(self) -> Inputs {
-        Inputs {
-            stop: self.estop,
-            hold: self.hold,
-            ..Inputs::default()
-        }
-    }
-}
 
 /// How a machine is made.
 #[derive(Debug)]
@@ -279,7 +257,7 @@ impl Machine {
             .map_err(|alarm| not_started(&SimError::Board(alarm)))?;
         sim.set_pins(self.contacts.pins());
         *sim.around() = self.around;
-        fit_switches(&mut sim, &params);
+        fit_switches(sim.plant(), &params);
         self.spoilt.begin(&mut sim, &params);
         self.made_with = params;
         self.power = Power::On(sim);
@@ -294,7 +272,7 @@ impl Machine {
         let Power::On(sim) = &mut self.power else {
             return Ok(());
         };
-        self.at = position(sim, &self.made_with).unwrap_or(self.at);
+        self.at = places(sim.plant(), &self.made_with).unwrap_or(self.at);
         sim.cut_power();
         let mut flash = Box::new(sim.flash().clone());
         // What is kept can be read while the board has no power.
@@ -378,35 +356,6 @@ impl Machine {
         }
         Ok(())
     }
-}
-
-/// Gives the drive of each axis that homes by itself its reference switch, at the plus end, with its edge at the position
-/// of the mark [D310].
-fn fit_switches(sim: &mut Sim, params: &Params) {
-    for axis in Axis::ALL {
-        if let Some(options) = switch(axis, params) {
-            let drive = sim.plant().drive(axis);
-            drive.set_homing(options);
-            drive.set_homing_method(HomingOptions::OFF_THE_PLUS_END);
-        }
-    }
-}
-
-/// The reference switch of an axis whose drive homes by itself.
-pub(crate) fn switch(axis: Axis, params: &Params) -> Option<HomingOptions> {
-    let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
-    let mark = scale.increments(params.home_position(axis))?;
-    (params.home_method(axis) == 1).then(|| HomingOptions::at_plus_end(mark.get().into()))
-}
-
-/// Where the axes stand, whatever their drives count.
-fn position(sim: &mut Sim, params: &Params) -> Option<Position> {
-    let mut at = |axis| sim.plant().place(params, axis);
-    Some(Position {
-        x: Length::from_nm(at(Axis::X)?),
-        z: Length::from_nm(at(Axis::Z)?),
-        c: Angle::from_udeg(at(Axis::C)?),
-    })
 }
 
 /// The flash of a board that is delivered with this set: an empty one gets it, as if it had been pushed. One that has

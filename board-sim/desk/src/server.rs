@@ -4,16 +4,16 @@
 //! order, and a client that does not read delays nobody.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read as _, Write as _};
+use std::io;
 use std::os::fd::AsFd as _;
-use std::os::unix::net::{UnixListener, UnixStream};
+use std::os::unix::net::UnixListener;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use leadscrew_can::{CanError, Desk, MachineName, Port};
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::words::{Both, both};
-use leadscrew_common::{diagnostics, interrupt, number};
+use leadscrew_common::{diagnostics, interrupt};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params;
 use nix::errno::Errno;
@@ -21,9 +21,11 @@ use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::TimeSpec;
 
 use crate::bus::{Bus, WAITING};
+use crate::callers::{Callers, bind};
 use crate::clock::{Clock, Speed};
-use crate::control::{Answer, Contact, LONGEST, Level, Power, Request, Turret, View};
-use crate::machine::{Contacts, Machine};
+use crate::control::{Power, Request, View};
+use crate::hand::{Contacts, Handled, carry_out, numbers};
+use crate::machine::Machine;
 use leadscrew_board_sim::TurretFault;
 
 /// The longest wait for anything, so that an interruption is noticed.
@@ -32,43 +34,6 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// The shortest time between two reports of slipped time.
 const TELL: Duration = Duration::from_secs(1);
 
-/// Somebody who asks.
-struct Caller {
-    stream: UnixStream,
-    text: Vec<u8>,
-}
-
-impl Caller {
-    /// Takes what has come; false where nothing comes any more.
-    fn hear(&mut self) -> bool {
-        let mut bytes = [0; 1024];
-        match self.stream.read(&mut bytes) {
-            Ok(0) => false,
-            Ok(count) => {
-                self.text.extend(bytes.get(..count).unwrap_or_default());
-                self.text.len() <= LONGEST
-            }
-            Err(error) => matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted),
-        }
-    }
-
-    /// The next whole line.
-    fn line(&mut self) -> Option<Vec<u8>> {
-        let end = self.text.iter().position(|byte| *byte == b'\n')?;
-        Some(self.text.drain(..=end).collect())
-    }
-
-    /// Sends an answer; false where it is gone, or reads nothing.
-    fn tell(&mut self, answer: &Answer) -> bool {
-        let Ok(mut line) = serde_json::to_vec(answer) else {
-            return false;
-        };
-        line.push(b'\n');
-        // An answer has room in an empty socket.
-        self.stream.write_all(&line).is_ok()
-    }
-}
-
 /// A machine with its sockets.
 pub struct Server {
     name: MachineName,
@@ -76,7 +41,7 @@ pub struct Server {
     clock: Clock,
     ticks: u64,
     bus: Bus,
-    callers: Vec<Caller>,
+    callers: Callers,
     listener: UnixListener,
     control: UnixListener,
     sockets: [PathBuf; 2],
@@ -103,22 +68,6 @@ impl Server {
         lang: Lang,
     ) -> Outcome<Self> {
         let sockets = [Port::Bus, Port::Control].map(|port| desk.socket(name, port));
-        let bind = |path: &PathBuf| {
-            let failed = |error| {
-                Failure::bus(CanError::System {
-                    name: path.display().to_string(),
-                    doing: "open",
-                    error,
-                })
-            };
-            match fs::remove_file(path) {
-                Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(error)),
-                _ => {}
-            }
-            let listener = UnixListener::bind(path).map_err(failed)?;
-            listener.set_nonblocking(true).map_err(failed)?;
-            Ok(listener)
-        };
         let [bus, control] = &sockets;
         let now = Instant::now();
         Ok(Self {
@@ -127,7 +76,7 @@ impl Server {
             machine,
             ticks: 0,
             bus: Bus::default(),
-            callers: Vec::new(),
+            callers: Callers::default(),
             listener: bind(bus)?,
             control: bind(control)?,
             sockets,
@@ -137,11 +86,6 @@ impl Server {
             slips_told: (None, 0),
             _claim: claim,
         })
-    }
-
-    /// Machine time from now on.
-    pub fn set_speed(&mut self, speed: Speed) {
-        self.clock.set_speed(speed, Instant::now());
     }
 
     /// Runs until somebody ends it.
@@ -181,9 +125,8 @@ impl Server {
             };
             PollFd::new(socket, wanted)
         });
-        let callers = self.callers.iter().map(|caller| caller.stream.as_fd());
         let doors = [self.listener.as_fd(), self.control.as_fd()];
-        let others = doors.into_iter().chain(callers);
+        let others = doors.into_iter().chain(self.callers.sockets());
         let mut wanted: Vec<PollFd<'_>> = sockets
             .chain(others.map(|socket| PollFd::new(socket, PollFlags::POLLIN)))
             .collect();
@@ -202,14 +145,6 @@ impl Server {
         while let Ok((stream, _)) = self.listener.accept() {
             // A socket that cannot be used is closed.
             let _ = self.bus.join(stream);
-        }
-        while let Ok((stream, _)) = self.control.accept() {
-            if stream.set_nonblocking(true).is_ok() {
-                self.callers.push(Caller {
-                    stream,
-                    text: Vec::new(),
-                });
-            }
         }
     }
 
@@ -246,173 +181,19 @@ impl Server {
     }
 
     fn answer_callers(&mut self) {
-        for mut caller in std::mem::take(&mut self.callers) {
-            let mut stays = caller.hear();
-            while let Some(line) = caller.line() {
-                let answer = match serde_json::from_slice(&line) {
-                    Ok(request) => self.carry_out(&request),
-                    Err(error) => {
-                        let why = error.to_string();
-                        Answer::refused(both!(
-                            "this machine does not know the request ({why}): was it started by another version?",
-                            "这台机床不认识该请求（{why}）：它是由其它版本启动的吗？"
-                        ))
-                    }
-                };
-                stays &= caller.tell(&answer);
+        let mut callers = std::mem::take(&mut self.callers);
+        callers.welcome(&self.control);
+        callers.answer(|request| {
+            let answer = carry_out(self, request);
+            if let Some(why) = &answer.error {
+                self.say(&why.clone().into());
+            } else if *request != Request::State {
+                let words = serde_json::to_string(request).unwrap_or_default();
+                self.say(&Both::same(words));
             }
-            if stays {
-                self.callers.push(caller);
-            }
-        }
-    }
-
-    fn carry_out(&mut self, request: &Request) -> Answer {
-        let contacts = self.machine.contacts();
-        let mut note = None;
-        let done = match *request {
-            Request::Door { to } => {
-                self.machine.touch(Contacts {
-                    door: to,
-                    ..contacts
-                });
-                if !self.machine.has_door() {
-                    note = Some(both!(
-                        "the board has no input for the door (parameter 9423 is 0): nothing follows from it",
-                        "控制板没有门的输入（参数 9423 为 0）：不会产生任何作用"
-                    ));
-                }
-                Ok(())
-            }
-            Request::Estop { to } => {
-                self.machine.touch(Contacts {
-                    estop: to == Contact::Press,
-                    ..contacts
-                });
-                Ok(())
-            }
-            Request::Hold { to } => {
-                self.machine.touch(Contacts {
-                    hold: to == Contact::Press,
-                    ..contacts
-                });
-                Ok(())
-            }
-            Request::Input { number, to } => {
-                let Some(input) = params::Contact::new(number) else {
-                    return Answer::refused(wrong_input(number));
-                };
-                let on = match to {
-                    Level::On => Some(true),
-                    Level::Off => Some(false),
-                    Level::Auto => None,
-                };
-                self.machine.set_input(input, on);
-                Ok(())
-            }
-            Request::Wheel { counts } => {
-                self.machine.turn_wheel(counts);
-                Ok(())
-            }
-            Request::Turret { to } => {
-                self.machine.spoil_turret(match to {
-                    Turret::Well => TurretFault::None,
-                    Turret::Stuck => TurretFault::Stuck,
-                    Turret::Slips => TurretFault::Slips,
-                    Turret::Loose => TurretFault::Loose,
-                });
-                Ok(())
-            }
-            Request::Drive { which, to } => {
-                self.machine.spoil_drive(which, to);
-                Ok(())
-            }
-            Request::Spindle { percent } => {
-                self.machine.spoil_spindle(percent);
-                Ok(())
-            }
-            Request::Encoder { to } => {
-                self.machine.spoil_encoder(to);
-                Ok(())
-            }
-            Request::Bus { to } => {
-                self.machine.spoil_bus(to);
-                Ok(())
-            }
-            Request::Flash { to } => {
-                self.machine.spoil_flash(to);
-                Ok(())
-            }
-            Request::Power { to } => self.power(to),
-            Request::Speed { thousandths } => match Speed::of_thousandths(thousandths) {
-                Some(speed) => {
-                    self.set_speed(speed);
-                    Ok(())
-                }
-                None => return Answer::refused(wrong_speed()),
-            },
-            Request::State => Ok(()),
-            Request::Down => {
-                self.ends = true;
-                Ok(())
-            }
-        };
-        if let Err(failure) = done {
-            let words = failure.words().unwrap_or_default();
-            self.say(&words);
-            return Answer::refused(words);
-        }
-        if *request != Request::State {
-            let words = serde_json::to_string(request).unwrap_or_default();
-            self.say(&Both::same(words));
-        }
-        Answer {
-            ok: true,
-            error: None,
-            note: note.map(Into::into),
-            machine: Some(self.view()),
-        }
-    }
-
-    fn power(&mut self, to: Power) -> Outcome {
-        if to != Power::On {
-            self.machine.switch_off()?;
-        }
-        if to != Power::Off {
-            self.machine.switch_on()?;
-            let tick = self.machine.tick_length();
-            self.clock.set_tick(tick, Instant::now());
-        }
-        Ok(())
-    }
-
-    /// The machine as it is.
-    #[must_use]
-    pub fn view(&self) -> View {
-        let contacts = self.machine.contacts();
-        let (slips, lost_ticks) = self.clock.slips();
-        let (clients, dropped) = self.bus.counts();
-        let tick_us = self.machine.tick_length().as_micros();
-        let [inputs, outputs] = self.machine.on().map(numbers);
-        View {
-            name: self.name.to_string(),
-            pid: std::process::id(),
-            node: self.machine.node().get(),
-            power: self.machine.has_power(),
-            door: contacts.door,
-            estop: contacts.estop,
-            hold: contacts.hold,
-            inputs,
-            outputs,
-            speed: self.clock.speed().thousandths(),
-            tick_us: u32::try_from(tick_us).unwrap_or(u32::MAX),
-            ticks: self.ticks,
-            slips,
-            lost_ticks,
-            clients,
-            dropped,
-            outdated: self.machine.is_outdated(),
-        }
+            answer
+        });
+        self.callers = callers;
     }
 
     fn tell_slips(&mut self) {
@@ -446,30 +227,87 @@ impl Drop for Server {
     }
 }
 
-/// The contacts that are on, from 1 on.
-fn numbers(on: u16) -> Vec<u8> {
-    params::Contact::of_bits(on)
-        .map(params::Contact::number)
-        .collect()
-}
+impl Handled for Server {
+    fn contacts(&self) -> Contacts {
+        self.machine.contacts()
+    }
 
-/// The words for an input that does not exist.
-fn wrong_input(number: u8) -> Both {
-    both!(
-        "there is no input {number}: they are counted from 1 to 16",
-        "没有输入 {number}：编号为 1 至 16"
-    )
-}
+    fn touch(&mut self, contacts: Contacts) {
+        self.machine.touch(contacts);
+    }
 
-/// The words for a speed that is refused.
-#[must_use]
-pub fn wrong_speed() -> Both {
-    let [least, most] = Speed::RANGE;
-    let factor = |thousandths: u32| number::text::<3>(thousandths.into());
-    let (least, most) = (factor(least), factor(most));
-    both!(
-        "machine time runs at {least} to {most} times real time: beyond that the board would miss the heartbeats of \
-         gateways",
-        "机床时间可为真实时间的 {least} 至 {most} 倍：超出后控制板会丢失网关心跳"
-    )
+    fn has_door(&self) -> bool {
+        self.machine.has_door()
+    }
+
+    fn set_input(&mut self, input: params::Contact, on: Option<bool>) {
+        self.machine.set_input(input, on);
+    }
+
+    fn turn_wheel(&mut self, counts: i32) {
+        self.machine.turn_wheel(counts);
+    }
+
+    fn spoil_turret(&mut self, fault: TurretFault) {
+        self.machine.spoil_turret(fault);
+    }
+
+    fn spoil(&mut self, request: &Request) -> bool {
+        match *request {
+            Request::Drive { which, to } => self.machine.spoil_drive(which, to),
+            Request::Spindle { percent } => self.machine.spoil_spindle(percent),
+            Request::Encoder { to } => self.machine.spoil_encoder(to),
+            Request::Bus { to } => self.machine.spoil_bus(to),
+            Request::Flash { to } => self.machine.spoil_flash(to),
+            _ => return false,
+        }
+        true
+    }
+
+    fn power(&mut self, to: Power) -> Outcome {
+        if to != Power::On {
+            self.machine.switch_off()?;
+        }
+        if to != Power::Off {
+            self.machine.switch_on()?;
+            let tick = self.machine.tick_length();
+            self.clock.set_tick(tick, Instant::now());
+        }
+        Ok(())
+    }
+
+    fn set_speed(&mut self, speed: Speed) {
+        self.clock.set_speed(speed, Instant::now());
+    }
+
+    fn end(&mut self) {
+        self.ends = true;
+    }
+
+    fn view(&self) -> View {
+        let contacts = self.machine.contacts();
+        let (slips, lost_ticks) = self.clock.slips();
+        let (clients, dropped) = self.bus.counts();
+        let tick_us = self.machine.tick_length().as_micros();
+        let [inputs, outputs] = self.machine.on().map(numbers);
+        View {
+            name: self.name.to_string(),
+            pid: std::process::id(),
+            node: self.machine.node().get(),
+            power: self.machine.has_power(),
+            door: contacts.door,
+            estop: contacts.estop,
+            hold: contacts.hold,
+            inputs,
+            outputs,
+            speed: self.clock.speed().thousandths(),
+            tick_us: u32::try_from(tick_us).unwrap_or(u32::MAX),
+            ticks: self.ticks,
+            slips,
+            lost_ticks,
+            clients,
+            dropped,
+            outdated: self.machine.is_outdated(),
+        }
+    }
 }

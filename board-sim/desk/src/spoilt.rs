@@ -1,9 +1,9 @@
 //! What is wrong with drives, spindle, encoder, wire and flash of a machine: it stays wrong until it is mended, over a loss
 //! of power too. It must not know who asks for it.
 
-use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::line::{Faults, Intruder, Span};
 use leadscrew_board_sim::plant::{Drive, HomingOptions, Trouble};
+use leadscrew_board_sim::{Sim, switch};
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
@@ -140,7 +140,7 @@ impl Spoilt {
 
     fn show_marks(&self, sim: &mut Sim, params: &Params) {
         for (axis, never) in Axis::ALL.into_iter().zip(self.no_mark) {
-            if let Some(options) = crate::machine::switch(axis, params) {
+            if let Some(options) = switch(axis, params) {
                 let options = HomingOptions { never, ..options };
                 sim.plant().drive(axis).set_homing(options);
             }

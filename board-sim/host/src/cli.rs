@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 use leadscrew_board_sim::plant::{self, DriveOptions, PlantOptions, ServoOptions};
-use leadscrew_can::Address;
+use leadscrew_can::{Address, MachineName};
 use leadscrew_common::diagnostics;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::params;
@@ -24,6 +24,7 @@ const EXAMPLES: &str = "\
 Examples:
   board-sim --bus vcan0                                     a lathe in real time, until Ctrl-C
   board-sim --bus vcan0 --lockstep                          the same in virtual time, for tests
+  board-sim --bus vcan0 --name desk                         with a hand at it: `leadscrew sim door open`
   board-sim --bus vcan0 --drives elsewhere                  with the axis drives in another process:
   board-sim drives --bus vcan0
   board-sim drives --bus can0 --axes X,C --spindles           beside a real board that has its drive of Z, and no other yet
@@ -99,6 +100,9 @@ pub struct Board {
     /// The machine and the bus.
     #[command(flatten)]
     pub common: Common,
+    /// A name: `leadscrew sim --name NAME` is then a hand at this machine, as at one of `leadscrew up`
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<MachineName>,
     /// CANopen node of the board, 1 to 126, and none of its drives'
     #[arg(long, value_name = "N", default_value = "1", value_parser = board_node)]
     pub node: NodeId,
@@ -247,9 +251,14 @@ impl Common {
         }
     }
 
-    /// The drives of X and Z on a machine with these parameters.
+    /// The drives of X and Z by their profiles.
+    pub fn drives(&self) -> Outcome<Chosen> {
+        Chosen::of(&self.drive, Lang::En)
+    }
+
+    /// The same on a machine with these parameters.
     pub fn servos(&self, params: &Params) -> Outcome<[Option<ServoOptions>; 2]> {
-        Chosen::of(&self.drive, Lang::En)?.servos(params.tick_us())
+        self.drives()?.servos(params.tick_us())
     }
 
     /// The options of the plant, without the spindle.

@@ -5,22 +5,28 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use leadscrew_board_sim::line::{Line, Span, Way};
-use leadscrew_board_sim::plant::{Flash, Plant, PlantOptions};
-use leadscrew_board_sim::{keep, stored_params, stored_tap};
+use leadscrew_board_sim::plant::{Flash, Plant, PlantError, PlantOptions};
+use leadscrew_board_sim::{Around, Wheel, keep, show_pins, stored_params, stored_tap};
 use leadscrew_common::diagnostics::Diagnostic;
 use leadscrew_common::failure::{Failure, Outcome};
+use leadscrew_common::profiles::Chosen;
 use leadscrew_common::source::SourceFile;
 use leadscrew_common::state::StateFile;
 use leadscrew_common::words::Both;
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::board::{Board, DriveNodes, Event, Output, PowerUp, State};
 use leadscrew_core::bus::{BusState, Frame, NmtCommand, NodeId, Service};
+use leadscrew_core::call::Position;
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Axis;
+use leadscrew_desk::clock::Speed;
+use leadscrew_desk::hand::Contacts;
 
+use self::handled::fitted;
 use crate::claim::Claim;
 use crate::cli;
+use crate::hand::Hand;
 use crate::program::Feeder;
 use crate::when::Script;
 use crate::wire::{Heard, Wire};
@@ -33,6 +39,17 @@ pub struct Machine {
     /// The file that keeps the flash between runs.
     state: Option<StateFile>,
     plant: Plant,
+    /// How the plant is made when its power comes.
+    options: PlantOptions,
+    drives: Chosen,
+    /// Neither board nor drives have power: somebody has switched it off.
+    unplugged: bool,
+    /// What is pressed or open, and what is around the board.
+    contacts: Contacts,
+    around: Around,
+    wheel: Wheel,
+    speed: Speed,
+    hand: Option<Hand>,
     wire: Wire,
     line: Line,
     script: Script,
@@ -109,15 +126,12 @@ impl Machine {
             flash.cut_after(torn.bytes);
         }
         let params = &up.params;
+        let drives = args.common.drives()?;
         let options = PlantOptions {
-            servos: args.common.servos(params)?,
+            servos: drives.servos(params.tick_us())?,
             ..options
         };
-        let plant = Plant::new(params, &options).map_err(|error| {
-            unusable(format!(
-                "the parameters make no simulated machine: {error:?}"
-            ))
-        })?;
+        let plant = fitted(params, &options)?;
         let mut board = Board::power_up(&up, Some(options.at), tap).map_err(no_board)?;
         let node = args.node;
         board.join(node).map_err(no_board)?;
@@ -137,6 +151,7 @@ impl Machine {
             .filter_map(|(axis, away)| away.then_some(nodes.axis(axis)))
             .collect();
         let silence = u64::from(params.gateway_silence_ms()) * 1000 / u64::from(params.tick_us());
+        let hand = args.name.as_ref().map(Hand::open).transpose()?;
         let wire = Wire::open(args.common.address(), params)?;
         say(&format!(
             "node {} on {}, tick {} µs, {}{}",
@@ -159,6 +174,14 @@ impl Machine {
             flash,
             state,
             plant,
+            options,
+            drives,
+            unplugged: false,
+            contacts: Contacts::default(),
+            around: Around::default(),
+            wheel: Wheel::default(),
+            speed: Speed::REAL,
+            hand,
             wire,
             line: Line::new(args.spoil.faults(args.seed, &nodes)),
             cut: args.spoil.cut_power.map(|ticks| ticks.0),
@@ -191,9 +214,10 @@ impl Machine {
         })
     }
 
-    /// The time between two SYNCs.
+    /// The real time between two SYNCs.
     pub fn period(&self) -> Duration {
-        Duration::from_micros(u64::from(self.tick_us))
+        let real = Speed::REAL.thousandths();
+        Duration::from_micros(u64::from(self.tick_us)) * real / self.speed.thousandths()
     }
 
     /// Ticks after tick 0; `None` before it.
@@ -225,6 +249,7 @@ impl Machine {
     /// Reads the frames on the wire, and waits for one at most `patience`. True where there were any. Requests are
     /// answered at once.
     pub fn listen(&mut self, patience: Duration) -> Outcome<bool> {
+        self.be_handled();
         let has_power = self.has_power();
         let (mut heard, mut heard_fd) = (Vec::new(), Vec::new());
         let line = &mut self.line;
@@ -239,7 +264,7 @@ impl Machine {
             beat |= frame.id().service() == Some((Service::Heartbeat, NodeId::GATEWAY));
             self.hear(frame, has_power)?;
         }
-        for frame in &heard_fd {
+        for frame in heard_fd.iter().filter(|_| !self.unplugged) {
             self.plant.tell_together(frame);
             if has_power {
                 self.board.receive_fd(frame);
@@ -259,6 +284,9 @@ impl Machine {
 
     /// A frame of another node.
     fn hear(&mut self, frame: &Frame, has_power: bool) -> Outcome {
+        if self.unplugged {
+            return Ok(());
+        }
         let mut answers = Vec::new();
         self.plant.hear(frame, |answer| answers.push(answer));
         if has_power
@@ -283,10 +311,10 @@ impl Machine {
         self.wire.send(&left)
     }
 
-    /// False while the board's power is cut.
+    /// False while the board's power is cut, or switched off.
     fn has_power(&self) -> bool {
         let tick = self.since_up();
-        !tick.zip(self.cut).is_some_and(|(tick, cut)| cut.has(tick))
+        !self.unplugged && !tick.zip(self.cut).is_some_and(|(tick, cut)| cut.has(tick))
     }
 
     /// Applies the faults of the wire to this tick.
@@ -362,25 +390,34 @@ impl Machine {
     /// Lets time pass without a board: drives and spindle follow their last commands. True where the board has its
     /// power again.
     fn wait_for_power(&mut self) -> Outcome<bool> {
-        self.plant.advance();
+        if !self.unplugged {
+            self.plant.advance();
+        }
         self.ticks += 1;
         self.waiting.clear();
         if !self.has_power() {
             return Ok(false);
         }
+        self.begin_anew(None)?;
+        Ok(true)
+    }
+
+    /// The board starts with what its flash has kept; `at`: it remembers where its axes stand.
+    fn begin_anew(&mut self, at: Option<Position>) -> Outcome {
         let no_board = |alarm: Alarm| Failure::WrongBecause(Both::same(words(&alarm, None)));
         self.flash.power(true);
         let tap = stored_tap(&mut self.flash).map_err(no_board)?;
         let up = stored_params(&mut self.flash, &self.built_in).map_err(no_board)?;
-        self.board = Board::power_up(&up, None, tap).map_err(no_board)?;
+        self.board = Board::power_up(&up, at, tap).map_err(no_board)?;
         self.board.join(self.node).map_err(no_board)?;
         self.board.signals(self.signals);
         // The board has forgotten the program, so nothing more is fed.
         self.feeder = None;
         self.beat = None;
         self.alarm = false;
+        self.waiting.clear();
         say("the power is back");
-        Ok(true)
+        Ok(())
     }
 
     /// True where the gateway would soon count as lost in virtual time, but was heard within this real time.
@@ -442,6 +479,8 @@ impl Machine {
             self.suffer(tick + 1)?;
         }
         let sample = self.plant.advance();
+        let pins = self.contacts.pins();
+        show_pins(&mut self.board, &mut self.plant, &mut self.around, pins);
         self.board.tick(sample, &self.waiting, &mut self.output);
         self.keep()?;
         self.waiting.clear();
@@ -458,6 +497,7 @@ impl Machine {
         while let Some(event) = self.board.event() {
             self.tell(&event);
         }
+        self.board.own_wheel(self.wheel.tick(self.tick_us));
         self.serve()
     }
 
@@ -592,6 +632,13 @@ impl Machine {
     }
 }
 
+/// Why there is no plant.
+fn no_plant(error: &PlantError) -> Failure {
+    Failure::WrongBecause(Both::same(format!(
+        "the parameters make no simulated machine: {error:?}"
+    )))
+}
+
 /// The text of an alarm.
 fn words(alarm: &Alarm, source: Option<&SourceFile>) -> String {
     let nowhere = SourceFile::new(Path::new("the board"));
@@ -612,5 +659,6 @@ pub fn say(text: &str) {
     let _ = writeln!(io::stderr(), "board-sim: {text}");
 }
 
+mod handled;
 #[cfg(test)]
 mod tests;

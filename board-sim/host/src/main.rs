@@ -12,6 +12,7 @@
 mod claim;
 mod cli;
 mod drives;
+mod hand;
 mod lockstep;
 mod machine;
 mod program;

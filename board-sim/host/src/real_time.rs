@@ -16,8 +16,7 @@ const TELL: Duration = Duration::from_secs(1);
 
 /// Runs until the user ends it, or its task is done.
 pub fn run(mut machine: Machine) -> Outcome {
-    let period = machine.period();
-    let mut next = Instant::now() + period;
+    let mut next = Instant::now() + machine.period();
     let (mut late, mut told) = (0_u64, Instant::now());
     while !interrupt::requested() && !machine.is_over() {
         loop {
@@ -28,6 +27,7 @@ pub fn run(mut machine: Machine) -> Outcome {
             }
         }
         machine.tick()?;
+        let period = machine.period();
         next += period;
         let now = Instant::now();
         if now > next {

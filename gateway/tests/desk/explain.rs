@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::tutorial::Shell;
+use crate::typed_page::Shell;
 use crate::{LIMIT, User, good};
 
 /// Scripts at a time.
@@ -42,7 +42,7 @@ fn typed(alarm: &Value) -> Option<String> {
     for (name, text) in alarm["files"].as_object().into_iter().flatten() {
         std::fs::write(user.0.join(name), text.as_str().unwrap()).unwrap();
     }
-    let (mut shell, mut child) = Shell::start(&mut user.shell());
+    let mut shell = Shell::start(user.with_path());
     let number = alarm["no"].as_u64().unwrap();
     let mut script = |key: &str, done: &dyn Fn(&str) -> bool| {
         let mut last = String::new();
@@ -71,8 +71,7 @@ fn typed(alarm: &Value) -> Option<String> {
         })
     });
     let is_good = shell.types("echo $last").trim() == "0";
-    drop(shell);
-    child.wait().unwrap();
+    shell.end();
     wrong.or_else(|| (!is_good).then(|| format!("{number}: the last command fails")))
 }
 

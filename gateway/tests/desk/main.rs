@@ -15,6 +15,8 @@ mod shop;
 mod tune;
 mod tutorial;
 mod typed;
+#[path = "../../../tests/src/typed_page.rs"]
+mod typed_page;
 mod wheel;
 
 use std::io::Write as _;
@@ -64,6 +66,15 @@ impl User {
     /// A shell that reads its commands from the input.
     fn shell(&self) -> Command {
         self.program_of("sh")
+    }
+
+    /// As [`shell`](Self::shell), with the programs that are tested.
+    fn with_path(&self) -> Command {
+        let binary = Path::new(env!("CARGO_BIN_EXE_leadscrew")).parent().unwrap();
+        let path = std::env::var("PATH").unwrap();
+        let mut shell = self.shell();
+        shell.env("PATH", format!("{}:{path}", binary.display()));
+        shell
     }
 
     fn program_of(&self, name: &str) -> Command {

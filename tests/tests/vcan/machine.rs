@@ -46,6 +46,11 @@ impl Board {
 
     /// The same on any bus, without waiting.
     pub fn start_on(bus: &str, args: &[&str]) -> Self {
+        Self::start_with(bus, args, &[])
+    }
+
+    /// The same with these variables.
+    pub fn start_with(bus: &str, args: &[&str], variables: &[(&str, &Path)]) -> Self {
         static COUNT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
         let number = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let words = scratch(&format!("board-{number}.txt"));
@@ -58,6 +63,7 @@ impl Board {
             .args(["--bus", bus])
             .args(sheets)
             .args(args)
+            .envs(variables.iter().copied())
             .stdin(Stdio::null())
             .stderr(File::create(&words).unwrap())
             .spawn()

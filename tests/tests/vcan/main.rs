@@ -7,6 +7,7 @@ mod board;
 mod bus;
 mod by_hand;
 mod faults;
+mod hour;
 mod killed;
 mod machine;
 mod mistakes;

@@ -11,18 +11,30 @@ pub fn given(name: &str) -> String {
     })
 }
 
-#[test]
-fn the_python_package_canopen_operates_a_board() {
+/// Runs these tests; they are so many.
+#[track_caller]
+fn passes(tests: &str, count: u32) {
     let output = Command::new("timeout")
         .arg("600")
         .arg(given("CANOPEN_PYTHON"))
-        .args(["-B", "-m", "unittest", "on_a_bus"])
+        .args(["-B", "-m", "unittest", tests])
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/python"))
         .env("CANOPEN_EDS", given("CANOPEN_EDS"))
         .env("BOARD_SIM", ours("board-sim"))
+        .env("LEADSCREW", ours("leadscrew"))
         .output()
         .unwrap();
     let report = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{report}");
-    assert!(report.contains("Ran 4 tests"), "{report}");
+    assert!(report.contains(&format!("Ran {count} tests")), "{report}");
+}
+
+#[test]
+fn the_python_package_canopen_operates_a_board() {
+    passes("on_a_bus", 4);
+}
+
+#[test]
+fn an_axis_homes_with_a_drive_of_other_making() {
+    passes("home_on_a_bus", 3);
 }

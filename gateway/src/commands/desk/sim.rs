@@ -3,7 +3,7 @@
 use leadscrew_can::MachineName;
 use leadscrew_desk::clock::Speed;
 use leadscrew_desk::control::Request;
-use leadscrew_desk::server::wrong_speed;
+use leadscrew_desk::hand::wrong_speed;
 
 use super::{asked, contact_words, json, name, note, words};
 use crate::cli::{Global, SimCommand};

@@ -17,8 +17,9 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::{Angle, Length};
 use leadscrew_desk::clock::Speed;
 use leadscrew_desk::control::{Answer, View};
+use leadscrew_desk::hand::{Handled as _, wrong_speed};
 use leadscrew_desk::machine::{Machine, Recipe};
-use leadscrew_desk::server::{Server, wrong_speed};
+use leadscrew_desk::server::Server;
 use serde_json::Value;
 
 use super::{json, name, runs_already};
