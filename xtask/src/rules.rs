@@ -10,7 +10,7 @@ use crate::run;
 /// The first folders that an absolute path may have: folders of every machine, and `no` as in *no such folder*. Any
 /// other path belongs to one machine only.
 const COMMON_FOLDERS: &[&str] = &[
-    "bin", "dev", "etc", "lib", "no", "proc", "run", "sys", "tmp", "usr", "var",
+    "bin", "dev", "etc", "lib", "no", "proc", "programs", "run", "sys", "tmp", "usr", "var",
 ];
 
 /// Checks all files under version control.

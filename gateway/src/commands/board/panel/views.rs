@@ -1,7 +1,8 @@
 //! What is to be known of a program without running it: what `check` says, and the path, both by the parameters and the
 //! table that the board has now. The bus is not asked for it.
 //!
-//! This must not know pages. One program is looked at at a time: it takes a processor, and the machine's side needs one too.
+//! This must not know pages. One program is looked at at a time: it takes a processor, and the machine's side needs one
+//! too.
 
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
