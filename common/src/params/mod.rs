@@ -316,6 +316,7 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::IncrementAboveLimit => &[1828, 9001, 9002],
         Code::ToleranceAboveVariation => &[9007, 9010],
         Code::GainTooLow => &[9070, 9073],
+        Code::HomeSwitchNone => &[9051, 9050],
         Code::TapSpeedAboveSpindle => &[3772, 5241],
         Code::NoPeckReturn => &[5213],
         Code::ExtractionOverrideOff => &[5200, 5201],

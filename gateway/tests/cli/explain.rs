@@ -245,6 +245,11 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
         "a_demand_elsewhere_never_moves_and_is_a_failure_in_the_end",
     ),
     (
+        &[4383],
+        "tests/python/chip/test_bus.py",
+        "test_setpoints_in_frames_that_its_controller_does_not_send_are_refused",
+    ),
+    (
         &[4363, 4367],
         "firmware/app/tests/apart/failures.rs",
         "behind_a_failure_nothing_moves_before_a_reset",

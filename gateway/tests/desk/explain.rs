@@ -64,10 +64,8 @@ fn typed(alarm: &Value) -> Option<String> {
     };
     let wrong = script("raise", &|told| tells(told, number)).or_else(|| {
         script("mend", &|told| {
-            !["alarm", "warning", "error"]
-                .iter()
-                .any(|word| told.contains(word))
-                && !tells(told, number)
+            let refuses = |line: &str| line.starts_with("alarm[") || line.starts_with("error");
+            !told.lines().any(refuses) && !tells(told, number)
         })
     });
     let is_good = shell.types("echo $last").trim() == "0";

@@ -69,10 +69,12 @@ impl User {
     }
 
     /// As [`shell`](Self::shell), with the programs that are tested.
+    /// Nobody waits for ever for a command that does not end.
     fn with_path(&self) -> Command {
         let binary = Path::new(env!("CARGO_BIN_EXE_leadscrew")).parent().unwrap();
         let path = std::env::var("PATH").unwrap();
-        let mut shell = self.shell();
+        let mut shell = self.program_of("timeout");
+        shell.args(["300", "sh"]);
         shell.env("PATH", format!("{}:{path}", binary.display()));
         shell
     }
