@@ -63,13 +63,8 @@ impl User {
         command
     }
 
-    /// A shell that reads its commands from the input.
-    fn shell(&self) -> Command {
-        self.program_of("sh")
-    }
-
-    /// As [`shell`](Self::shell), with the programs that are tested.
-    /// Nobody waits for ever for a command that does not end.
+    /// A shell that reads its commands from the input and finds the programs that are tested. Nobody waits for ever for a
+    /// command that does not end.
     fn with_path(&self) -> Command {
         let binary = Path::new(env!("CARGO_BIN_EXE_leadscrew")).parent().unwrap();
         let path = std::env::var("PATH").unwrap();
