@@ -124,6 +124,8 @@ pub(super) struct Search {
     alike: u8,
     /// They were enough: the stage has come to its end, and the axis brakes.
     met: bool,
+    /// The stage was held.
+    held: bool,
     /// Ticks that are left.
     left: u32,
     /// How far the axis is behind its setpoint in the stage, by the last status of its drive.
@@ -155,6 +157,7 @@ impl Ticker {
             stage: Stage::Clear,
             alike: 0,
             met: false,
+            held: false,
             left: switch.ticks,
             behind: Length::ZERO,
             mark: Length::ZERO,
@@ -201,6 +204,7 @@ impl Ticker {
             self.jog.release();
         }
         let held = self.operator.hold;
+        search.held |= held;
         search.left = search.left.saturating_sub((!held).into());
         self.home.search = Some(search);
         let (_, press) = self.jog.last();
@@ -212,6 +216,8 @@ impl Ticker {
             search.stage.next()
         } else {
             match (search.stage, press) {
+                // The mark is taken after the whole run-up.
+                (Stage::Back | Stage::Latch, _) if search.held => Stage::Leave,
                 (Stage::Back, PressState::Ended) => search.stage.next(),
                 // After a hold on the way off the mark, too: the axis has its reference, and stands.
                 (Stage::Retreat, PressState::Ended) => return Searched::Found,
@@ -246,7 +252,8 @@ impl Ticker {
         let mut over = Length::ZERO;
         if let Some(search) = &mut self.home.search {
             over = search.over;
-            (search.stage, search.alike, search.met) = (stage, 0, false);
+            (search.stage, search.alike) = (stage, 0);
+            (search.met, search.held) = (false, false);
             if stage == Stage::Latch {
                 (from, free) = (search.mark, SLACK);
             }
