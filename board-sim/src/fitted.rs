@@ -3,7 +3,7 @@
 
 use leadscrew_core::bus::Scale;
 use leadscrew_core::call::Position;
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{BY_DRIVE, Params};
 use leadscrew_core::units::{Angle, Axis, Length};
 
 use crate::plant::{HomingOptions, Plant};
@@ -25,7 +25,7 @@ pub fn fit_switches(plant: &mut Plant, params: &Params) {
 pub fn switch(axis: Axis, params: &Params) -> Option<HomingOptions> {
     let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
     let mark = scale.increments(params.home_position(axis))?;
-    (params.home_method(axis) == 1).then(|| HomingOptions::at_plus_end(mark.get().into()))
+    (params.home_method(axis) == BY_DRIVE).then(|| HomingOptions::at_plus_end(mark.get().into()))
 }
 
 /// Where the axes stand, whatever their drives count.

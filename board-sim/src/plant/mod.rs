@@ -54,7 +54,7 @@ use leadscrew_core::bus::{
     CobId, FdFrame, Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
 };
 use leadscrew_core::call::{Position, TapSpindle};
-use leadscrew_core::params::{Gear, Params};
+use leadscrew_core::params::{BY_DRIVE, Gear, Params};
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Length, Turns};
 
@@ -426,7 +426,7 @@ pub fn axis_drive(
         .ok_or(PlantError::Scale(axis))?;
     // The drive of an axis that homes counts from its mark.
     let mark = match params.home_method(axis) {
-        1 => params.home_position(axis),
+        BY_DRIVE => params.home_position(axis),
         _ => 0,
     };
     let place_of = scale
@@ -455,7 +455,7 @@ pub fn axis_drive(
         }
     };
     Ok(match params.home_method(axis) {
-        1 => drive.with_reference(),
+        BY_DRIVE => drive.with_reference(),
         _ => drive,
     })
 }

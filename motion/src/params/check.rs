@@ -24,6 +24,9 @@ const FINEST: i64 = 16;
 /// Half a turn in a tick, in rpm·µs: from this speed on the direction of turning is ambiguous.
 const HALF_TURN: u32 = 30_000_000;
 
+/// The value of 9050 for an axis whose drive homes by itself.
+pub const BY_DRIVE: u8 = 1;
+
 /// The value of 9050 for an axis that homes by a switch at the board. C has no such switch.
 pub const BY_SWITCH: u8 = 2;
 

@@ -18,7 +18,7 @@ mod tests;
 mod turret;
 pub mod unit;
 
-pub use check::{BY_SWITCH, PROFILE_TICKS, metres};
+pub use check::{BY_DRIVE, BY_SWITCH, PROFILE_TICKS, metres};
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};
 pub use gear::{GEARS, Gear, gear_of_code};

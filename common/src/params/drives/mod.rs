@@ -254,7 +254,7 @@ fn homes(drive: DriveName, params: &Params) -> bool {
         DriveName::C => Axis::C,
         _ => return false,
     };
-    params.home_method(axis) == 1
+    params.home_method(axis) == leadscrew_core::params::BY_DRIVE
 }
 
 /// The mapping of RPDO1 that the board needs of a drive: its own objects, after those of other drives where all drives get

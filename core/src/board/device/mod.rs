@@ -483,6 +483,6 @@ impl Device {
 
 /// Axes whose drives tell mode and inputs: those that home by themselves.
 fn homing(params: &Params) -> u32 {
-    let with = |axis: &Axis| params.home_method(*axis) == 1;
+    let with = |axis: &Axis| params.home_method(*axis) == crate::params::BY_DRIVE;
     Axis::ALL.iter().filter(|axis| with(axis)).count() as u32
 }

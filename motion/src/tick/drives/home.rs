@@ -6,14 +6,11 @@
 use super::Drives;
 use crate::bus::{DriveMaster, HomeEnd, HomeLimits, Increments, Periods, Scale};
 use crate::call::Position;
-use crate::params::Params;
+use crate::params::{BY_DRIVE, Params};
 use crate::units::{Axes, Axis, Length};
 
 /// Time for which the result of an earlier homing may stand in a drive's statusword, in milliseconds.
 const STALE_MS: u32 = 100;
-
-/// The value of 9050 for a drive that homes by itself.
-pub(super) const BY_DRIVE: u8 = 1;
 
 /// What a homing of an axis has come to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
