@@ -3,11 +3,12 @@
 //! A command that only reads and computes ends at once at any place: in a loop, in a read without data, before a file that
 //! nobody opens. Work that must be finished first calls [`defer`]: a moving machine, a transaction with a board, a terminal
 //! that is drawn on. The interruption is then only remembered, and [`requested`] returns true. A second interruption does
-//! not wait.
+//! not wait. Signals that come at once are one interruption: `timeout` and service managers signal a process and then the
+//! group that it belongs to.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::Lang;
 
@@ -16,6 +17,7 @@ use crate::failure::Failure;
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 static STATE: Mutex<State> = Mutex::new(State {
     under_way: 0,
+    first: None,
     patience: None,
     last: None,
     lang: Lang::En,
@@ -27,10 +29,15 @@ const LAST_WORDS: Duration = Duration::from_secs(1);
 /// The longest time for finishing work without a real machine: the reader of its output may have stopped reading.
 const COMPUTED: Duration = Duration::from_secs(10);
 
+/// Signals that are no farther apart are one interruption. A person takes longer to press a key again.
+const AT_ONCE: Duration = Duration::from_millis(300);
+
 /// The state that an interruption finds.
 struct State {
     /// Number of works that must be finished first.
     under_way: u32,
+    /// When the first signal came.
+    first: Option<Instant>,
     /// The longest time for them.
     patience: Option<Duration>,
     /// Called before the process ends: gives the terminal back.
@@ -49,11 +56,18 @@ pub fn watch(lang: Lang, json: bool) {
     let mut state = state();
     (state.lang, state.json) = (lang, json);
     let hear = || {
-        let state = self::state();
-        let second = REQUESTED.swap(true, Ordering::Relaxed);
-        if state.under_way == 0 || second {
+        let mut state = self::state();
+        REQUESTED.store(true, Ordering::Relaxed);
+        if state.under_way == 0 {
             end(&state);
         }
+        if let Some(first) = state.first {
+            if first.elapsed() < AT_ONCE {
+                return;
+            }
+            end(&state);
+        }
+        state.first = Some(Instant::now());
         if let Some(patience) = state.patience {
             std::thread::spawn(move || {
                 std::thread::sleep(patience);

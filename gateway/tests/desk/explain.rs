@@ -44,11 +44,13 @@ fn typed(alarm: &Value) -> Option<String> {
     }
     let mut shell = Shell::start(user.with_path());
     let number = alarm["no"].as_u64().unwrap();
+    let mut all = String::new();
     let mut script = |key: &str, done: &dyn Fn(&str) -> bool| {
         let mut last = String::new();
         let mut told = String::new();
         for line in alarm[key].as_str().unwrap().lines() {
             told = shell.types(line);
+            all += &format!("$ {line}\n{told}\n");
             line.clone_into(&mut last);
         }
         // Somebody who looks too early looks again.
@@ -70,7 +72,7 @@ fn typed(alarm: &Value) -> Option<String> {
     });
     let is_good = shell.types("echo $last").trim() == "0";
     shell.end();
-    wrong.or_else(|| (!is_good).then(|| format!("{number}: the last command fails")))
+    wrong.or_else(|| (!is_good).then(|| format!("{number}: the last command fails:\n{all}")))
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use std::io::{Read as _, Write as _};
 use std::process::Stdio;
 
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
 use serde_json::Value;
 
 use crate::{SHORT, User, bad, good, text};
@@ -185,4 +187,24 @@ fn offsets_that_a_program_writes_are_kept_when_it_has_ended() {
     assert_eq!(value("G56.X"), Value::from(0));
     let plain = user.program("G0 X0 Z-19\nM30\n");
     assert_eq!(user.json(&["run", &plain])["offsets_revision"], Value::Null);
+}
+
+/// `timeout` and service managers signal a process and then its group.
+#[test]
+fn two_signals_that_come_at_once_are_one_interruption() {
+    let user = User::with_machine();
+    for _ in 0..4 {
+        let mut line = user.command(&["mdi", "G98 G1 Z-30 F1"]);
+        let line = line.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let line = line.spawn().unwrap();
+        user.wait_for("run");
+        let pid = Pid::from_raw(i32::try_from(line.id()).unwrap());
+        for signal in [Signal::SIGTERM, Signal::SIGINT] {
+            kill(pid, signal).unwrap();
+        }
+        let told = bad(&line.wait_with_output().unwrap(), 130);
+        assert!(told.contains("error: interrupted"), "{told}");
+        // What it has begun is at its end.
+        assert_eq!(user.json(&["status"])["state"], "idle", "{told}");
+    }
 }

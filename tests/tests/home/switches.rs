@@ -101,6 +101,18 @@ fn the_mark_has_the_place_of_9058_from_anywhere_on_the_way() {
     });
 }
 
+/// What makes up for a lag of 1/30 s that the drive has not: the setpoint comes to rest before the mark.
+#[test]
+fn an_axis_that_stays_at_the_mark_goes_on_to_it() {
+    for back in [0, 2_000, 20_000] {
+        let params = params(&[("9055.X", back), ("9070.X", 300)]);
+        let mut bench = at(&params, EDGE - 300_000, -12_345);
+        let machine = bench.home_x("stays");
+        assert!((MARK - machine - back).abs() <= 1, "{back}: {machine}");
+        judge_targets(&bench, "stays");
+    }
+}
+
 /// Whatever happens on the way: the axis brakes, is not referenced, and can home again.
 #[test]
 fn a_cancel_a_reset_and_a_stop_anywhere() {

@@ -132,7 +132,7 @@ pub(super) struct Search {
     behind: Length,
     /// Where the axis was as the switch changed.
     mark: Length,
-    /// How far it has gone beyond the mark by its setpoint.
+    /// How far it has gone beyond the mark by its setpoint; negative where that is still before it.
     over: Length,
 }
 
@@ -264,9 +264,21 @@ impl Ticker {
         };
         self.free = [travel, travel];
         let mut motion = switch.motion;
+        let way = match stage {
+            Stage::Back => Some(RUN_UP),
+            Stage::Retreat => Some(switch.retreat + over),
+            _ => None,
+        };
+        let on_to_the_mark = match stage {
+            Stage::Approach | Stage::Latch => true,
+            Stage::Clear | Stage::Leave | Stage::Back => false,
+            // A setpoint that is behind the axis may have come to rest before the mark.
+            Stage::Retreat => way.is_some_and(|way| way < Length::ZERO),
+        };
         if stage == Stage::Latch {
             motion.speed = switch.slow;
-        } else if stage != Stage::Approach {
+        }
+        if !on_to_the_mark {
             motion.towards = motion.towards.opposite();
         }
         let mut press = Press {
@@ -276,11 +288,7 @@ impl Ticker {
             at_rapid: true,
             slow: false,
             tip: None,
-            way: match stage {
-                Stage::Back => Some(RUN_UP),
-                Stage::Retreat => Some(switch.retreat + over),
-                _ => None,
-            },
+            way: way.map(Length::abs),
             wheel: None,
             until: None,
             returns: false,
