@@ -23,7 +23,7 @@ use leadscrew_core::bus::NodeId;
 use leadscrew_language::dialect::Control;
 
 pub use agent::{Agent, Board};
-pub use by_hand::{AxisWay, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Wheel};
+pub use by_hand::{AxisWay, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Tuned, Wheel};
 pub use machine::{Doctor, DrivesCommand, IoCommand, Record, SimCommand, Up};
 pub use params::{Diff, Migrate, ParamsCommand, Pull, Push, Restore, Write};
 pub use programs::{Check, Drive, Drives, Expand, Format, Measure, Plot, Run, Simulate};
@@ -434,9 +434,10 @@ pub enum Command {
     /// The board moves only while this program lives: it comes to rest by itself when the frames stay away.
     #[command(after_help = examples::JOG)]
     Jog(Jog),
-    /// Move an axis to and fro and find the lag of its drive (not with `--bus sim`)
+    /// Find the lag of an axis' drive, or ramp and ripple of the spindle (not with `--bus sim`)
     ///
-    /// It jogs at three speeds, twice: limits, interlocks and the dead man hold as for `jog`.
+    /// It jogs at three speeds, twice: limits, interlocks and the dead man hold as for `jog`. With `spindle` it runs the
+    /// spindle up to the speeds that are named, as typed lines would, and finds its ramp and how its speed varies.
     #[command(after_help = examples::TUNE)]
     Tune(Tune),
     /// Turn a simulated handwheel that leads an axis, or a program (not with `--bus sim`)

@@ -20,6 +20,7 @@ use crate::source::SourceFile;
 use crate::start::has_arrived;
 use crate::threads::Threads;
 use crate::trace::{Cut, Setpoint, SpindlePoint, TapPlace};
+use crate::values;
 use crate::words::{Both, both};
 
 /// The end of a run.
@@ -57,19 +58,26 @@ pub trait Observer {
     }
 }
 
+/// What was typed of a ripple, for a plant.
+///
+/// # Errors
+/// No spindle can have it.
+pub fn ripple(typed: Option<values::Ripple>) -> Outcome<Option<Ripple>> {
+    let Some(typed) = typed else {
+        return Ok(None);
+    };
+    let ripple = Ripple::new(typed.milli_percent, typed.milli_hz);
+    ripple.map(Some).ok_or_else(|| {
+        Failure::Usage(both!(
+            "the spindle cannot have this ripple",
+            "主轴不可能有这样的波动"
+        ))
+    })
+}
+
 /// A machine at power-up.
 fn power_up(setup: &Setup, drive: &Drive, servos: [Option<ServoOptions>; 2]) -> Outcome<Box<Sim>> {
-    let ripple = match drive.spindle_ripple {
-        None => None,
-        Some(ripple) => Some(
-            Ripple::new(ripple.milli_percent, ripple.milli_hz).ok_or_else(|| {
-                Failure::Usage(both!(
-                    "the spindle cannot have this ripple",
-                    "主轴不可能有这样的波动"
-                ))
-            })?,
-        ),
-    };
+    let ripple = ripple(drive.spindle_ripple)?;
     let options = PlantOptions {
         at: setup.power_up(),
         ripple,

@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use leadscrew_board_sim::plant::{Flash, PlantOptions};
+use leadscrew_board_sim::plant::{Flash, PlantOptions, Ripple};
 use leadscrew_board_sim::{Around, Sim, SimError, TurretFault, fit_switches, places};
 use leadscrew_common::diagnostics::alarm_words;
 use leadscrew_common::failure::{Failure, Outcome};
@@ -42,6 +42,17 @@ pub struct Recipe<'a> {
     pub at: Position,
     /// The drives of X and Z.
     pub drives: Chosen,
+    /// The spindle.
+    pub spindle: Turning,
+}
+
+/// A spindle as it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Turning {
+    /// How its speed varies.
+    pub ripple: Option<Ripple>,
+    /// Time that it takes for each 1000 rpm, in ms, where it is not what 9004 says.
+    pub ramp_ms: Option<u32>,
 }
 
 /// With power, or without.
@@ -65,6 +76,7 @@ pub struct Machine {
     node: NodeId,
     at: Position,
     drives: Chosen,
+    spindle: Turning,
     contacts: Contacts,
     /// Inputs that somebody has set.
     around: Around,
@@ -100,6 +112,7 @@ impl Machine {
             node: recipe.node,
             at: recipe.at,
             drives: recipe.drives.clone(),
+            spindle: recipe.spindle,
             contacts: Contacts::default(),
             around: Around::default(),
             spoilt: Spoilt::default(),
@@ -247,6 +260,8 @@ impl Machine {
         let params = stored_set(flash).unwrap_or_else(Params::slant_bed);
         let options = PlantOptions {
             at: self.at,
+            ripple: self.spindle.ripple,
+            ramp_ms: self.spindle.ramp_ms,
             servos: self.drives.servos(params.tick_us())?,
             board: Some(self.node),
             ..PlantOptions::default()

@@ -69,6 +69,8 @@ pub struct PlantOptions {
     pub counter: i32,
     /// Ripple of the spindle's speed.
     pub ripple: Option<Ripple>,
+    /// Time that the spindle takes for each 1000 rpm, in ms, where it is not what 9004 says.
+    pub ramp_ms: Option<u32>,
     /// The options of all drives.
     pub drives: DriveOptions,
     /// The drives of X and Z as they are; `None` for ideal ones, which are where they are told.
@@ -140,8 +142,9 @@ pub struct Plant {
 impl Plant {
     /// A plant for a parameter set, just switched on.
     pub fn new(params: &Params, options: &PlantOptions) -> Result<Self, PlantError> {
-        let spindle = Spindle::new(params.spindle_ramp_ms(), options.ripple, options.angle)
-            .ok_or(PlantError::Ramp)?;
+        let ramp_ms = options.ramp_ms.unwrap_or(params.spindle_ramp_ms());
+        let spindle =
+            Spindle::new(ramp_ms, options.ripple, options.angle).ok_or(PlantError::Ramp)?;
         let encoder = Encoder::new(
             params.encoder_counts(),
             params.encoder_edge_time(),

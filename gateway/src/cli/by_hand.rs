@@ -259,6 +259,65 @@ impl OverrideName {
     }
 }
 
+/// What is tuned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tuned {
+    /// The drive of an axis.
+    Axis(AxisWay),
+    /// The spindle.
+    Spindle,
+}
+
+impl FromStr for Tuned {
+    type Err = Mistake;
+
+    fn from_str(text: &str) -> Result<Self, Mistake> {
+        if text.eq_ignore_ascii_case("spindle") {
+            return Ok(Self::Spindle);
+        }
+        text.parse().map(Self::Axis).map_err(|_: Mistake| {
+            mistake!(
+                "expected an axis and a direction, `X+`, `X-`, `Z+` or `Z-`, or `spindle`",
+                "应写轴与方向：`X+`、`X-`、`Z+` 或 `Z-`，或写 `spindle`"
+            )
+        })
+    }
+}
+
+/// Options of `tune`.
+#[derive(Debug, Args)]
+pub struct Tune {
+    /// The axis, and the direction of its first stroke: `X+`, `X-`, `Z+` or `Z-`; each stroke goes back again. Or
+    /// `spindle`
+    #[arg(value_name = "WAY|spindle")]
+    pub what: Tuned,
+    /// Spindle: two to six speeds in turns a minute to which it runs up from rest; no multiples of each other tell most
+    #[arg(long, value_name = "RPM,RPM,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(10..=9999))]
+    pub speeds: Vec<u16>,
+    /// Spindle: its speed is looked at for so long, at each [default: 20]
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u16).range(5..=120))]
+    pub seconds: Option<u16>,
+    /// Time of buffer and interpolation in the drive; 9003 of the axis where it is not given
+    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(1..=20_000))]
+    pub dead_time: Option<u32>,
+    /// Feed-forward of the speed that the drive is set to, in per cent; 9071 of the axis where it is not given
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
+    pub feed_forward: Option<u32>,
+    /// Age of 6064h at the SYNC that it is sent for, as its maker tells it; 9072 of the axis where it is not given
+    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=20_000))]
+    pub age: Option<u32>,
+    /// How well that age is known, plus or minus; with `--write` it becomes 9075 of the axis
+    #[arg(long, value_name = "US", requires = "age", value_parser = clap::value_parser!(u32).range(1..=20_000))]
+    pub age_within: Option<u32>,
+    /// Write 9003, 9070, 9071 and 9072 of the axis, or 9004 of the spindle, and 9010 where its speed varies more, as one
+    /// transaction
+    #[arg(long)]
+    pub write: bool,
+    /// Write the result: `.svg`, `.png`, `.html` or `.json`
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<std::path::PathBuf>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -278,29 +337,4 @@ mod tests {
         }
         assert!("C+".parse::<AxisWay>().is_err());
     }
-}
-
-/// Options of `tune`.
-#[derive(Debug, Args)]
-pub struct Tune {
-    /// The axis, and the direction of its first stroke: `X+`, `X-`, `Z+` or `Z-`; each stroke goes back again
-    pub way: AxisWay,
-    /// Time of buffer and interpolation in the drive; 9003 of the axis where it is not given
-    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(1..=20_000))]
-    pub dead_time: Option<u32>,
-    /// Feed-forward of the speed that the drive is set to, in per cent; 9071 of the axis where it is not given
-    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
-    pub feed_forward: Option<u32>,
-    /// Age of 6064h at the SYNC that it is sent for, as its maker tells it; 9072 of the axis where it is not given
-    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=20_000))]
-    pub age: Option<u32>,
-    /// How well that age is known, plus or minus; with `--write` it becomes 9075 of the axis
-    #[arg(long, value_name = "US", requires = "age", value_parser = clap::value_parser!(u32).range(1..=20_000))]
-    pub age_within: Option<u32>,
-    /// Write 9003, 9070, 9071 and 9072 of the axis, as one transaction
-    #[arg(long)]
-    pub write: bool,
-    /// Write the result: `.svg`, `.png`, `.html` or `.json`
-    #[arg(short, long, value_name = "FILE")]
-    pub output: Option<std::path::PathBuf>,
 }

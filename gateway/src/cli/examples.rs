@@ -34,7 +34,8 @@ pub(super) const TUNE: &str = "\
 Examples:
   leadscrew tune Z- --dead-time 1000 --bus can0             moves, and tells what it finds
   leadscrew tune X+ --bus can0 -o x.svg                     with the dead time of 9003
-  leadscrew tune Z- --dead-time 1000 --write --bus can0     and writes it";
+  leadscrew tune Z- --dead-time 1000 --write --bus can0     and writes it
+  leadscrew tune spindle --speeds 210,500,890 --bus can0    ramp and ripple of the spindle";
 
 pub(super) const WHEEL: &str = "\
 Examples:

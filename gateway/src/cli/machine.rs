@@ -9,7 +9,7 @@ use leadscrew_desk::control::{
 };
 
 use super::{Drives, examples};
-use crate::values::Factor;
+use crate::values::{Factor, Ripple};
 
 /// `record`.
 #[derive(Args, Debug)]
@@ -63,6 +63,12 @@ pub struct Up {
     /// The drives.
     #[command(flatten)]
     pub drives: Drives,
+    /// How the speed of its spindle varies: a sine of PERCENT of the commanded speed, as `10@5`
+    #[arg(long, value_name = "PERCENT@HZ")]
+    pub spindle_ripple: Option<Ripple>,
+    /// Time that its spindle takes for each 1000 rpm, in ms [default: parameter 9004]
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=60_000))]
+    pub spindle_ramp: Option<u32>,
     /// Stay in this terminal, with the log, until Ctrl-C or `leadscrew down`
     #[arg(long)]
     pub foreground: bool,

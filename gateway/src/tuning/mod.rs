@@ -1,10 +1,12 @@
-//! What the strokes of an axis say about its drive: samples in, figures or a refusal out.
+//! What the strokes of an axis say about its drive, and run-ups about the spindle: samples in, figures or a refusal out.
 //!
-//! [`lag`] finds the total lag by regression, [`model`] an equivalent model that has this lag. Lengths are micrometres of
-//! the slide, times are seconds. Knows nothing of buses, boards, files and words.
+//! [`lag`] finds the total lag by regression, [`model`] an equivalent model that has this lag; [`spindle`] looks at
+//! run-ups of a spindle. Lengths are micrometres of the slide, times are seconds. Knows nothing of buses, boards, files
+//! and words.
 
 mod lag;
 mod model;
+pub mod spindle;
 #[cfg(test)]
 mod tests;
 

@@ -66,3 +66,79 @@ fn without_a_dead_time_nothing_moves() {
         "{told}"
     );
 }
+
+#[test]
+fn the_ramp_and_the_ripple_of_a_known_spindle_are_found_and_written() {
+    let user = User::new();
+    good(&user.does(&[
+        "up",
+        "--spindle-ramp",
+        "800",
+        "--spindle-ripple",
+        "20@5.3",
+        "--speed",
+        "2",
+    ]));
+    let tune = [
+        "tune",
+        "spindle",
+        "--speeds",
+        "211,503,887",
+        "--seconds",
+        "5",
+    ];
+    let told = user.json(&tune);
+    let ramp = told["ramp_ms"].as_f64().unwrap();
+    // The ripple goes on in the ramp.
+    assert!((800.0..1200.0).contains(&ramp), "{told}");
+    let run_ups = told["run_ups"].as_array().unwrap();
+    for (run_up, asked) in run_ups.iter().zip([211.0, 503.0, 887.0]) {
+        let mean = run_up["mean_rpm"].as_f64().unwrap();
+        assert!((mean / asked - 1.0).abs() < 0.005, "{told}");
+    }
+    let line = &told["lines"][0];
+    let (hz, percent) = (line["hz"].as_f64().unwrap(), &line["percent"]);
+    assert!((hz - 5.3).abs() < 0.05, "{told}");
+    assert!((percent.as_f64().unwrap() - 20.0).abs() < 1.0, "{told}");
+    assert_eq!(line["speeds"], 3, "{told}");
+    // Nothing has been written, and the spindle stands.
+    let get = ["params", "get", "9004", "9010"];
+    let values = |user: &User| {
+        let got = user.json(&get);
+        [0, 1].map(|place| got["params"][place]["value"].as_f64().unwrap())
+    };
+    assert_eq!(values(&user), [500.0, 15.0]);
+    assert_eq!(user.json(&["status"])["rpm_commanded"], 0);
+    good(&user.does(&[&tune[..], &["--write", "-o", "s.svg"]].concat()));
+    let [ramp, room] = values(&user);
+    assert!((800.0..1200.0).contains(&ramp), "{ramp}");
+    assert!((20.0..24.0).contains(&room), "{room}");
+    let drawn = std::fs::read_to_string(user.0.join("s.svg")).unwrap();
+    assert!(drawn.contains("<polyline") && drawn.contains("S887"));
+}
+
+#[test]
+fn a_spindle_is_not_tuned_without_speeds_or_while_it_turns() {
+    let user = User::with_machine();
+    for (args, says) in [
+        (&["tune", "spindle"][..], "--speeds"),
+        (&["tune", "spindle", "--speeds", "300"], "two to 6"),
+        (
+            &["tune", "spindle", "--speeds", "300,3001"],
+            "the highest speed of this spindle is 3000 rpm",
+        ),
+        (
+            &["tune", "spindle", "--speeds", "300,500", "--age", "3"],
+            "`--age` is for the drive of an axis",
+        ),
+        (&["tune", "Z-", "--speeds", "300,500"], "tune spindle"),
+        (&["tune", "Y-"], "or `spindle`"),
+    ] {
+        let told = bad(&user.does(args), 2);
+        assert!(told.contains(says), "{args:?}: {told}");
+        assert_eq!(user.json(&["status"])["rpm_commanded"], 0);
+    }
+    good(&user.does(&["mdi", "M3 S400"]));
+    let told = bad(&user.does(&["tune", "spindle", "--speeds", "300,500"]), 4);
+    assert!(told.contains("leadscrew mdi M5"), "{told}");
+}

@@ -75,6 +75,16 @@ impl Greeted {
         Ok(Self { link, inside })
     }
 
+    /// Meets the board behind this link.
+    ///
+    /// # Errors
+    /// No board, another version.
+    pub fn on(mut link: Link) -> Outcome<Self> {
+        link.greet()?;
+        link.check_table()?;
+        Ok(Self { link, inside: None })
+    }
+
     /// Reads its parameter set.
     ///
     /// # Errors

@@ -34,7 +34,7 @@ pub use monitor::monitor;
 pub use operate::{levels, order, signal};
 pub use panel::panel;
 pub use resume::resume;
-pub use run::{no_figures, run};
+pub use run::{Work, no_figures, perform_on, run};
 pub use status::status;
 pub use wheel::wheel;
 

@@ -18,7 +18,7 @@ use leadscrew_core::units::{Angle, Length};
 use leadscrew_desk::clock::Speed;
 use leadscrew_desk::control::{Answer, View};
 use leadscrew_desk::hand::{Handled as _, wrong_speed};
-use leadscrew_desk::machine::{Machine, Recipe};
+use leadscrew_desk::machine::{Machine, Recipe, Turning};
 use leadscrew_desk::server::Server;
 use serde_json::Value;
 
@@ -26,6 +26,7 @@ use super::{json, name, runs_already};
 use crate::cli::{BUS, Global, Up};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
+use crate::machine::ripple;
 use crate::output;
 use crate::params;
 use crate::profiles::Chosen;
@@ -46,6 +47,10 @@ pub fn up(global: &Global, args: &Up) -> Outcome {
     };
     let params = wanted(global, args)?;
     let drives = Chosen::of(&args.drives.drive, global.lang())?;
+    let spindle = Turning {
+        ripple: ripple(args.spindle_ripple)?,
+        ramp_ms: args.spindle_ramp,
+    };
     let desk = Desk::make().map_err(Failure::bus)?;
     let home = Home::make(&name)?;
     if !args.foreground {
@@ -65,6 +70,7 @@ pub fn up(global: &Global, args: &Up) -> Outcome {
         node: global.board()?,
         at: at(global),
         drives,
+        spindle,
     })?;
     let mut server = Server::open(&desk, &name, claim, machine, global.lang())?;
     server.set_speed(speed);

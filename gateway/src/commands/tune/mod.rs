@@ -1,14 +1,18 @@
-//! `tune`: moves an axis to and fro by jogging, and finds how far its drive lags behind.
+//! `tune`: moves an axis to and fro by jogging, and finds how far its drive lags behind; or runs the spindle up, and finds
+//! its ramp and its ripple.
 //!
-//! [`strokes`] moves and hears, `crate::tuning` computes, [`result`] tells. It holds no limit of its own: the board does.
+//! [`strokes`] moves an axis and hears, [`spindle`] the spindle; `crate::tuning` computes; [`result`] and [`turned`] tell.
+//! It holds no limit of its own: the board does.
 
 mod result;
+mod spindle;
 mod strokes;
+mod turned;
 
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::units::Axis;
 
-use crate::cli::{Global, Tune};
+use crate::cli::{AxisWay, Global, Tune, Tuned};
 use crate::commands::board::Greeted;
 use crate::commands::params::{Wish, transact};
 use crate::commands::picture::Format;
@@ -19,9 +23,23 @@ use crate::words::both;
 
 /// Moves, finds, tells, and writes where that was asked.
 pub fn run(global: &Global, args: &Tune) -> Outcome {
+    match args.what {
+        Tuned::Axis(way) => axis(global, args, way),
+        Tuned::Spindle => spindle::run(global, args),
+    }
+}
+
+/// The drive of an axis.
+fn axis(global: &Global, args: &Tune, way: AxisWay) -> Outcome {
+    if !args.speeds.is_empty() || args.seconds.is_some() {
+        return Err(Failure::Usage(both!(
+            "`--speeds` and `--seconds` are for `tune spindle`",
+            "`--speeds` 和 `--seconds` 用于 `tune spindle`"
+        )));
+    }
     let output = args.output.as_deref();
     let format = output.map(Format::of).transpose()?;
-    let axis = if args.way.on_z { Axis::Z } else { Axis::X };
+    let axis = if way.on_z { Axis::Z } else { Axis::X };
     let mut machine = Greeted::meet(global)?.read()?;
     let params = &machine.params;
     let letter = char::from(axis.letter());
@@ -49,7 +67,7 @@ pub fn run(global: &Global, args: &Tune) -> Outcome {
     };
     machine.link.hear_status()?;
     machine.link.set_mode(OperatingMode::Manual)?;
-    let heard = strokes::make(&mut machine, args.way, axis, increment, tick)?;
+    let heard = strokes::make(&mut machine, way, axis, increment, tick)?;
     drop(machine);
     let known = Known {
         tick,

@@ -83,6 +83,18 @@ pub fn perform<'a>(
     work: Work,
     begin: &mut dyn FnMut(&mut Setup<'a>, &Status) -> Outcome,
 ) -> Outcome<Done<'a>> {
+    perform_on(global, source, args, work, &mut Machine::meet, begin)
+}
+
+/// The same on the board that `meet` meets.
+pub fn perform_on<'a>(
+    global: &'a Global,
+    source: &SourceFile,
+    args: &Run,
+    work: Work,
+    meet: &mut dyn FnMut(&Global) -> Outcome<Machine>,
+    begin: &mut dyn FnMut(&mut Setup<'a>, &Status) -> Outcome,
+) -> Outcome<Done<'a>> {
     refuse(global, args)?;
     // A mistyped name needs no board.
     source
@@ -91,7 +103,7 @@ pub fn perform<'a>(
     let program = source.name();
     let answer = Answer::Run { program: &program };
     alone_in(global, &global.params, &global.set, answer)?;
-    let mut machine = Machine::meet(global)?;
+    let mut machine = meet(global)?;
     let tap = TapRecord::decode(&machine.link.journal()?).ok().flatten();
     let in_hole = tap.is_some_and(|record| record.in_hole);
     let base = Base {
