@@ -6,6 +6,9 @@
 //!          metrics, values for births  ◄─────────┘          └─► sender: sparkplug in mqtt
 //! ```
 //!
+//! Beside the records, the set of parameters in force goes to the broker as a state that it retains ([`set`]), and
+//! [`mqtt::retained`] is the other end of that.
+//!
 //! A model is of one machine; store, sender and metrics are of all that an agent has. This crate must not know a bus or a
 //! command line: what the board says comes to it as values. Nothing here orders, and no broker can make it. What is
 //! published has been kept before; the number under which it is kept goes with it, so that a repetition is known as one
@@ -17,6 +20,7 @@ pub mod model;
 pub mod mqtt;
 pub mod record;
 pub mod sender;
+pub mod set;
 pub mod sparkplug;
 pub mod store;
 

@@ -89,11 +89,35 @@ pub struct Memory {
     /// A program has ended, and its result is to be told; true: it finished.
     ended: Option<bool>,
     identity: Option<Identity>,
+    /// The set in force. Earlier versions did not remember it.
+    #[serde(default)]
+    in_force: Option<InForce>,
     alive: bool,
     state: Option<State>,
 }
 
+/// Since when a board has had its parameters, as far as the agent knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InForce {
+    /// The board.
+    serial: u32,
+    /// Checksum of its parameters.
+    pub parameters: u32,
+    /// When they were seen first: they are in force since then at the latest.
+    pub since: Moment,
+    /// When others were seen last: these came later. `None`: no others were ever seen, and it may have been any time before.
+    pub after: Option<Moment>,
+    /// When they were seen last.
+    pub seen: Moment,
+}
+
 impl Memory {
+    /// What the board is, and since when it has had its parameters. `None` until it has been met.
+    #[must_use]
+    pub fn in_force(&self) -> Option<(&Identity, &InForce)> {
+        self.identity.as_ref().zip(self.in_force.as_ref())
+    }
+
     /// Number of the last certificate of a thread that was told.
     #[must_use]
     pub const fn last_thread(&self) -> u32 {
@@ -147,7 +171,7 @@ impl Model {
                         parameters: *parameters,
                         ..identity.clone()
                     };
-                    self.identity(identity, &mut told);
+                    self.identity(at, identity, &mut told);
                 }
             }
             Observation::Log(entries) => self.log(entries, &mut told),
@@ -191,12 +215,14 @@ impl Model {
                 },
                 alive: known.alive,
                 identity: known.identity.clone(),
+                in_force: known.in_force,
                 ..Memory::default()
             };
         }
         self.memory.tick_us = met.tick_us;
         self.memory.note(at, met.tick);
         self.identity(
+            at,
             Identity {
                 start: self.memory.start,
                 parameters: met.parameters,
@@ -207,7 +233,20 @@ impl Model {
         self.presence(true, "", told);
     }
 
-    fn identity(&mut self, identity: Identity, told: &mut Vec<Body>) {
+    fn identity(&mut self, at: Moment, identity: Identity, told: &mut Vec<Body>) {
+        let (serial, parameters) = (identity.start.serial, identity.parameters);
+        let before = self.memory.in_force;
+        let same = before.filter(|set| (set.serial, set.parameters) == (serial, parameters));
+        self.memory.in_force = Some(match same {
+            Some(set) => InForce { seen: at, ..set },
+            None => InForce {
+                serial,
+                parameters,
+                since: at,
+                after: before.map(|set| set.seen),
+                seen: at,
+            },
+        });
         if self.memory.identity.as_ref() != Some(&identity) {
             self.memory.identity = Some(identity.clone());
             told.push(Body::Identity(identity));

@@ -1,15 +1,19 @@
 //! Sends what is kept, in order, and removes it when the broker has it.
 //!
+//! The set in force of each machine is a state: it is sent where no record waits, and the newest is what counts [D417].
+//!
 //! A connection that ends is begun anew after a pause; what the broker had not said it has is sent again, with the number
 //! that it had.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use crate::mqtt::{Address, Client, Fault, Login, Said, Tls, Wire, WireError};
 use crate::record::{Moment, Numbered};
-use crate::sparkplug::{Machines, Names, Session};
+use crate::set::{Set, Sets};
+use crate::sparkplug::{Machines, Message, Names, Session};
 use crate::store::{Store, StoreError};
 
 /// Messages on their way at a time: a broker gives each of its readers about as many.
@@ -62,6 +66,7 @@ pub enum News {
 #[derive(Debug, Default)]
 pub struct Shared {
     machines: Mutex<Machines>,
+    sets: Mutex<Sets>,
     over: AtomicBool,
     connected: AtomicBool,
 }
@@ -75,6 +80,15 @@ impl Shared {
     pub fn take(&self, kept: &[Numbered]) {
         let mut machines = self.machines();
         kept.iter().for_each(|record| machines.take(record));
+    }
+
+    fn sets(&self) -> MutexGuard<'_, Sets> {
+        self.sets.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes the set that a machine has in force.
+    pub fn set(&self, machine: &str, set: &Set) {
+        self.sets().take(machine, set);
     }
 
     /// The sender is to end.
@@ -141,6 +155,7 @@ fn connection(
         let bytes = wire.read(&mut room).map_err(Trouble::Wire)?;
         let was_accepted = sending.accepted;
         sending.take(bytes, &shared.machines(), now(), began.elapsed())?;
+        sending.retain(&shared.sets(), began.elapsed());
         if sending.accepted && !was_accepted {
             shared.connected.store(true, Ordering::Relaxed);
             tell(News::Connected);
@@ -160,12 +175,14 @@ pub struct Sending<'a> {
     store: &'a Store,
     client: Client,
     session: Session,
-    orders: String,
+    names: Names,
     accepted: bool,
     /// The last number that was handed to the client.
     handed: u64,
     /// All that was kept at the last look has been handed.
     empty: bool,
+    /// Which set of each machine the broker has been given.
+    sets: BTreeMap<String, u64>,
 }
 
 impl<'a> Sending<'a> {
@@ -180,12 +197,13 @@ impl<'a> Sending<'a> {
         let name = broker.names.client();
         Ok(Self {
             store,
-            client: Client::new(&name, broker.login.as_ref(), session.death(), now),
+            client: Client::new(&name, broker.login.as_ref(), Some(session.death()), now),
             session,
-            orders: broker.names.orders(),
+            names: broker.names.clone(),
             accepted: false,
             handed: 0,
             empty: false,
+            sets: BTreeMap::new(),
         })
     }
 
@@ -217,15 +235,16 @@ impl<'a> Sending<'a> {
                 match said {
                     Said::Accepted => {
                         self.accepted = true;
-                        self.client.subscribe(&self.orders, now);
+                        self.client.subscribe(&self.names.orders(), now);
                         self.births(machines, at, now);
                     }
                     Said::Has(number) => has = has.max(Some(number)),
-                    Said::Message { topic, payload } => {
+                    Said::Message { topic, payload, .. } => {
                         if self.session.asks_for_births(&topic, &payload) {
                             self.births(machines, at, now);
                         }
                     }
+                    Said::Huge(_) | Said::Subscribed | Said::Alive => {}
                 }
             }
             if let Some(number) = has {
@@ -266,6 +285,23 @@ impl<'a> Sending<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Gives the broker the sets that it has not been given, where no record waits and there is room.
+    pub fn retain(&mut self, sets: &Sets, now: Duration) {
+        if !self.accepted || !self.empty {
+            return;
+        }
+        for (machine, number, payload) in sets.iter() {
+            if self.client.under_way() >= WINDOW {
+                return;
+            }
+            if self.sets.get(machine) != Some(&number) {
+                self.sets.insert(machine.to_owned(), number);
+                let (topic, payload) = (self.names.set(machine), payload.to_vec());
+                self.client.retain(Message { topic, payload }, now);
+            }
+        }
     }
 
     /// The death that the broker would tell, told in time, and the end.

@@ -6,6 +6,7 @@
 mod agent;
 mod by_hand;
 mod examples;
+mod fleet;
 mod machine;
 mod params;
 mod programs;
@@ -22,8 +23,9 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_language::dialect::Control;
 
-pub use agent::{Agent, Board};
+pub use agent::{Access, Agent, Board};
 pub use by_hand::{AxisWay, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Tuned, Wheel};
+pub use fleet::{Asked, FleetCommand};
 pub use machine::{Doctor, DrivesCommand, IoCommand, Record, SimCommand, Up};
 pub use params::{Diff, Migrate, ParamsCommand, Pull, Push, Restore, Write};
 pub use programs::{Check, Drive, Drives, Expand, Format, Measure, Plot, Run, Simulate};
@@ -71,6 +73,7 @@ impl Cli {
                 | Command::Explain(_)
                 | Command::Drives { .. }
                 | Command::Measure(_)
+                | Command::Fleet { .. }
                 | Command::Completions { .. }
                 | Command::Man { .. }
         );
@@ -410,6 +413,15 @@ pub enum Command {
     /// what leaves the machine.
     #[command(after_help = examples::AGENT)]
     Agent(Agent),
+    /// The parameters of all machines, as their agents have told a broker: which differ, since when, in what
+    ///
+    /// It reads and compares; it changes nothing. `params push` at the machine does.
+    #[command(after_help = examples::FLEET)]
+    Fleet {
+        /// What to do
+        #[command(subcommand)]
+        command: FleetCommand,
+    },
     /// Feed hold (not with `--bus sim`)
     #[command(after_help = examples::HOLD)]
     Hold,

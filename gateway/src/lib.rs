@@ -30,6 +30,7 @@ pub mod execution;
 pub mod features;
 pub mod feeder;
 pub mod hole;
+pub mod in_force;
 pub mod inspection;
 pub mod length;
 pub mod link;

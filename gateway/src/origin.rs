@@ -69,7 +69,8 @@ impl Origin {
 }
 
 /// `2026-11-22T01:38:03Z`. A clock that was never set shows its first instant.
-fn utc(time: SystemTime) -> String {
+#[must_use]
+pub fn utc(time: SystemTime) -> String {
     humantime::format_rfc3339_seconds(time.max(UNIX_EPOCH)).to_string()
 }
 

@@ -258,3 +258,55 @@ fn a_board_that_goes_and_comes_is_told_once_each() {
         1
     );
 }
+
+#[test]
+fn since_when_a_set_is_in_force_is_known_as_well_as_the_agent_has_looked() {
+    let of = |model: &Model| {
+        let (_, set) = model.memory().in_force().unwrap();
+        (
+            set.parameters,
+            set.since.0,
+            set.after.map(|at| at.0),
+            set.seen.0,
+        )
+    };
+    let mut model = Model::default();
+    assert_eq!(model.memory().in_force(), None);
+    let begin = met(5000, 0, None);
+    model.take(Moment(HOUR), &Observation::Met(begin.clone()));
+    // It may have been in force for any time.
+    assert_eq!(of(&model), (5, HOUR, None, HOUR));
+    model.take(Moment(HOUR + 2000), &Observation::Parameters(5));
+    assert_eq!(of(&model), (5, HOUR, None, HOUR + 2000));
+    model.take(Moment(HOUR + 4000), &Observation::Parameters(6));
+    let changed = (6, HOUR + 4000, Some(HOUR + 2000), HOUR + 4000);
+    assert_eq!(of(&model), changed);
+    // An agent that begins again knows nothing of the present before it has met the board.
+    let mut again = Model::new(model.memory().clone());
+    assert_eq!(again.memory().in_force(), None);
+    let with = |parameters| Met {
+        parameters,
+        ..begin.clone()
+    };
+    again.take(Moment(2 * HOUR), &Observation::Met(with(6)));
+    assert_eq!(of(&again), (6, HOUR + 4000, Some(HOUR + 2000), 2 * HOUR));
+    // So for a board that has started again.
+    let before = again.memory().start.count;
+    again.take(
+        Moment(3 * HOUR),
+        &Observation::Met(Met { tick: 1, ..with(6) }),
+    );
+    assert_eq!(again.memory().start.count, before + 1);
+    assert_eq!(of(&again).1, HOUR + 4000);
+    // What changed while nobody looked.
+    let mut away = Model::new(model.memory().clone());
+    away.take(Moment(9 * HOUR), &Observation::Met(with(7)));
+    assert_eq!(of(&away), (7, 9 * HOUR, Some(HOUR + 4000), 9 * HOUR));
+    // Another board with the same set is another machine's board: it has not had it here.
+    let other = Met {
+        serial: 8,
+        ..with(7)
+    };
+    away.take(Moment(10 * HOUR), &Observation::Met(other));
+    assert_eq!(of(&away).1, 10 * HOUR);
+}

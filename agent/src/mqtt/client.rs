@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::time::Duration;
 
-use bytes::BytesMut;
+use bytes::{Buf as _, BytesMut};
 use mqttbytes::v4::{
     Connect, ConnectReturnCode, LastWill, Packet, PubAck, Publish, Subscribe, SubscribeReasonCode,
     read,
@@ -23,8 +23,11 @@ const KEEP_ALIVE: Duration = Duration::from_secs(30);
 const PING: Duration = Duration::from_secs(15);
 /// A broker that is silent for this time is gone, whatever the network says.
 const SILENCE: Duration = Duration::from_secs(45);
-/// The largest packet that is read; orders are small.
+/// The largest packet that is read: orders are small, and a set of parameters has a third of it. Of a larger message the
+/// topic is read, and the rest is dropped as it comes.
 const LARGEST: usize = 64 << 10;
+/// The upper half of the first byte of a `PUBLISH`.
+const PUBLISH: u8 = 3;
 /// `PINGREQ`, which has no content.
 const PING_REQUEST: [u8; 2] = [0xC0, 0];
 /// `DISCONNECT`.
@@ -43,7 +46,15 @@ pub enum Said {
         topic: String,
         /// Its content.
         payload: Vec<u8>,
+        /// The broker has kept it, and tells it because this client has just come.
+        retained: bool,
     },
+    /// A message that is too large to be read: its topic.
+    Huge(String),
+    /// This client hears what it has subscribed to.
+    Subscribed,
+    /// The broker has answered a ping.
+    Alive,
 }
 
 /// Why a connection is over.
@@ -81,22 +92,20 @@ pub struct Client {
     last_id: u16,
     /// Messages that the broker has not said it has, in order, each with its number where it has one.
     under_way: VecDeque<(u16, Option<u64>)>,
+    /// So many bytes of a message that is too large are still to come.
+    skip: usize,
     heard: Duration,
     sent: Duration,
 }
 
 impl Client {
-    /// Begins a connection; the times here are those since any beginning.
+    /// Begins a connection; the times here are those since any beginning. Who only listens leaves no will.
     #[must_use]
-    pub fn new(name: &str, login: Option<&Login>, will: Message, now: Duration) -> Self {
+    pub fn new(name: &str, login: Option<&Login>, will: Option<Message>, now: Duration) -> Self {
         let mut connect = Connect::new(name);
         connect.keep_alive = KEEP_ALIVE.as_secs() as u16;
-        connect.last_will = Some(LastWill::new(
-            will.topic,
-            will.payload,
-            QoS::AtLeastOnce,
-            false,
-        ));
+        connect.last_will =
+            will.map(|will| LastWill::new(will.topic, will.payload, QoS::AtLeastOnce, false));
         if let Some(login) = login {
             connect.set_login(&login.user, &login.password);
         }
@@ -105,6 +114,7 @@ impl Client {
             output: BytesMut::new(),
             last_id: 0,
             under_way: VecDeque::new(),
+            skip: 0,
             heard: now,
             sent: now,
         };
@@ -131,17 +141,42 @@ impl Client {
 
     /// Hears a topic from now on.
     pub fn subscribe(&mut self, topic: &str, now: Duration) {
-        let mut packet = Subscribe::new(topic, QoS::AtLeastOnce);
+        self.subscribe_as(topic, QoS::AtLeastOnce, now);
+    }
+
+    /// The same without answers: a broker then keeps no queue for this client, whose end would be dropped where it is long.
+    pub fn look(&mut self, topic: &str, now: Duration) {
+        self.subscribe_as(topic, QoS::AtMostOnce, now);
+    }
+
+    fn subscribe_as(&mut self, topic: &str, qos: QoS, now: Duration) {
+        let mut packet = Subscribe::new(topic, qos);
         packet.pkid = self.id();
         self.put(now, |output| packet.write(output));
     }
 
     /// Sends a message. The broker's answer tells its number.
     pub fn publish(&mut self, message: Message, number: Option<u64>, now: Duration) {
+        self.publish_as(message, number, false, now);
+    }
+
+    /// Sends a message that the broker keeps for those who come later, in the place of the one before.
+    pub fn retain(&mut self, message: Message, now: Duration) {
+        self.publish_as(message, None, true, now);
+    }
+
+    fn publish_as(&mut self, message: Message, number: Option<u64>, retain: bool, now: Duration) {
         let mut packet = Publish::new(message.topic, QoS::AtLeastOnce, message.payload);
+        packet.retain = retain;
         packet.pkid = self.id();
         self.under_way.push_back((packet.pkid, number));
         self.put(now, |output| packet.write(output));
+    }
+
+    /// Asks the broker to answer.
+    pub fn ping(&mut self, now: Duration) {
+        self.sent = now;
+        self.output.extend_from_slice(&PING_REQUEST);
     }
 
     /// Ends the connection without a will.
@@ -167,8 +202,7 @@ impl Client {
             return Err(Fault::Silent);
         }
         if now.saturating_sub(self.sent) > PING {
-            self.sent = now;
-            self.output.extend_from_slice(&PING_REQUEST);
+            self.ping(now);
         }
         Ok(())
     }
@@ -182,12 +216,55 @@ impl Client {
         self.input.extend_from_slice(bytes);
         let mut said = Vec::new();
         loop {
+            let skipped = self.skip.min(self.input.len());
+            self.input.advance(skipped);
+            self.skip -= skipped;
+            if self.skip > 0 {
+                return Ok(said);
+            }
             match read(&mut self.input, LARGEST) {
                 Ok(packet) => said.extend(self.packet(packet, now)?),
                 Err(Error::InsufficientBytes(_)) => return Ok(said),
+                Err(Error::PayloadSizeLimitExceeded(length)) => match self.huge(length, now)? {
+                    Some(topic) => said.push(Said::Huge(topic)),
+                    None => return Ok(said),
+                },
                 Err(error) => return Err(Fault::Nonsense(error.to_string())),
             }
         }
+    }
+
+    /// The topic of a message that is too large, whose rest is dropped from now on; `None` where it has not come whole.
+    /// `length`: of the message behind its first bytes.
+    fn huge(&mut self, length: usize, now: Duration) -> Result<Option<String>, Fault> {
+        let nonsense = || Fault::Nonsense(format!("a packet of {length} bytes"));
+        let first = self.input.first().copied().unwrap_or_default();
+        if first >> 4 != PUBLISH {
+            return Err(nonsense());
+        }
+        // The kind, and the length in up to four bytes, each but the last with its highest bit.
+        let rest = self.input.get(1..).unwrap_or_default();
+        let head = 2 + rest.iter().take_while(|byte| **byte >= 0x80).count();
+        let Some([high, low]) = self.input.get(head..head + 2) else {
+            return Ok(None);
+        };
+        let topic = head + 2..head + 2 + usize::from(u16::from_be_bytes([*high, *low]));
+        let qos = first >> 1 & 3;
+        let content = topic.end + if qos > 0 { 2 } else { 0 };
+        if content > head + length {
+            return Err(nonsense());
+        }
+        if self.input.len() < content {
+            return Ok(None);
+        }
+        let name = String::from_utf8_lossy(&self.input[topic.clone()]).into_owned();
+        if let (1, [high, low]) = (qos, &self.input[topic.end..content]) {
+            let answer = PubAck::new(u16::from_be_bytes([*high, *low]));
+            self.put(now, |output| answer.write(output));
+        }
+        self.input.advance(content);
+        self.skip = head + length - content;
+        Ok(Some(name))
     }
 
     fn packet(&mut self, packet: Packet, now: Duration) -> Result<Option<Said>, Fault> {
@@ -205,7 +282,7 @@ impl Client {
                 if refused {
                     Err(Fault::Orders)
                 } else {
-                    Ok(None)
+                    Ok(Some(Said::Subscribed))
                 }
             }
             Packet::Publish(message) => {
@@ -216,9 +293,10 @@ impl Client {
                 Ok(Some(Said::Message {
                     topic: message.topic,
                     payload: message.payload.to_vec(),
+                    retained: message.retain,
                 }))
             }
-            Packet::PingResp => Ok(None),
+            Packet::PingResp => Ok(Some(Said::Alive)),
             other => Err(Fault::Nonsense(format!("{other:?}"))),
         }
     }

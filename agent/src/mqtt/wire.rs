@@ -8,7 +8,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rustls::pki_types::pem::PemObject as _;
 use rustls::pki_types::{CertificateDer, ServerName};
@@ -255,11 +255,14 @@ impl Wire {
     /// # Errors
     /// The connection has ended.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), WireError> {
+        let end = Instant::now() + PATIENCE;
         let mut rest = bytes;
         while !rest.is_empty() {
             match self.stream.write(rest) {
                 Ok(0) => return Err(WireError::Socket(ErrorKind::WriteZero.into())),
                 Ok(count) => rest = &rest[count..],
+                // The first bytes wait for the handshake of TLS, and so for what the broker says in it.
+                Err(error) if is_early(&error) && Instant::now() < end => {}
                 Err(error) => return Err(fault(error)),
             }
         }

@@ -10,6 +10,7 @@ use prost::Message as _;
 use super::metrics::{Machines, Values, of_record};
 use super::payload::{Kind, Metric, Payload, Value};
 use crate::record::{Moment, Numbered};
+use crate::set;
 
 /// The name of the order to tell all births anew; no other order is known.
 const REBIRTH: &str = "Node Control/Rebirth";
@@ -81,6 +82,12 @@ impl Names {
     #[must_use]
     pub fn machine(&self, machine: &str) -> String {
         self.device_topic("+", machine)
+    }
+
+    /// Where the set of a machine is retained. It is no topic of Sparkplug's.
+    #[must_use]
+    pub fn set(&self, machine: &str) -> String {
+        set::topic(&self.group, &self.node, machine)
     }
 
     /// What a client of a broker is called: one agent of a name is connected at a time.

@@ -7,3 +7,4 @@ mod earlier;
 mod killed;
 mod machine;
 mod process;
+mod since;

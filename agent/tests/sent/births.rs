@@ -20,10 +20,10 @@ use crate::bench::{
 const NOW: Duration = Duration::ZERO;
 
 /// A store on a disk of its own that is gone with it.
-struct Folder(std::path::PathBuf);
+pub struct Folder(std::path::PathBuf);
 
 impl Folder {
-    fn new(name: &str) -> Self {
+    pub fn new(name: &str) -> Self {
         let path = format!("leadscrew-sent-{name}-{}", std::process::id());
         let path = std::env::temp_dir().join(path);
         let _ = std::fs::remove_dir_all(&path);
@@ -31,7 +31,7 @@ impl Folder {
         Self(path)
     }
 
-    fn store(&self) -> Store {
+    pub fn store(&self) -> Store {
         Store::open(&self.0.join("store"), 1 << 20, Moment(77)).unwrap()
     }
 }
@@ -250,7 +250,7 @@ fn client(login: Option<&Login>) -> Client {
         topic: "t".to_owned(),
         payload: Vec::new(),
     };
-    Client::new("name", login, will, NOW)
+    Client::new("name", login, Some(will), NOW)
 }
 
 #[test]

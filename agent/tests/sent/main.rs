@@ -2,4 +2,5 @@
 
 mod bench;
 mod births;
+mod sets;
 mod sockets;

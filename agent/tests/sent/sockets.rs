@@ -204,3 +204,29 @@ fn nobody_at_the_address_is_named() {
     let wire = Wire::open(&address, None, Duration::from_millis(1));
     assert!(matches!(wire, Err(WireError::Socket(_))));
 }
+
+#[test]
+fn a_handshake_may_take_longer_than_a_glance() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let (tell, told) = channel();
+    let broker = thread::spawn(move || {
+        let (stream, _) = listener.accept().unwrap();
+        // The client has looked for an answer in vain by then.
+        told.recv().unwrap();
+        let connection = ServerConnection::new(server()).unwrap();
+        let mut room = [0; 16];
+        let mut stream = StreamOwned::new(connection, stream);
+        let count = stream.read(&mut room).unwrap();
+        room[..count].to_vec()
+    });
+    let address = format!("mqtts://localhost:{port}").parse().unwrap();
+    let tls = Tls::of(&file("authority.pem")).unwrap();
+    let mut wire = Wire::open(&address, Some(&tls), Duration::from_millis(1)).unwrap();
+    thread::spawn(move || {
+        thread::sleep(Duration::from_millis(100));
+        tell.send(()).unwrap();
+    });
+    wire.write(b"words").unwrap();
+    assert_eq!(broker.join().unwrap(), b"words");
+}

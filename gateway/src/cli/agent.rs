@@ -28,15 +28,9 @@ pub struct Agent {
     /// The broker: `mqtt://HOST[:1883]`, or by TLS `mqtts://HOST[:8883]`
     #[arg(long, value_name = "URL")]
     pub broker: Option<Address>,
-    /// Certificates of the authorities that the broker's certificate may be of, as PEM; no others are believed
-    #[arg(long, value_name = "FILE", requires = "broker")]
-    pub ca: Option<PathBuf>,
-    /// User and password at the broker, on two lines of a file that its owner alone may read
-    #[arg(long, value_name = "FILE", requires = "broker")]
-    pub login: Option<PathBuf>,
-    /// Group in Sparkplug's topics: the shop
-    #[arg(long, value_name = "NAME", default_value = "leadscrew")]
-    pub group: String,
+    /// Whom the broker lets in.
+    #[command(flatten)]
+    pub access: Access,
     /// Edge node in the topics: this agent; no other of the broker may have it [default: computer and machine; with several
     /// boards the computer]
     #[arg(long, value_name = "NAME")]
@@ -55,6 +49,23 @@ pub struct Agent {
     /// Gives figures to Prometheus at this address, without TLS and without a password
     #[arg(long, value_name = "ADDRESS")]
     pub metrics: Option<SocketAddr>,
+    /// Gives the broker no parameter set: then `leadscrew fleet` knows none of these machines
+    #[arg(long, requires = "broker")]
+    pub no_set: bool,
+}
+
+/// What every command at a broker takes.
+#[derive(Args, Debug)]
+pub struct Access {
+    /// Certificates of the authorities that the broker's certificate may be of, as PEM; no others are believed
+    #[arg(long, value_name = "FILE", requires = "broker")]
+    pub ca: Option<PathBuf>,
+    /// User and password at the broker, on two lines of a file that its owner alone may read
+    #[arg(long, value_name = "FILE", requires = "broker")]
+    pub login: Option<PathBuf>,
+    /// Group in the topics: the shop
+    #[arg(long, value_name = "NAME", default_value = "leadscrew")]
+    pub group: String,
 }
 
 /// `--board`.

@@ -174,6 +174,21 @@ Examples:
   leadscrew agent --board lathe1=can0 --board lathe2=can1,node=2 --broker mqtt://192.168.1.5
   leadscrew agent --bus sim:desk --metrics 127.0.0.1:9464     figures alone; nothing is kept";
 
+pub(super) const FLEET: &str = "\
+Examples:
+  leadscrew fleet list --broker mqtt://192.168.1.5
+  leadscrew fleet diff machines --broker mqtt://192.168.1.5     machines/lathe3.toml against the set of lathe3, and so on";
+
+pub(super) const FLEET_LIST: &str = "\
+Examples:
+  leadscrew fleet list --broker mqtt://192.168.1.5
+  leadscrew fleet list --broker mqtts://broker.example --ca shop.pem --login fleet.login --group shop";
+
+pub(super) const FLEET_DIFF: &str = "\
+Examples:
+  leadscrew fleet diff machines --broker mqtt://192.168.1.5
+  leadscrew fleet diff machines --params common.toml --broker mqtt://192.168.1.5     each file over what all have";
+
 pub(super) const HOLD: &str = "\
 Example:
   leadscrew hold --bus can0     a stroke that cuts a thread is finished first";

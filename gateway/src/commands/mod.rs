@@ -1,6 +1,7 @@
 //! One file a command.
 
 pub mod board;
+mod broker;
 mod check;
 mod completions;
 mod desk;
@@ -8,6 +9,7 @@ mod doctor;
 mod drives;
 mod expand;
 mod explain;
+mod fleet;
 mod man;
 mod measure;
 mod params;
@@ -18,6 +20,7 @@ mod retract;
 pub mod run;
 mod simulate;
 mod status;
+mod table;
 mod tools;
 mod tune;
 mod unavailable;
@@ -109,6 +112,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Agent(args) if is_real(cli) || !args.boards.is_empty() => {
             board::agent(&cli.global, args)
         }
+        Command::Fleet { command } => fleet::run(&cli.global, command),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
         Command::Resume if is_real(cli) => board::resume(&cli.global),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),

@@ -46,6 +46,10 @@ pub fn refuse(cli: &Cli) -> Outcome {
                 "`{name}` 只在虚拟时间里计算，不与控制板通信：请去掉 `--bus {bus}`，或用 `run --bus {bus}` 让控制板执行程序"
             )))
         }
+        Command::Fleet { .. } => Err(Failure::Usage(both!(
+            "`fleet` asks a broker and talks to no board: leave out `--bus {bus}`",
+            "`fleet` 只向代理服务器查询，不与控制板通信：请去掉 `--bus {bus}`"
+        ))),
         _ => Ok(()),
     }
 }
@@ -71,6 +75,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Monitor { .. } => "monitor",
         Command::Panel { .. } => "panel",
         Command::Agent(_) => "agent",
+        Command::Fleet { .. } => "fleet",
         Command::Hold => "hold",
         Command::Resume => "resume",
         Command::Home { .. } => "home",

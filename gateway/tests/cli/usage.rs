@@ -19,6 +19,7 @@ fn help_and_version_are_on_every_command() {
         "status",
         "monitor",
         "agent",
+        "fleet",
         "hold",
         "resume",
         "reset",

@@ -21,14 +21,14 @@ use crate::{LIMIT, User, good};
 /// A tapped hole, with an end.
 const TAP: &str = "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-5 F1000\nG80\nM30\n";
 
-fn start(user: &User, args: &[&str]) -> Child {
+pub fn start(user: &User, args: &[&str]) -> Child {
     let mut command = user.command(&[&["agent"], args].concat());
     let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
     piped.spawn().unwrap()
 }
 
 /// Ends it as a service manager does; what it has said on standard error.
-fn end(mut child: Child) -> String {
+pub fn end(mut child: Child) -> String {
     let pid = Pid::from_raw(i32::try_from(child.id()).unwrap());
     kill(pid, Signal::SIGTERM).unwrap();
     let mut said = String::new();
@@ -83,7 +83,10 @@ impl Told {
                     }
                     Packet::Publish(publish) => {
                         PubAck::new(publish.pkid).write(&mut answer).unwrap();
-                        self.take(&publish.topic, &publish.payload);
+                        // The set in force is no record.
+                        if !publish.retain {
+                            self.take(&publish.topic, &publish.payload);
+                        }
                     }
                     _ => {}
                 }

@@ -4,6 +4,7 @@ mod agent;
 mod away;
 mod clients;
 mod explain;
+mod fleet;
 mod from;
 mod functions;
 mod life;

@@ -5,6 +5,7 @@ use leadscrew_core::params::Entry;
 
 use super::json_list;
 use crate::cli::Global;
+use crate::commands::table::table;
 use crate::failure::Outcome;
 use crate::output;
 use crate::params::{Loaded, meaning, name, value_text};
@@ -48,30 +49,4 @@ fn row(entry: &Entry, loaded: &Loaded, lang: Lang) -> [String; 5] {
         value,
         meaning(entry, lang).to_owned(),
     ]
-}
-
-/// Columns as wide as they need to be; a Chinese character takes two places.
-fn table(head: &[String; 5], rows: &[[String; 5]]) -> String {
-    let mut widths = [0; 5];
-    for row in rows.iter().chain([head]) {
-        for (width, cell) in widths.iter_mut().zip(row) {
-            *width = (*width).max(columns(cell));
-        }
-    }
-    let mut out = String::new();
-    for row in [head].into_iter().chain(rows) {
-        let start = out.len();
-        for (width, cell) in widths.iter().zip(row) {
-            out.push_str(cell);
-            out.extend(std::iter::repeat_n(' ', width - columns(cell) + 2));
-        }
-        out.truncate(start + out[start..].trim_end().len());
-        out.push('\n');
-    }
-    out
-}
-
-/// Places on a terminal. East Asian wide characters begin at U+1100, and the texts use no others.
-fn columns(text: &str) -> usize {
-    text.chars().map(|c| 1 + usize::from(c >= '\u{2e80}')).sum()
 }

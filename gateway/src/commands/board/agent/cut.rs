@@ -4,14 +4,14 @@ use leadscrew_agent::record::{Cut, Figure, Measured};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::link::{ThreadCertificate, ThreadKind, ThreadState};
 
+use super::set::Sets;
 use crate::certified::{self, Judge, is_complete, nothing};
 use crate::link::{Link, LinkResult, Trouble};
 
-/// Judges what one board measured, by its own parameters. They are read where a thread is to be judged, and again where
-/// their checksum is another.
+/// Judges what one board measured, by its own parameters.
 #[derive(Debug, Default)]
 pub struct Cuts {
-    judge: Option<(u32, Result<Judge, Trouble>)>,
+    judge: Option<(u32, Judge)>,
 }
 
 impl Cuts {
@@ -22,6 +22,7 @@ impl Cuts {
     pub fn judge(
         &mut self,
         link: &mut Link,
+        sets: &mut Sets,
         parameters: u32,
         last: u32,
         threads: Vec<ThreadCertificate>,
@@ -33,7 +34,7 @@ impl Cuts {
             let is_told = thread.number > last && record.state != ThreadState::UnderWay;
             let cut = match record.kind {
                 _ if !is_told => Cut::NotRead,
-                ThreadKind::Thread => match self.known(link, parameters)? {
+                ThreadKind::Thread => match self.known(link, sets, parameters)? {
                     Ok(judge) => of(judge, &thread, lang),
                     Err(trouble) => Cut::Unknown(trouble.words().get(lang).to_owned()),
                 },
@@ -44,17 +45,19 @@ impl Cuts {
         Ok(judged)
     }
 
-    fn known(&mut self, link: &mut Link, parameters: u32) -> LinkResult<&Result<Judge, Trouble>> {
-        let known = match self.judge.take().filter(|(of, _)| *of == parameters) {
-            Some((_, known)) => known,
-            None => match link.parameters() {
-                Ok(set) => Ok(Judge::new(&set.params, None)),
-                // A set of another version of the table stays one.
-                Err(trouble @ Trouble::Strange { .. }) => Err(trouble),
-                Err(trouble) => return Err(trouble),
-            },
+    fn known<'a>(
+        &'a mut self,
+        link: &mut Link,
+        sets: &'a mut Sets,
+        parameters: u32,
+    ) -> LinkResult<Result<&'a Judge, &'a Trouble>> {
+        let params = match sets.get(link, parameters)? {
+            Ok(params) => params,
+            Err(trouble) => return Ok(Err(trouble)),
         };
-        Ok(&self.judge.insert((parameters, known)).1)
+        let judge = self.judge.take().filter(|(of, _)| *of == parameters);
+        let judge = judge.unwrap_or_else(|| (parameters, Judge::new(params, None)));
+        Ok(Ok(&self.judge.insert(judge).1))
     }
 }
 

@@ -3,7 +3,7 @@
 //! ```text
 //! boards    which boards, and what they are called     reading   what a board says, as observations
 //! reader    one board in a thread of its own           cut       what its certificates say of the cut
-//! words     what is said here, in two languages
+//! set       the set in force: read once, told as a state  words  what is said here, in two languages
 //! ```
 //!
 //! It orders nothing, and must not know topics or packets: what is told, kept and sent is `leadscrew_agent`'s.
@@ -12,6 +12,7 @@ mod boards;
 mod cut;
 mod reader;
 mod reading;
+mod set;
 mod words;
 
 use std::fs;
@@ -24,7 +25,6 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use leadscrew_agent::metrics::{Metrics, Server};
-use leadscrew_agent::mqtt::{Login, Tls};
 use leadscrew_agent::sender::{Broker, News, Shared, now, send};
 use leadscrew_agent::sparkplug::Names;
 use leadscrew_agent::{Keeper, Store, StoreError};
@@ -32,6 +32,7 @@ use leadscrew_agent::{Keeper, Store, StoreError};
 use self::boards::Seat;
 use self::reader::{Common, Reader};
 use crate::cli::{self, Global};
+use crate::commands::broker;
 use crate::diagnostics;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
@@ -54,7 +55,7 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
     }
     let seats = boards::seats(global, wish)?;
     let shared = Arc::new(Shared::default());
-    let broker = broker(wish, &seats)?;
+    let broker = broker_of(wish, &seats)?;
     let kept = match &broker {
         Some(_) => {
             let path = store_path(wish, &seats)?;
@@ -82,7 +83,15 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
         .as_ref()
         .map(|(_, path)| path.clone())
         .unwrap_or_default();
-    tell_beginning(global, &seats, broker.as_ref(), &path, metrics.as_ref())?;
+    let sets = broker.is_some() && !wish.no_set;
+    tell_beginning(
+        global,
+        &seats,
+        broker.as_ref(),
+        sets,
+        &path,
+        metrics.as_ref(),
+    )?;
     let sender = match (broker, kept) {
         (Some(broker), Some((store, _))) => Some(start(broker, store, Arc::clone(&shared))?),
         _ => None,
@@ -93,6 +102,7 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
         full: AtomicBool::new(false),
         metrics: metrics.map(|(metrics, _)| metrics),
         alone: seats.len() == 1,
+        sets,
     });
     let mut readers = Vec::new();
     for (seat, keeper) in seats.into_iter().zip(keepers) {
@@ -109,17 +119,17 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
     .carry_out()
 }
 
-fn broker(wish: &cli::Agent, seats: &[Seat]) -> Outcome<Option<Broker>> {
+fn broker_of(wish: &cli::Agent, seats: &[Seat]) -> Outcome<Option<Broker>> {
     let Some(address) = &wish.broker else {
         return Ok(None);
     };
     let machines = seats.iter().map(|seat| seat.machine.as_str());
-    let names = Names::new(&wish.group, &agent_name(wish, seats), machines)
-        .map_err(|error| words::name(&error))?;
+    let names = Names::new(&wish.access.group, &agent_name(wish, seats), machines)
+        .map_err(|error| broker::wrong_name(&error))?;
     Ok(Some(Broker {
         address: address.clone(),
-        login: login(wish)?,
-        tls: tls(wish)?,
+        login: broker::login(&wish.access)?,
+        tls: broker::tls(address, &wish.access)?,
         names,
     }))
 }
@@ -234,33 +244,6 @@ fn say(global: &Global, words: &Both) {
     diagnostics::say(&format!("{}\n", words.get(global.lang())));
 }
 
-fn login(wish: &cli::Agent) -> Outcome<Option<Login>> {
-    let Some(path) = &wish.login else {
-        return Ok(None);
-    };
-    let login = Login::read(path).map_err(|error| words::login(path, &error))?;
-    Ok(Some(login))
-}
-
-fn tls(wish: &cli::Agent) -> Outcome<Option<Tls>> {
-    let wanted = wish.broker.as_ref().is_some_and(|broker| broker.tls);
-    match &wish.ca {
-        Some(path) if wanted => {
-            let tls = Tls::of(path).map_err(|error| words::authority(path, &error))?;
-            Ok(Some(tls))
-        }
-        None if wanted => Err(Failure::Usage(both!(
-            "a broker by TLS needs the certificate of its authority: name the file with --ca",
-            "通过 TLS 连接代理服务器需要其签发机构的证书：请用 --ca 指定文件"
-        ))),
-        Some(_) => Err(Failure::Usage(both!(
-            "--ca is for a broker by TLS: mqtts://HOST",
-            "--ca 只用于 TLS 代理服务器：mqtts://HOST"
-        ))),
-        None => Ok(None),
-    }
-}
-
 fn store_path(wish: &cli::Agent, seats: &[Seat]) -> Outcome<PathBuf> {
     if let Some(path) = &wish.store {
         return Ok(path.clone());
@@ -300,10 +283,11 @@ fn tell_beginning(
     global: &Global,
     seats: &[Seat],
     broker: Option<&Broker>,
+    sets: bool,
     path: &Path,
     metrics: Option<&(Arc<Metrics>, SocketAddr)>,
 ) -> Outcome {
-    if let Some(warning) = broker.and_then(words::in_the_clear) {
+    if let Some(warning) = broker.and_then(|broker| broker::in_the_clear(&broker.address)) {
         say(global, &warning);
     }
     let figures = metrics.map(|(_, address)| format!("http://{address}/metrics"));
@@ -318,6 +302,9 @@ fn tell_beginning(
                         json.integer("node", global.node().get().into());
                         if let Some(broker) = broker {
                             json.text("topic", &broker.names.machine(machine));
+                            if sets {
+                                json.text("set", &broker.names.set(machine));
+                            }
                         }
                     });
                 }

@@ -14,10 +14,12 @@ use leadscrew_agent::{Keeper, Observation};
 
 use super::boards::Seat;
 use super::reading::Reading;
+use super::set::{Sets, Telling};
 use super::{say, words};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
+use crate::link::{Link, LinkResult};
 use crate::words::{Both, both};
 
 /// Between two looks for a board that is not there.
@@ -38,6 +40,8 @@ pub struct Common {
     pub metrics: Option<Arc<Metrics>>,
     /// There is one board alone.
     pub alone: bool,
+    /// The broker is given the sets in force.
+    pub sets: bool,
 }
 
 /// The reader of a board.
@@ -45,16 +49,21 @@ pub struct Reader {
     seat: Seat,
     /// What is known of it.
     pub keeper: Keeper,
+    /// Its parameters.
+    pub sets: Sets,
+    telling: Telling,
     common: Arc<Common>,
     /// What was said of the board last.
     told: Option<Both>,
 }
 
 impl Reader {
-    pub const fn new(seat: Seat, keeper: Keeper, common: Arc<Common>) -> Self {
+    pub fn new(seat: Seat, keeper: Keeper, common: Arc<Common>) -> Self {
         Self {
             seat,
             keeper,
+            sets: Sets::default(),
+            telling: Telling::default(),
             common,
             told: None,
         }
@@ -72,6 +81,7 @@ impl Reader {
                 Ok(mut reading) => reading.carry_out(&mut self),
                 Err(trouble) => Err(trouble),
             };
+            self.tell_set(true);
             let words = match trouble {
                 Ok(()) => return Ok(()),
                 Err(wrong @ Failure::Usage(_)) if self.common.alone => return Err(wrong),
@@ -110,6 +120,26 @@ impl Reader {
                 }
                 false
             }
+        }
+    }
+
+    /// Reads the set with this checksum where it is not known, and tells the broker what is new of it.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn read_set(&mut self, link: &mut Link, parameters: u32) -> LinkResult {
+        if self.common.sets {
+            self.telling.know(&mut self.sets, link, parameters)?;
+            self.tell_set(false);
+        }
+        Ok(())
+    }
+
+    fn tell_set(&mut self, last: bool) {
+        if self.common.sets
+            && let Some(set) = self.telling.news(self.keeper.model().memory(), last)
+        {
+            self.common.shared.set(&self.seat.machine, &set);
         }
     }
 

@@ -170,7 +170,8 @@ impl<'a> Reading<'a> {
             || said.alarm != self.known.alarm
             || said.flags.program != self.known.flags.program;
         let pause = if changed { CHANGED } else { STATUS };
-        if now.duration_since(self.read) >= pause {
+        let due = now.duration_since(self.read) >= pause;
+        if due {
             self.record = self.link.status()?;
             self.mode = self.link.mode()?.name();
             (self.read, self.known) = (now, said);
@@ -185,7 +186,12 @@ impl<'a> Reading<'a> {
         let state = self.state(&said);
         reader.observe(&Observation::State(state, self.record.tick));
         self.log(reader)?;
-        self.certificates(reader, now)
+        self.certificates(reader, now)?;
+        // Last: it is a state, and waits for no one.
+        if due {
+            reader.read_set(&mut self.link, self.record.parameters)?;
+        }
+        Ok(())
     }
 
     /// The record, and what has come by itself since.
@@ -256,9 +262,14 @@ impl<'a> Reading<'a> {
         let under_way = |thread: &ThreadCertificate| thread.record.state == ThreadState::UnderWay;
         let goes_on = threads.first().is_some_and(under_way)
             || self.link.seen.status.is_some_and(|said| said.flags.locked);
-        let threads = self
-            .cuts
-            .judge(&mut self.link, parameters, told, threads, lang)?;
+        let threads = self.cuts.judge(
+            &mut self.link,
+            &mut reader.sets,
+            parameters,
+            told,
+            threads,
+            lang,
+        )?;
         let kept = reader.observe(&Observation::Certificates(run, threads));
         self.threads = (now, newest, newest.saturating_sub(before));
         if kept {

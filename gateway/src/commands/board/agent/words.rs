@@ -4,20 +4,10 @@ use std::path::Path;
 
 use leadscrew_agent::StoreError;
 use leadscrew_agent::mqtt::{Fault, WireError};
-use leadscrew_agent::sender::{Broker, News, Trouble};
-use leadscrew_agent::sparkplug::NameError;
+use leadscrew_agent::sender::{News, Trouble};
 
 use crate::failure::Failure;
 use crate::words::{Both, both};
-
-/// A name that no topic can have.
-pub fn name(error: &NameError) -> Failure {
-    let NameError(name) = error;
-    Failure::Usage(both!(
-        "`{name}` can be no part of a topic: leave out / + # and control characters",
-        "`{name}` 不能作为主题的一部分：请去掉 / + # 和控制字符"
-    ))
-}
 
 /// A store that cannot be used.
 pub fn store(path: &Path, error: &StoreError) -> Failure {
@@ -50,57 +40,6 @@ pub fn store(path: &Path, error: &StoreError) -> Failure {
 /// The store takes records again.
 pub fn kept_again() -> Both {
     both!("what the board tells is kept again", "控制板的数据恢复保存")
-}
-
-/// A file of user and password that cannot be used.
-pub fn login(path: &Path, error: &WireError) -> Failure {
-    let path = path.display();
-    Failure::Usage(match error {
-        WireError::Open => both!(
-            "others than its owner may read `{path}`, which holds a password: chmod 600 `{path}`",
-            "`{path}` 含有密码，却允许其他用户读取：请执行 chmod 600 `{path}`"
-        ),
-        WireError::Lines => both!(
-            "`{path}` is to have two lines, the user and the password",
-            "`{path}` 应有两行：用户名和密码"
-        ),
-        other => both!(
-            "cannot read `{path}`: {other}",
-            "无法读取 `{path}`：{other}"
-        ),
-    })
-}
-
-/// A file of authorities that cannot be used.
-pub fn authority(path: &Path, error: &WireError) -> Failure {
-    let path = path.display();
-    Failure::Usage(match error {
-        WireError::NoCertificate => both!(
-            "`{path}` holds no certificate in PEM: name the authority's file with --ca",
-            "`{path}` 中没有 PEM 证书：请用 --ca 指定签发机构的文件"
-        ),
-        WireError::Processor => both!(
-            "no TLS on this processor: {error}; run the agent on another computer of the bus, or use mqtt:// in a network of \
-             your own",
-            "此处理器不支持所需的 TLS 指令：{error}；请在总线的另一台计算机上运行，或在自有网络中使用 mqtt://"
-        ),
-        other => both!("cannot use `{path}`: {other}", "无法使用 `{path}`：{other}"),
-    })
-}
-
-/// The broker is reached over a network without TLS.
-pub fn in_the_clear(broker: &Broker) -> Option<Both> {
-    let host = broker.address.host.as_str();
-    let is_here = host == "localhost"
-        || host
-            .parse::<std::net::IpAddr>()
-            .is_ok_and(|address| address.is_loopback());
-    (!broker.address.tls && !is_here).then(|| {
-        both!(
-            "warning: everything goes over the network without TLS, user and password with it; use mqtts:// and --ca",
-            "警告：所有数据（包括用户名和密码）未经 TLS 在网络上传输；请使用 mqtts:// 和 --ca"
-        )
-    })
 }
 
 /// How the sending is going.

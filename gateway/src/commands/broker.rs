@@ -1,0 +1,105 @@
+//! A broker as the options name it, for every command that talks to one: who is let in, whose certificate is believed, and
+//! what is wrong with that, in two languages.
+
+use std::path::Path;
+
+use leadscrew_agent::mqtt::{Address, Login, Tls, WireError};
+use leadscrew_agent::sparkplug::NameError;
+
+use crate::cli::Access;
+use crate::failure::{Failure, Outcome};
+use crate::words::{Both, both};
+
+/// User and password.
+///
+/// # Errors
+/// The file cannot be used.
+pub fn login(access: &Access) -> Outcome<Option<Login>> {
+    let Some(path) = &access.login else {
+        return Ok(None);
+    };
+    let login = Login::read(path).map_err(|error| wrong_login(path, &error))?;
+    Ok(Some(login))
+}
+
+/// TLS, where the address wants it.
+///
+/// # Errors
+/// The authorities are missing, unusable, or of no use.
+pub fn tls(address: &Address, access: &Access) -> Outcome<Option<Tls>> {
+    match &access.ca {
+        Some(path) if address.tls => {
+            let tls = Tls::of(path).map_err(|error| wrong_authority(path, &error))?;
+            Ok(Some(tls))
+        }
+        None if address.tls => Err(Failure::Usage(both!(
+            "a broker by TLS needs the certificate of its authority: name the file with --ca",
+            "通过 TLS 连接代理服务器需要其签发机构的证书：请用 --ca 指定文件"
+        ))),
+        Some(_) => Err(Failure::Usage(both!(
+            "--ca is for a broker by TLS: mqtts://HOST",
+            "--ca 只用于 TLS 代理服务器：mqtts://HOST"
+        ))),
+        None => Ok(None),
+    }
+}
+
+/// A name that no topic can have.
+pub fn wrong_name(error: &NameError) -> Failure {
+    let NameError(name) = error;
+    Failure::Usage(both!(
+        "`{name}` can be no part of a topic: leave out / + # and control characters",
+        "`{name}` 不能作为主题的一部分：请去掉 / + # 和控制字符"
+    ))
+}
+
+/// A file of user and password that cannot be used.
+fn wrong_login(path: &Path, error: &WireError) -> Failure {
+    let path = path.display();
+    Failure::Usage(match error {
+        WireError::Open => both!(
+            "others than its owner may read `{path}`, which holds a password: chmod 600 `{path}`",
+            "`{path}` 含有密码，却允许其他用户读取：请执行 chmod 600 `{path}`"
+        ),
+        WireError::Lines => both!(
+            "`{path}` is to have two lines, the user and the password",
+            "`{path}` 应有两行：用户名和密码"
+        ),
+        other => both!(
+            "cannot read `{path}`: {other}",
+            "无法读取 `{path}`：{other}"
+        ),
+    })
+}
+
+/// A file of authorities that cannot be used.
+fn wrong_authority(path: &Path, error: &WireError) -> Failure {
+    let path = path.display();
+    Failure::Usage(match error {
+        WireError::NoCertificate => both!(
+            "`{path}` holds no certificate in PEM: name the authority's file with --ca",
+            "`{path}` 中没有 PEM 证书：请用 --ca 指定签发机构的文件"
+        ),
+        WireError::Processor => both!(
+            "no TLS on this processor: {error}; use another computer, or mqtt:// in a network of \
+             your own",
+            "此处理器不支持所需的 TLS 指令：{error}；请使用另一台计算机，或在自有网络中使用 mqtt://"
+        ),
+        other => both!("cannot use `{path}`: {other}", "无法使用 `{path}`：{other}"),
+    })
+}
+
+/// The broker is reached over a network without TLS.
+pub fn in_the_clear(address: &Address) -> Option<Both> {
+    let host = address.host.as_str();
+    let is_here = host == "localhost"
+        || host
+            .parse::<std::net::IpAddr>()
+            .is_ok_and(|address| address.is_loopback());
+    (!address.tls && !is_here).then(|| {
+        both!(
+            "warning: everything goes over the network without TLS, user and password with it; use mqtts:// and --ca",
+            "警告：所有数据（包括用户名和密码）未经 TLS 在网络上传输；请使用 mqtts:// 和 --ca"
+        )
+    })
+}
