@@ -113,6 +113,12 @@ impl Diagnostic {
         }
     }
 
+    /// The line of the place, if there is one.
+    #[must_use]
+    pub fn text(&self) -> Option<&str> {
+        self.text.as_deref()
+    }
+
     /// The fields of the machine formats, with `file` where the caller wants it.
     pub fn fields(&self, json: &mut Json, with_file: bool) {
         if with_file || self.counted != self.line {

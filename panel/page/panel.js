@@ -2,6 +2,7 @@
 
 import * as press from "./press.js";
 import * as programs from "./programs.js";
+import * as sheets from "./sheets.js";
 import * as show from "./show.js";
 import { lease, login, order, watch } from "./transport.js";
 import { isChinese, use, word } from "./words.js";
@@ -33,6 +34,7 @@ function again() {
   if (last) show.state(last);
   if (entries) show.log(entries);
   programs.again();
+  sheets.again();
   whose();
 }
 
@@ -75,9 +77,11 @@ async function give(op, args = {}) {
   if (!ALWAYS.includes(op) && age() > OLD) return tell(words("stale"));
   if (op !== "hold" && op !== "stop" && press.isDown()) press.up();
   try {
-    tell(await order(op, args, last?.beat));
+    const answer = await order(op, args, last?.beat);
+    tell(answer);
+    return answer;
   } catch {
-    tell(null);
+    return tell(null);
   }
 }
 
@@ -217,6 +221,7 @@ function buttons(start) {
   at("language").onclick = () => languages(!isChinese());
 }
 
+sheets.begin(give);
 const start = held(at("start"), () => give("start"));
 buttons(start);
 keys(start);
@@ -242,6 +247,7 @@ try {
       press.hear(s);
       show.state(s);
       programs.state(s);
+      sheets.state(s);
       grow();
     },
     log: (list) => { entries = list; show.log(list); },

@@ -68,7 +68,7 @@ export function lease(who, looks, notice) {
   at("take").hidden = looks;
   // A button that would be refused is none, HOLD and STOP above all.
   for (const one of document.querySelectorAll("nav button, main button, main input")) {
-    one.disabled = looks && !["fit", "nearer", "farther", "reload"].includes(one.id);
+    one.disabled = looks && !["fit", "nearer", "farther", "reload", "search", "differ"].includes(one.id);
   }
   put("take", who === "own" ? word("give") : word("take"));
   const text = looks ? word("looks") : word(`who_${who}`);

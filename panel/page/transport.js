@@ -62,6 +62,11 @@ export async function write(name, text, tag) {
   return answer.ok ? { tag: tag_of(answer) } : told;
 }
 
+// What is in a table of the board: "tools" or "params".
+export async function sheet(name, zh) {
+  return (await fetch(name, { headers: { "Accept-Language": zh ? "zh" : "en" } })).json();
+}
+
 // Says that the page operates ("keep"), wants to ("take") or does not any more ("give").
 export const lease = (what, more) => post("lease", { do: what }, more);
 

@@ -16,6 +16,8 @@ pub fn find(path: &str) -> Option<(&'static str, &'static str)> {
         "/panel.js" => (SCRIPT, include_str!("../page/panel.js")),
         "/press.js" => (SCRIPT, include_str!("../page/press.js")),
         "/show.js" => (SCRIPT, include_str!("../page/show.js")),
+        "/sheets.js" => (SCRIPT, include_str!("../page/sheets.js")),
+        "/table.js" => (SCRIPT, include_str!("../page/table.js")),
         "/transport.js" => (SCRIPT, include_str!("../page/transport.js")),
         "/words.js" => (SCRIPT, include_str!("../page/words.js")),
         _ => return None,

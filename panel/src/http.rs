@@ -19,6 +19,8 @@ const HEAD: usize = 8 << 10;
 const HEADERS: usize = 64;
 /// The longest text behind most heads.
 pub const BODY: usize = 4 << 10;
+/// The longest text of an order: one that changes every value of a table is far shorter.
+pub const ORDER: usize = 32 << 10;
 /// After an answer, what is still being sent is read away for so long, or the answer would be lost with it.
 const LINGER: Duration = Duration::from_millis(500);
 /// What every answer says: nothing is kept, framed or guessed, and the page loads nothing from elsewhere.

@@ -28,7 +28,7 @@ mod session;
 mod texts;
 
 pub use feed::Feed;
-pub use machine::{Jog, Machine, Order, View};
+pub use machine::{Jog, Machine, Order, Sheet, View};
 pub use programs::{Claim, LONGEST, Listed, Programs, Text, When};
 pub use refusal::Refusal;
 pub use server::{CONNECTIONS, STREAMS, Server, fresh_token};

@@ -46,6 +46,26 @@ pub enum View {
     Path,
 }
 
+/// A table of the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sheet {
+    /// Tools and work offsets.
+    Tools,
+    /// Parameters.
+    Params,
+}
+
+impl Sheet {
+    /// The one that is asked for by this path.
+    pub(crate) fn at(path: &str) -> Option<Self> {
+        match path {
+            "/tools" => Some(Self::Tools),
+            "/params" => Some(Self::Params),
+            _ => None,
+        }
+    }
+}
+
 /// The side of the bus. It is called by the thread of each connection.
 pub trait Machine: Send + Sync {
     /// Does an order and says what has become of it, as JSON; `None`: there is no such order.
@@ -56,4 +76,7 @@ pub trait Machine: Send + Sync {
 
     /// Says what is to be known of a program, as JSON: in Chinese, else in English.
     fn view(&self, program: &Path, view: View, zh: bool) -> String;
+
+    /// Says what is in a table, as JSON: with its texts in Chinese, else in English.
+    fn sheet(&self, sheet: Sheet, zh: bool) -> String;
 }

@@ -17,7 +17,7 @@ use crate::feed::Feed;
 use crate::guard::Place;
 use crate::http::{self, Request};
 use crate::ledger::Answer;
-use crate::machine::Machine;
+use crate::machine::{Machine, Sheet};
 use crate::posted::{self, Posted};
 use crate::programs::Programs;
 use crate::refusal::Refusal;
@@ -152,15 +152,20 @@ fn serve(mut stream: TcpStream, shared: &Shared) {
     }
 }
 
-/// How long the text behind a head may be: a program is long, and only who may write one is listened to for so long.
+/// How long the text behind a head may be: programs and changes of tables are long, and only who may write them is listened
+/// to for so long.
 fn most(head: &Request, shared: &Shared) -> usize {
-    let writes = head.method == "PUT" && texts::is_one(&head.path);
+    let limit = match (&*head.method, &*head.path) {
+        ("PUT", path) if texts::is_one(path) => crate::programs::LONGEST,
+        ("POST", "/order") => http::ORDER,
+        _ => http::BODY,
+    };
     let may = || {
         let cookie = head.cookie(shared.place.cookie());
         shared.place.check(head).is_ok() && admit(cookie, shared) == Ok(Right::Operate)
     };
-    if writes && may() {
-        crate::programs::LONGEST
+    if limit > http::BODY && may() {
+        limit
     } else {
         http::BODY
     }
@@ -228,6 +233,13 @@ fn route(
             }
             Err(refusal) => Err((stream, refusal)),
         },
+        (_, path) if Sheet::at(path).is_some() => match sheet_of(request, shared) {
+            Ok(text) => {
+                http::answer(stream, "200 OK", "application/json", "", text.as_bytes());
+                Ok(())
+            }
+            Err(refusal) => Err((stream, refusal)),
+        },
         ("POST", "/jog") => post(stream, request, shared, Posted::jog),
         ("POST", "/lease") => post(stream, request, shared, Posted::lease),
         (method, path) => match assets::find(path) {
@@ -271,6 +283,18 @@ fn text_of(request: &Request, shared: &Shared) -> Result<Sent, Refusal> {
     let right = admit(request.cookie(shared.place.cookie()), shared)?;
     let programs = shared.programs.as_ref().ok_or(Refusal::NoStore)?;
     texts::answer(request, right, programs, &*shared.machine)
+}
+
+/// What is in a table: whoever may look reads it. It is changed by an order.
+fn sheet_of(request: &Request, shared: &Shared) -> Result<String, Refusal> {
+    admit(request.cookie(shared.place.cookie()), shared)?;
+    match (&*request.method, Sheet::at(&request.path)) {
+        ("GET", Some(sheet)) => {
+            let zh = request.header("accept-language") == Some("zh");
+            Ok(shared.machine.sheet(sheet, zh))
+        }
+        _ => Err(Refusal::Method),
+    }
 }
 
 fn admit(cookie: Option<&str>, shared: &Shared) -> Result<Right, Refusal> {

@@ -32,6 +32,10 @@ impl Machine for Machinery {
     fn view(&self, _: &std::path::Path, _: crate::View, _: bool) -> String {
         unreachable!("it is not asked for by posting")
     }
+
+    fn sheet(&self, _: crate::Sheet, _: bool) -> String {
+        unreachable!("it is not asked for by posting")
+    }
 }
 
 struct Bench {

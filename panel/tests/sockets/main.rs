@@ -1,6 +1,7 @@
 //! The server over real sockets: each refusal, clients that are slow or say nothing, and what one who watches is told.
 
 mod programs;
+mod tables;
 
 use std::io::{Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpStream};
@@ -9,7 +10,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use leadscrew_panel::{
-    CONNECTIONS, Feed, Jog, Machine, Order, Programs, Refusal, STREAMS, Server, Token, Tokens, View,
+    CONNECTIONS, Feed, Jog, Machine, Order, Programs, Refusal, STREAMS, Server, Sheet, Token,
+    Tokens, View,
 };
 
 /// Nothing takes so long on any computer.
@@ -39,6 +41,10 @@ impl Machine for Noted {
     fn view(&self, program: &Path, view: View, zh: bool) -> String {
         let name = program.file_name().unwrap();
         format!("{{\"seen\":{name:?},\"view\":\"{view:?}\",\"zh\":{zh}}}")
+    }
+
+    fn sheet(&self, sheet: Sheet, zh: bool) -> String {
+        format!("{{\"sheet\":\"{sheet:?}\",\"zh\":{zh}}}")
     }
 }
 
@@ -538,8 +544,14 @@ fn the_whole_page_is_small() {
     let files = [
         "/",
         "/panel.js",
+        "/path.js",
         "/press.js",
+        "/programs.js",
+        "/sheets.js",
         "/show.js",
+        "/table.js",
+        "/text.js",
+        "/view.js",
         "/transport.js",
         "/words.js",
         "/style.css",

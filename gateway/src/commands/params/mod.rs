@@ -14,7 +14,7 @@ mod restore;
 mod validate;
 mod write;
 
-pub use push::{Wish, transact};
+pub use push::{Wish, carry_out, transact};
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params, Part};
@@ -94,11 +94,19 @@ fn json(json: &mut Json, entry: &Entry, loaded: &Loaded, lang: Lang) {
 
 /// `{"params":[…]}` of some entries.
 fn json_list<'a>(entries: impl Iterator<Item = &'a Entry>, loaded: &Loaded, lang: Lang) -> Vec<u8> {
-    output::line(|o| {
-        o.array_at("params", |list| {
-            for entry in entries {
-                json(list, entry, loaded, lang);
-            }
-        });
-    })
+    output::line(|o| list_at(o, entries, loaded, lang))
+}
+
+/// `params` of an object.
+pub fn list_at<'a>(
+    o: &mut Json,
+    entries: impl Iterator<Item = &'a Entry>,
+    loaded: &Loaded,
+    lang: Lang,
+) {
+    o.array_at("params", |list| {
+        for entry in entries {
+            json(list, entry, loaded, lang);
+        }
+    });
 }

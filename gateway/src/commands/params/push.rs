@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_can::Address;
-use leadscrew_core::alarm::{Code, Lang};
+use leadscrew_core::alarm::Code;
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::Order;
 use leadscrew_core::link::identity;
@@ -171,7 +171,11 @@ fn load(global: &Global, wish: &Wish, base: Option<Params>) -> Outcome<Loaded> {
     params::load_over(base, wish.files, wish.set, global.lang())
 }
 
-fn carry_out(
+/// Puts a set in the place of the machine's, drives included. With `--dry-run` it says what that would change.
+///
+/// # Errors
+/// The board or a drive refuses, or does not answer.
+pub fn carry_out(
     global: &Global,
     machine: &mut Machine,
     wanted: &Loaded,
@@ -197,7 +201,7 @@ fn carry_out(
         link.open_parameters(password)?;
     }
     let steps = pending.len() + usize::from(!done.changes.is_empty());
-    let bar = progress(global.lang(), steps);
+    let bar = progress(global, steps);
     // The write enable is taken where a whole set is not; no drive is touched where that is not.
     let switch = match done.changes[..] {
         [Change { entry, .. }] if entry.no == WRITE_ENABLE => Some(entry),
@@ -246,9 +250,9 @@ fn note_offsets(link: &mut Link, done: &mut Done) -> Outcome {
     Ok(())
 }
 
-/// A bar on a terminal, nothing elsewhere.
-fn progress(lang: Lang, steps: usize) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
+/// A bar on a terminal, nothing elsewhere and beside a result for programs.
+fn progress(global: &Global, steps: usize) -> ProgressBar {
+    if global.json || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr());
@@ -256,7 +260,7 @@ fn progress(lang: Lang, steps: usize) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}") {
         bar.set_style(style);
     }
-    bar.set_message(pick(lang, "writing", "写入"));
+    bar.set_message(pick(global.lang(), "writing", "写入"));
     bar
 }
 

@@ -140,7 +140,10 @@ impl Home {
 }
 
 /// The table that says the same as a parameter set.
-fn of_params(params: &Params) -> Outcome<Offsets> {
+///
+/// # Errors
+/// The set makes none.
+pub fn of_params(params: &Params) -> Outcome<Offsets> {
     Offsets::of_params(params).map_err(|record| {
         let figures = [Arg::Int(record.number().into())];
         let why = alarm_words(&Alarm::of(Code::OffsetsOutOfRange, &figures));

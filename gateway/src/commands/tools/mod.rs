@@ -7,6 +7,7 @@ mod pickup;
 mod set;
 mod touch;
 
+pub use home::{Home, of_params};
 pub use pickup::pickup;
 pub use touch::touch;
 

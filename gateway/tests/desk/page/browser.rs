@@ -2,6 +2,8 @@
 //!
 //! Chromium is driven over a pair of pipes. `cargo xtask page --check` runs this; without Chromium it fails.
 
+mod tables;
+
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::{Child, Command};

@@ -5,6 +5,7 @@ mod browser;
 mod jog;
 mod orders;
 mod programs;
+mod tables;
 
 use std::cell::Cell;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};

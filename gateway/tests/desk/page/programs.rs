@@ -17,7 +17,7 @@ fn with_programs(user: &User, programs: &[(&str, &str)]) -> Page {
 
 impl Client<'_> {
     /// What a page reads; with the tag of a text.
-    fn get(&self, path: &str) -> (u16, String, String) {
+    pub(super) fn get(&self, path: &str) -> (u16, String, String) {
         let cookie = format!("Cookie: {}", self.cookie);
         let (status, head, body) = self.page.ask(&format!("GET {path}"), &[&cookie], "");
         let tag = head.lines().find_map(|line| line.strip_prefix("ETag: "));
@@ -25,8 +25,8 @@ impl Client<'_> {
         (status, tag, body)
     }
 
-    /// What is said of a program, once the board's parameters are read.
-    fn seen(&self, path: &str) -> Value {
+    /// What is said of a program or a table, once the board's parameters are read.
+    pub(super) fn seen(&self, path: &str) -> Value {
         loop {
             let (status, _, body) = self.get(path);
             assert_eq!(status, 200, "{body}");

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::bus::{Beat, BoardState, BoardStatus, Frame, JogRequest, NodeId, Order};
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
-use leadscrew_panel::{Jog, Machine, View};
+use leadscrew_panel::{Jog, Machine, Sheet, View};
 
 pub use self::asks::{Asks, Line, Program};
 use super::super::by_hand;
@@ -27,6 +27,7 @@ use super::super::monitor::keys::{self, Situation, Speed};
 use super::super::monitor::orders::{self, Orders};
 use super::super::monitor::view::OLD;
 use super::super::own::Handle;
+use super::tables::{Change, Tables};
 use super::views::Views;
 use super::wish::Wish;
 use crate::cli::AxisWay;
@@ -90,6 +91,7 @@ pub struct Desk {
     session: u8,
     shared: Mutex<Shared>,
     news: Condvar,
+    tables: Tables,
     views: Arc<Views>,
 }
 
@@ -118,6 +120,7 @@ impl Desk {
                 halts: 0,
             }),
             news: Condvar::new(),
+            tables: Tables::new(Arc::clone(&views)),
             views,
         }
     }
@@ -184,6 +187,11 @@ impl Desk {
         let told = &mut self.shared().told;
         told.beat = Some(beat);
         told.mode = Some(mode);
+    }
+
+    /// Waits for the end of a change of a table that is under way.
+    pub fn settle(&self) {
+        self.tables.settle();
     }
 
     /// The newest beat, and this side's last press.
@@ -415,8 +423,12 @@ impl Told {
 
 impl Machine for Desk {
     fn order(&self, order: &leadscrew_panel::Order) -> Option<String> {
+        let echo = order.echo.map(Beat::new);
+        if let Some(change) = Change::of(&order.op, &order.args) {
+            return Some(self.change(&change, echo));
+        }
         let wish = Wish::of(&order.op, &order.args)?;
-        let done = self.order_wish(wish, order.echo.map(Beat::new));
+        let done = self.order_wish(wish, echo);
         Some(super::object(|json| fields(json, &done)))
     }
 
@@ -427,9 +439,21 @@ impl Machine for Desk {
     fn view(&self, program: &Path, view: View, zh: bool) -> String {
         self.views.of(program, view, zh)
     }
+
+    fn sheet(&self, sheet: Sheet, zh: bool) -> String {
+        self.tables.sheet(sheet, zh)
+    }
 }
 
 impl Desk {
+    /// It waits for the bus in the thread of whoever has ordered it, so everybody else goes on.
+    fn change(&self, change: &Change, echo: Option<Beat>) -> String {
+        if self.shared().is_old(echo, Instant::now()) {
+            return super::object(|json| fields(json, &Err(keys::old())));
+        }
+        self.tables.change(change)
+    }
+
     fn press(&self, jog: &Jog, now: Instant) -> String {
         let mut shared = self.shared();
         let why = shared.no_press(jog, now);

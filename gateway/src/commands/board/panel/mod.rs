@@ -6,6 +6,7 @@
 mod desk;
 mod path;
 mod sent;
+mod tables;
 mod telling;
 mod views;
 mod wish;
@@ -226,6 +227,7 @@ impl<'a> Side<'a> {
             self.watch.attend(&mut self.link)?;
             self.do_asked()?;
             if interrupt::requested() {
+                self.desk.settle();
                 return Ok(());
             }
         }

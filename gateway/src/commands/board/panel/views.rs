@@ -55,6 +55,23 @@ impl Views {
         }
     }
 
+    /// With the options of the panel.
+    pub const fn global(&self) -> &Global {
+        &self.global
+    }
+
+    /// The parameters and the table that the board has, and the tag of both.
+    ///
+    /// # Errors
+    /// They are not known.
+    pub fn has(&self) -> Outcome<(Base, String)> {
+        let known = self.known();
+        let known = known
+            .as_ref()
+            .map(|known| (known.base.clone(), known.tag.clone()));
+        known.ok_or_else(|| Failure::WrongBecause(unread()))
+    }
+
     fn known(&self) -> MutexGuard<'_, Option<Known>> {
         // It is replaced whole.
         self.known.lock().unwrap_or_else(PoisonError::into_inner)

@@ -222,3 +222,28 @@ fn a_hold_of_a_machine_at_rest_takes_back_the_program_that_is_to_be_sent() {
     desk.answer(asks.programs[0].ticket, Ok(()));
     assert_eq!(page.join().unwrap(), json!({"ok": true}));
 }
+
+#[test]
+fn a_change_of_a_table_is_ordered_by_what_is_fresh() {
+    let desk = desk();
+    let order = |echo| leadscrew_panel::Order {
+        op: "tools".to_owned(),
+        args: json!({"seen": "1", "set": {"T1.X": "1"}, "check": true}),
+        echo,
+    };
+    let answer = |echo| -> Value {
+        let answer = desk.order(&order(echo)).unwrap();
+        serde_json::from_str(&answer).unwrap()
+    };
+    let now = Instant::now();
+    desk.turn(&heard(0, 1_000), now);
+    for old in [None, Some(700)] {
+        assert_eq!(answer(old)["en"], keys::old().en, "{old:?}");
+    }
+    // Nothing of the board has been read here.
+    let fresh = answer(Some(1_000));
+    assert!(
+        fresh["en"].as_str().unwrap().contains("not read yet"),
+        "{fresh}"
+    );
+}
