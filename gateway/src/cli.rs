@@ -362,10 +362,10 @@ pub enum Command {
     /// what is picked up.
     #[command(after_help = examples::PICKUP)]
     Pickup(Pickup),
-    /// Check and run a line that is typed, behind the lines typed before (not with `--bus sim`)
+    /// Check and run a line that is typed, after the lines typed before (not with `--bus sim`)
     ///
     /// What the lines before have set holds on: modes, coordinate system, tool offset, F and S. It is told before the line
-    /// and behind it. It begins anew behind `run`, M30, and each time the board starts. Cycles, G41, G42 and G61 end
+    /// and after it. It begins anew after `run`, M30, and each time the board starts. Cycles, G41, G42 and G61 end
     /// with their line.
     #[command(after_help = examples::MDI)]
     Mdi {

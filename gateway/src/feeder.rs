@@ -110,7 +110,7 @@ impl<'a> Feeder<'a> {
         self.program.written_offsets()
     }
 
-    /// What the text leaves in force for the next one; `None` behind M02 or M30, which end it all.
+    /// What the text leaves in force for the next one; `None` after M02 or M30, which end it all.
     #[must_use]
     pub fn carried(&self) -> Option<Carried> {
         (!self.ended).then(|| self.program.carried())

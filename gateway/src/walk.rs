@@ -47,7 +47,7 @@ impl<'s> Walk<'s> {
         self.program.stock()
     }
 
-    /// The work zero of a call whose zero with the tool is `origin`: without the tool that is in force behind its block.
+    /// The work zero of a call whose zero with the tool is `origin`: without the tool that is in force after its block.
     pub fn work_zero(&self, origin: &Position) -> [Length; 2] {
         let tool = self.program.carried().offset;
         let [x, z] = self.program.offsets().tool(tool);

@@ -360,7 +360,7 @@ impl<S: Source> Flow<S> {
             if let Glance::Plain(until) = glance(line.text, &mut depth) {
                 let text = &line.text[..until];
                 let begins = !self.started && has_blocks(text, self.depth);
-                // A program that stands behind a `%` does not begin at the front of its line.
+                // A program that stands after a `%` does not begin at the front of its line.
                 if !begins || !text.contains(&b'%') {
                     let done = machine.line(self.at.line, text)?;
                     if begins {

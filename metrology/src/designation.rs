@@ -169,7 +169,7 @@ fn inches(text: &str) -> Option<f64> {
     }
 }
 
-/// `6g`, and what comes behind it.
+/// `6g`, and what comes after it.
 fn grade(text: &str) -> Option<((u8, char), &str)> {
     let mut signs = text.chars();
     let digit = signs.next()?.to_digit(10).filter(|d| (3..=9).contains(d))?;

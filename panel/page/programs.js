@@ -12,7 +12,7 @@ const path = new Path(at("plot"));
 let open = null;
 // The one that the machine runs from here.
 let runs = null;
-// Programs that are opened one behind the other: only the last one counts.
+// Programs that are opened one after the other: only the last one counts.
 let turn = 0;
 // A change that is not saved is given up by asking twice.
 let doomed = null;

@@ -2,7 +2,7 @@
 // means. Another transport with the same functions may take its place.
 
 const HEADERS = { "Content-Type": "application/json", "X-Leadscrew": "1" };
-// A page has a name of its own: behind a reload it is another one, and orders nothing that was sent before.
+// A page has a name of its own: after a reload it is another one, and orders nothing that was sent before.
 const c = Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(16).padStart(8, "0")).join("");
 let n = 0;
 

@@ -1,4 +1,4 @@
-//! The numbers of orders: each acts once, however often it comes, and none behind a newer one.
+//! The numbers of orders: each acts once, however often it comes, and none after a newer one.
 //!
 //! Values in, answers out. This file must not know sockets, time, who may order, or what an order does.
 
@@ -41,7 +41,7 @@ pub struct Ledger(VecDeque<Client>);
 
 impl Ledger {
     /// Enters an order. Hold and stop (`halts`) are never older than what starts something, and what starts something may
-    /// be older than they are: a start that was sent before a hold and comes behind it starts nothing. `operator` is never
+    /// be older than they are: a start that was sent before a hold and comes after it starts nothing. `operator` is never
     /// forgotten.
     pub fn begin(&mut self, name: &str, number: u64, halts: bool, operator: Option<&str>) -> Entry {
         let found = self.0.iter().position(|client| client.name == name);

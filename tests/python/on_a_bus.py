@@ -36,7 +36,7 @@ M30
 
 
 class Reader:
-    """Numbers as postcard writes them, one behind the other."""
+    """Numbers as postcard writes them, one after the other."""
 
     def __init__(self, data):
         self.data = bytes(data)

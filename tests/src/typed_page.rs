@@ -1,7 +1,7 @@
 //! A page of the documentation as it is typed: its commands one after the other into one shell, and what the page shows of
 //! each. And what belongs to an hour at a machine and is on no page.
 //!
-//! A `console` block has commands behind `$ ` and, below each, what it prints on either output; `...` stands for what the
+//! A `console` block has commands after `$ ` and, below each, what it prints on either output; `...` stands for what the
 //! page leaves out. It must not know what the commands are about, nor on which machine they are typed.
 
 use std::io::{BufRead as _, BufReader, Write as _};

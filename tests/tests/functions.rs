@@ -187,7 +187,7 @@ fn look_ahead_does_not_run_over_a_function() {
         (row(on - 1).x.nm(), row(on - 1).z.nm()),
         (1_000_000, -1_000_000)
     );
-    // M09 has its place behind the motion of its block; this one has none of its own.
+    // M09 has its place after the motion of its block; this one has none of its own.
     assert_eq!(
         (row(off - 1).x.nm(), row(off - 1).z.nm()),
         (3_000_000, -4_000_000)
@@ -439,7 +439,7 @@ fn a_door_opened_in_a_thread_leaves_it_at_once_and_the_same_groove_is_cut_again(
         let (ran, rest, speed, state) = door(THREAD, &params, *tick);
         assert_eq!(state, State::Held, "{tick}");
         assert_eq!(speed, 0, "{tick}");
-        // At the start of the cycle, or, where the stroke was all but over, behind its retract.
+        // At the start of the cycle, or, where the stroke was all but over, after its retract.
         let at = (rest.position.x.nm(), rest.position.z.nm());
         let both = [(40_000_000, 10_000_000), (40_000_000, -30_000_000)];
         assert!(both.contains(&at), "{tick} {at:?}");

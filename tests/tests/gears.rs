@@ -37,7 +37,7 @@ struct Seen {
     alarm: Option<Alarm>,
     /// Each speed that the drive of the spindle was told, in thousandths of a turn a minute, once.
     told: Vec<i32>,
-    /// The gear behind each tick.
+    /// The gear after each tick.
     gears: Vec<u8>,
     /// Measured speed of the spindle in each tick.
     rpm: Vec<i32>,

@@ -60,7 +60,7 @@ impl Disk {
         work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Fails behind so many operations.
+    /// Fails after so many operations.
     pub fn fail_behind(&self, operations: u64) {
         self.with(|inside| inside.left = Some(operations));
     }

@@ -173,13 +173,13 @@ pub struct Options {
     /// Frames that come twice
     #[arg(long, value_name = "[WAY=]PER_MILLE")]
     pub double: Vec<Chance>,
-    /// Frames that come behind the next one
+    /// Frames that come after the next one
     #[arg(long, value_name = "[WAY=]PER_MILLE")]
     pub swap: Vec<Chance>,
     /// The board's cable is out
     #[arg(long, value_name = "TICK[..TICK]")]
     pub cable_out: Option<Ticks>,
-    /// The board's controller is bus-off; it comes back behind the end, once the board lets it
+    /// The board's controller is bus-off; it comes back after the end, once the board lets it
     #[arg(long, value_name = "TICK[..TICK]")]
     pub bus_off: Option<Ticks>,
     /// The board's controller is error passive

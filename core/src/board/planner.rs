@@ -110,7 +110,7 @@ pub struct Planner {
     /// Cuts that wait to be joined, and how they leave.
     joined: Joined,
     guard: Guard,
-    /// The tool in place behind the calls so far; `None`: no call has changed it.
+    /// The tool in place after the calls so far; `None`: no call has changed it.
     tool: Option<InPlace>,
     /// For the tap journal: S of the call under expansion, and other values of the program.
     infeed: CentiRpm,

@@ -53,7 +53,7 @@ pub(crate) const FUNCTIONS: usize = 4;
 #[derive(Clone, Copy, Debug)]
 struct Functions {
     codes: [(Span, u16); FUNCTIONS],
-    /// The codes in the list, those that come behind the motion, and those that have been taken; a bit each.
+    /// The codes in the list, those that come after the motion, and those that have been taken; a bit each.
     listed: u8,
     behind: u8,
 }

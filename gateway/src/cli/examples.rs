@@ -195,7 +195,7 @@ Example:
 
 pub(super) const RESUME: &str = "\
 Example:
-  leadscrew resume --bus can0     behind a hold, M00 or M01
+  leadscrew resume --bus can0     after a hold, M00 or M01
 A held program whose axes were jogged: the first brings them back, the second goes on.";
 
 pub(super) const HOME: &str = "\
@@ -209,7 +209,7 @@ Example:
 
 pub(super) const STOP: &str = "\
 Example:
-  leadscrew stop --bus can0     all axes at once, alarm 4300; behind it `leadscrew reset`";
+  leadscrew stop --bus can0     all axes at once, alarm 4300; then `leadscrew reset`";
 
 pub(super) const OVERRIDE: &str = "\
 Examples:
@@ -307,7 +307,7 @@ Examples:
 
 pub(super) const TOUCH: &str = "\
 Examples:
-  leadscrew touch X --mark --bus can0               behind a cut; then move off and measure
+  leadscrew touch X --mark --bus can0               after a cut; then move off and measure
   leadscrew touch X 38.42 --tool 1 --bus can0       the diameter that was cut
   leadscrew touch Z 0 --tool 1 --bus can0           the tool stands at the face
   leadscrew touch Z 0 --work G54 --tool 1 --bus can0";
@@ -316,7 +316,7 @@ pub(super) const PICKUP: &str = "\
 Examples:
   leadscrew pickup --tool 3 --bus can0              the tip of tool 3 sits in the groove, the spindle stands
   leadscrew check repair.nc --bus can0              tells at which angle its first thread begins
-  leadscrew pickup --clear --bus can0               behind the repair";
+  leadscrew pickup --clear --bus can0               after the repair";
 
 pub(super) const COMPLETIONS: &str = "\
 Examples:
@@ -344,14 +344,14 @@ Examples:
 
 pub(super) const SIM: &str = "\
 Examples:
-  leadscrew sim estop press       alarm 4300; behind its release `leadscrew reset`
+  leadscrew sim estop press       alarm 4300; after its release `leadscrew reset`
   leadscrew sim power cycle       the board starts again with what its flash has kept
   leadscrew sim speed 0.1         a tenth of real time
   leadscrew sim state --name big";
 
 pub(super) const SIM_DRIVE: &str = "\
 Example:
-  leadscrew sim drive Z fault       alarm 4357; behind `sim drive Z well` a reset";
+  leadscrew sim drive Z fault       alarm 4357; after `sim drive Z well` a reset";
 
 pub(super) const SIM_SPINDLE: &str = "\
 Example:
@@ -376,12 +376,12 @@ Example:
 pub(super) const SIM_ESTOP: &str = "\
 Examples:
   leadscrew sim estop press
-  leadscrew sim estop release     behind it `leadscrew reset`";
+  leadscrew sim estop release     then `leadscrew reset`";
 
 pub(super) const SIM_HOLD: &str = "\
 Examples:
   leadscrew sim hold press
-  leadscrew sim hold release      behind it `leadscrew resume`";
+  leadscrew sim hold release      then `leadscrew resume`";
 
 pub(super) const SIM_INPUT: &str = "\
 Examples:

@@ -1,4 +1,4 @@
-//! The scripts of `leadscrew explain`: what is typed raises the alarm, and what is typed behind it sets it right.
+//! The scripts of `leadscrew explain`: what is typed raises the alarm, and what is typed after it sets it right.
 //!
 //! Each has a user and a shell of its own, and several run beside each other: most of their time is that of machines.
 

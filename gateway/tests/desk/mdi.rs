@@ -1,4 +1,4 @@
-//! `mdi`: lines that are typed, one behind the other.
+//! `mdi`: lines that are typed, one after the other.
 
 use std::io::{Read as _, Write as _};
 use std::process::Stdio;
@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::{SHORT, User, bad, good, text};
 
-/// What is in force before a line and behind it, without S and M.
+/// What is in force before a line and after it, without S and M.
 fn typed(user: &User, line: &str) -> (Value, Value) {
     let mut done = user.json(&["mdi", line]);
     (done["before"].take(), done["after"].take())
@@ -136,7 +136,7 @@ fn at_a_prompt_the_arrow_brings_the_line_before() {
         .unwrap();
     let mut master = std::fs::File::from(terminal.master);
     let mut shown = String::new();
-    // Waits until a prompt stands behind what has been shown, and types.
+    // Waits until a prompt stands after what has been shown, and types.
     let mut type_behind = |words: &str, typed: &[u8]| {
         let from = shown.len();
         let comes = |shown: &str| {

@@ -423,7 +423,7 @@ fn what_stands_behind_a_percent_or_a_mark_in_a_block_is_read_as_by_the_core() {
     };
     let params = Params::sheets();
     for text in [
-        // A comment behind a block that is passed over.
+        // A comment after a block that is passed over.
         "/G0;%(a\nG0 X1",
         "/G0;%(a)\nG0 X1)",
         "/A;;%(a",

@@ -236,7 +236,7 @@ codes! {
         "write letters, digits, signs and spaces of the plain (half-width) kind; full-width parentheses are read in UTF-8 alone, not in GBK",
         "注释之外出现非 ASCII 字符", "请使用半角字母、数字、符号和空格；全角括号只在 UTF-8 文件中有效，GBK 文件请用半角括号";
     /// A letter without a number.
-    NumberMissing = 4003, "{w} has no number", "write the number directly behind the letter, without a space",
+    NumberMissing = 4003, "{w} has no number", "write the number directly after the letter, without a space",
         "{w} 后没有数字", "请在字母后直接写数字，不留空格";
     /// More digits than a number may have; {0} how many it may have.
     NumberTooLong = 4004, "the number of {w} has more than {0} digits", "write fewer digits",
@@ -248,13 +248,13 @@ codes! {
     LineTooLong = 4006, "the line is longer than {0} bytes", "break it into several blocks",
         "该行超过 {0} 字节", "请分成几个程序段";
     /// `(` without `)`.
-    CommentOpen = 4007, "this comment is not closed", "write `)` at its end; only behind `;` or alone may it go on over the line",
+    CommentOpen = 4007, "this comment is not closed", "write `)` at its end; only after `;` or alone may it go on over the line",
         "注释没有结束", "请在末尾写 `)`；只有在 `;` 之后或单独成行时注释才可跨行";
     /// `)` without `(`.
     CommentClosed = 4008, "this `)` closes no comment", "write `(` where the comment begins",
         "此 `)` 没有对应的注释", "请在注释开始处写 `(`";
     /// `/` after other words.
-    SkipNotFirst = 4009, "`/` stands behind words of its block", "write `/` at the front of the block",
+    SkipNotFirst = 4009, "`/` stands after words of its block", "write `/` at the front of the block",
         "`/` 在程序段的字之后", "请把 `/` 写在程序段开头";
     /// `%` after words.
     PercentInBlock = 4010, "`%` stands in a block", "give `%` a line of its own",
@@ -269,7 +269,7 @@ codes! {
     WordTwice = 4013, "{w} stands twice in this block", "remove one, or start a new block",
         "{w} 在此程序段中出现两次", "请去掉一个，或另起程序段";
     /// N or O after other words.
-    WordNotFirst = 4014, "{w} stands behind other words", "write {w} at the front of its block",
+    WordNotFirst = 4014, "{w} stands after other words", "write {w} at the front of its block",
         "{w} 在其他字之后", "请把 {w} 写在程序段开头";
     /// X with U, Z with W, C with H; {0} and {1} the letters.
     AbsoluteAndIncrement = 4015, "{0} and {1} place the same axis in one block", "write {0} or {1}",
@@ -453,7 +453,7 @@ codes! {
         "没有丝锥在孔内：攻丝记录中没有可返回的信息", "无需处理；可手动或用程序移动该轴";
     /// Motion after G30 P99; {0} the line of G30 P99.
     TapReturnNotLast = 4083, "after the tapping return in line {0} only the board knows where the tool is: nothing moves here",
-        "end the program behind G30 P99, and start another", "第 {0} 行刚性攻丝返回之后，程序不知道刀具位置，不能移动",
+        "end the program after G30 P99, and start another", "第 {0} 行刚性攻丝返回之后，程序不知道刀具位置，不能移动",
         "请在 G30 P99 之后结束程序，再启动另一个程序";
 
     // 4084: threads by strokes.
@@ -1414,7 +1414,7 @@ codes! {
     DigitsRounded = 4998, "{w} has a digit beyond the smallest step: it counts as {0}, and further words are rounded the same way", "nothing needs to be done where half a step does not matter; else write so many digits as the control has",
         "{w} 含有小于最小单位的数字：按 {0} 处理，其余的字同样舍入", "若半个最小单位无关紧要则无需处理；否则请按控制系统的位数书写";
 
-    /// The main program stands behind its subprogram; {0} its number.
+    /// The main program stands after its subprogram; {0} its number.
     MainBehind = 4999, "the main program is O{0}: what stands in front of it is called by it and has no end of its own", "nothing needs to be done; write the main program first where another one is meant",
         "主程序为 O{0}：其前面的程序由它调用，且没有程序结束代码", "无需处理；若另有主程序，请将其写在文件最前面";
 

@@ -2,7 +2,7 @@
 //!
 //! The way of joined cuts is cut into [stretches](Stretch), each with the largest rate that the corners and bends near to
 //! it allow. The profile is ahead of the tool by the length of its means. So a rate that holds at the tool has to hold in
-//! the profile's input some way before and behind it; the look-ahead of the background, which plans the stretches, includes
+//! the profile's input some way before and after it; the look-ahead of the background, which plans the stretches, includes
 //! that. Here the input follows the stretch in force at once, and the profile makes it smooth.
 //!
 //! This module knows rates and lengths. It knows nothing of paths, corners or axes.

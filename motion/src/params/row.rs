@@ -85,7 +85,7 @@ pub struct FunctionRow {
     pub answer: Option<Answer>,
     /// The longest wait for the answer; without one, the length of a pulse.
     pub time_ms: u32,
-    /// It comes behind the motion of its block.
+    /// It comes after the motion of its block.
     pub behind: bool,
 }
 

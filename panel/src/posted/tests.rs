@@ -85,7 +85,7 @@ fn an_order_needs_the_lease_and_hold_and_stop_do_not() {
     assert_eq!(bench.order("a", 2, "hold"), ok("1"));
     assert_eq!(bench.order("b", 1, "stop"), ok("2"));
     assert_eq!(bench.lease("a", "take"), r#"{"yours":1}"#);
-    // What was refused does not act behind the lease.
+    // What was refused does not act after the lease.
     assert_eq!(bench.order("a", 1, "start"), refusal);
     assert_eq!(bench.order("a", 3, "start"), ok("3"));
     assert_eq!(bench.order("b", 2, "reset"), refusal);

@@ -55,7 +55,7 @@ fn a_table_is_changed_by_the_page_that_operates_and_once() {
         Refusal::NotOperating,
     );
     bench.post_as(&operates, "/lease", TAKE);
-    // The number is used up: it does nothing behind the lease either.
+    // The number is used up: it does nothing after the lease either.
     refused(
         &bench.post_as(&operates, "/order", &order(1, "tools")),
         Refusal::NotOperating,

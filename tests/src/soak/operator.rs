@@ -233,7 +233,7 @@ fn inputs(bench: &mut Bench) {
 fn refused_write(bench: &mut Bench) {
     if bench.sim.board().ticker().in_program() {
         bench.counts.refused += 1;
-        // What is in force is compared behind every program.
+        // What is in force is compared after every program.
         expedited(bench, Object::new(0x2000 + 9005, 0), 50_u16.to_le_bytes());
     }
 }

@@ -504,7 +504,7 @@ M30
             }
             assert!(bench.now < begun + LONGEST, "it does not come to an end");
             if bench.now.is_multiple_of(64) {
-                // A hold that came behind the last program holds this one.
+                // A hold that came after the last program holds this one.
                 carry_on(bench);
             }
             bench.tick();

@@ -108,7 +108,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// The flash after the change that `ask` asks for, with the power gone behind so many bytes; and the newest entry of
+    /// The flash after the change that `ask` asks for, with the power gone after so many bytes; and the newest entry of
     /// the journal that may be there.
     pub fn cut(&self, at: u32, ask: impl Fn(&mut Bench)) -> (Flash, u32) {
         let mut flash = self.before.clone();

@@ -8,7 +8,7 @@
 //! set = "coolant"          # or clear; pulse = "200 ms" beside set
 //! answer = "flow=1"
 //! within = "2 s"
-//! when = "before"          # or "after": behind the motion
+//! when = "before"          # or "after": after the motion
 //! ```
 //!
 //! A table becomes the row of its M code (9401 to 9416), a name the number of its contact. Boards keep the numbers alone,

@@ -145,7 +145,7 @@ fn the_modal_state_is_that_of_the_blocks_so_far() {
     assert_eq!(feed.map(|feed| feed.nm_per_min()), Some(125_000_000));
 }
 
-/// The same blocks as one text, and as texts that each go on behind the one before.
+/// The same blocks as one text, and as texts that each go on after the one before.
 #[test]
 fn what_a_text_leaves_in_force_holds_in_the_next_and_makes_no_call() {
     let params = Params::sheets();

@@ -181,7 +181,7 @@ fn functions_on(params: &Params, text: &str) -> Vec<u16> {
 
 #[test]
 fn a_row_gives_a_code_its_place_in_the_block() {
-    // M60 before the motion, M61 behind it, M62 without an output, M8 with that of M60.
+    // M60 before the motion, M61 after it, M62 without an output, M8 with that of M60.
     let params = machine(&[
         ("9401", "601010000000"),
         ("9402", "617020000000"),

@@ -1,4 +1,4 @@
-//! `mdi`: a line that is typed, checked and carried out as a program is, behind the lines typed before.
+//! `mdi`: a line that is typed, checked and carried out as a program is, after the lines typed before.
 //!
 //! Each line is a program of its own for the board. What the lines before have left in force is kept by this side, in a
 //! file for each board, with the number that the last line had as a program: where the board names another program, or
@@ -40,7 +40,7 @@ pub fn mdi(global: &Global, line: Option<&str>) -> Outcome {
     }
     if global.json {
         return Err(Failure::Usage(both!(
-            "`mdi --json` gives one result: type the line behind it, as in `leadscrew mdi \"G0 X50\" --json`",
+            "`mdi --json` gives one result: type the line after it, as in `leadscrew mdi \"G0 X50\" --json`",
             "`mdi --json` 只给出一个结果：请在后面写上程序行，如 `leadscrew mdi \"G0 X50\" --json`"
         )));
     }

@@ -15,7 +15,7 @@ use crate::cli::{Global, OffsetsCommand, ToolsCommand};
 use crate::failure::{Failure, Outcome};
 use crate::tools::{Key, unknown};
 
-/// Does what was typed behind `tools`.
+/// Does what was typed after `tools`.
 pub fn tools(global: &Global, command: &ToolsCommand) -> Outcome {
     match command {
         ToolsCommand::List => list::tools(global),
@@ -27,7 +27,7 @@ pub fn tools(global: &Global, command: &ToolsCommand) -> Outcome {
     }
 }
 
-/// Does what was typed behind `offsets`.
+/// Does what was typed after `offsets`.
 pub fn offsets(global: &Global, command: &OffsetsCommand) -> Outcome {
     let is_offset = |key: Key| !key.is_of_tool();
     match command {

@@ -10,7 +10,7 @@ use crate::doctor::hits::Hits;
 
 /// Two boot-ups closer than this are those of two nodes.
 const TWINS: Duration = Duration::from_millis(500);
-/// A boot-up behind an NMT reset comes within this time.
+/// A boot-up after an NMT reset comes within this time.
 const RESET: Duration = Duration::from_secs(5);
 /// A node that waits for NMT start longer than this has been forgotten.
 const START: Duration = Duration::from_secs(2);

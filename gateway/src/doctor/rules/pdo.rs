@@ -20,7 +20,7 @@ pub const RULES: &[Rule] = &[
         number: 22,
         group: Group::Pdo,
         fault: (
-            "setpoints come behind the SYNC that was to latch them",
+            "setpoints come after the SYNC that was to latch them",
             "设定值晚于应锁存它的 SYNC",
         ),
         remedy: (
@@ -180,7 +180,7 @@ pub const RULES: &[Rule] = &[
             "向驱动器 1010h:01 写入 `save`（65766173h）",
         ),
         guard: (
-            "told before and behind a boot-up, and different",
+            "told before and after a boot-up, and different",
             "启动前后均已得知且不同",
         ),
         judge: forgotten,

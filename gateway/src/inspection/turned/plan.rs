@@ -99,7 +99,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The first rapid behind a cut says on which side there is no material; one along Z leaves it to the last cut, where
+    /// The first rapid after a cut says on which side there is no material; one along Z leaves it to the last cut, where
     /// that comes away from another.
     fn leave(&mut self, outward: Mm) {
         let pieces = self

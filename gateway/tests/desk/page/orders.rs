@@ -88,7 +88,7 @@ fn an_order_acts_once_and_an_older_one_not_at_all() {
     assert_eq!(user.json(&["status"])["state"], "run");
     assert_eq!(hold(101), done);
     user.wait_for("hold");
-    // What was sent before the hold and comes behind it starts nothing.
+    // What was sent before the hold and comes after it starts nothing.
     let echo = one.state()["beat"].clone();
     assert_eq!(one.numbered(98, "resume", &Value::Null, &echo).0, 409);
     assert_eq!(user.json(&["status"])["state"], "hold");

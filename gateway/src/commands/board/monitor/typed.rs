@@ -53,7 +53,7 @@ fn unanswered() -> Both {
     )
 }
 
-/// Reads the result: what is in force behind the line, or why it was not carried out.
+/// Reads the result: what is in force after the line, or why it was not carried out.
 fn read(stdout: &[u8]) -> Answer {
     let value: Value = serde_json::from_slice(stdout).unwrap_or_default();
     let text = |value: &Value, key: &str| value[key].as_str().map(str::to_owned);

@@ -1,4 +1,4 @@
-//! By which work zero positions are shown: that behind the last typed line, or one that was chosen.
+//! By which work zero positions are shown: that after the last typed line, or one that was chosen.
 //!
 //! The board knows machine coordinates alone; its table of offsets and tools is read, and read again where it has changed.
 

@@ -165,7 +165,7 @@ impl Desk {
         self.news.notify_all();
     }
 
-    /// A line or a program has begun, which was asked for behind so many holds and stops. One that has come meanwhile ends
+    /// A line or a program has begun, which was asked for after so many holds and stops. One that has come meanwhile ends
     /// it.
     pub fn note_begun(&self, handle: Handle, halts: u64) {
         let mut shared = self.shared();
@@ -263,7 +263,7 @@ impl Shared {
         self.situation(now).old || age.is_none_or(|ms| Duration::from_millis(u64::from(ms)) > OLD)
     }
 
-    /// A machine at rest takes no notice of a hold: what is being checked or sent would begin behind it.
+    /// A machine at rest takes no notice of a hold: what is being checked or sent would begin after it.
     fn halt(&mut self) {
         self.halts += 1;
         let lines = self.asks.lines.drain(..).map(|line| line.ticket);

@@ -118,7 +118,7 @@ pub fn ready(status: &Status, link: &Link, global: &Global) -> Outcome {
                 .as_ref()
                 .map_or_else(Both::default, alarm_words);
             Err(Failure::MachineBecause(both!(
-                "node {node} stands on an alarm: {en}; it takes programs again behind `leadscrew reset`",
+                "node {node} stands on an alarm: {en}; it takes programs again after `leadscrew reset`",
                 "节点 {node} 处于报警状态：{zh}；执行 `leadscrew reset` 后才接受程序",
                 en = alarm.en,
                 zh = alarm.zh

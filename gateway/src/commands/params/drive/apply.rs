@@ -145,7 +145,7 @@ pub fn with_drives(link: &mut Link, pending: &[Pending], trouble: Trouble, reset
     if pending.is_empty() {
         return trouble.into();
     }
-    // Any other trouble, an abort of something asked behind the commit too, leaves it open which set the board has.
+    // Any other trouble, an abort of something asked after the commit too, leaves it open which set the board has.
     if !matches!(trouble, Trouble::Parameters { .. }) {
         let more = match trouble {
             Trouble::Unsettled { .. } => {

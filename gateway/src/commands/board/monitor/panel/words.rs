@@ -88,7 +88,7 @@ pub fn help(lang: Lang) -> Vec<Row> {
             "stop, at once (alarm 4300)",
             "停止，立即（报警 4300）",
         ),
-        ("r  Enter", "go on behind a hold", "保持后恢复运行"),
+        ("r  Enter", "go on after a hold", "保持后恢复运行"),
         ("e  Enter", "reset", "复位"),
         (
             "g  Enter",
