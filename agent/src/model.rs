@@ -105,7 +105,7 @@ pub struct InForce {
     pub parameters: u32,
     /// When they were seen first: they are in force since then at the latest.
     pub since: Moment,
-    /// When others were seen last: these came later. `None`: no others were ever seen, and it may have been any time before.
+    /// When others were seen last: these came later. `None`: no others were ever seen, and it may have been long before.
     pub after: Option<Moment>,
     /// When they were seen last.
     pub seen: Moment,

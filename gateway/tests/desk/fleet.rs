@@ -346,7 +346,7 @@ fn a_broker_that_does_not_answer_or_is_not_there_is_named() {
     bad(&list(&[]), 2);
     let said = bad(&list(&["--broker", &broker, "--bus", "can0"]), 2);
     assert!(
-        said.contains("talks to no board: leave out `--bus can0`"),
+        said.contains("talks to no board: leave out `--bus socketcan:can0`"),
         "{said}"
     );
     let diff = |folder: &str| user.does(&["fleet", "diff", folder, "--broker", &broker]);
