@@ -53,6 +53,9 @@ export class Table {
     }
     if (own !== this.turn) return;
     if (answer.error || answer.refused) return this.#note(answer.error ?? said(answer));
+    // The other table has changed: a review of this one stays.
+    if (answer.seen === this.seen && this.zh === isChinese()) return;
+    this.zh = isChinese();
     const changed = this.seen !== null && this.seen !== answer.seen && this.typed.size > 0;
     this.seen = answer.seen;
     const focus = this.section.contains(document.activeElement) ? document.activeElement : null;
@@ -146,12 +149,12 @@ export class Table {
   }
 
   async #check() {
-    const { turn } = this;
+    const { seen } = this;
     const before = JSON.stringify([...this.typed]);
     this.sure = false;
     const answer = await this.#order(true);
     // Meanwhile something else was typed, or read.
-    if (turn !== this.turn || before !== JSON.stringify([...this.typed])) return;
+    if (seen !== this.seen || before !== JSON.stringify([...this.typed])) return;
     if (!this.#show(answer)) return;
     if (!answer.changes.length) {
       this.typed.clear();
