@@ -285,8 +285,8 @@ codes! {
     /// No such M code; {0} its number.
     UnknownM = 4019, "there is no M{0}", "correct the code", "没有 M{0}", "请修改代码";
     /// A G code that exists and is not built; {0}.
-    GNotAvailable = 4020, "{0} is not available yet", "write the moves with G00 to G03, or a G75, G76, G78, G84 or G88 cycle; a spindle speed with G97",
-        "{0} 尚不可用", "请用 G00 至 G03 编写运动，或使用 G75、G76、G78、G84、G88 循环；主轴转速请用 G97";
+    GNotAvailable = 4020, "{0} is not available here", "write the moves with G00 to G03 or another cycle; G41, G42, G65 to G67 and G70 to G73 are worked out by `leadscrew`, not by a board that reads text alone",
+        "{0} 在此不可用", "请用 G00 至 G03 或其他循环编写运动；G41、G42、G65 至 G67 和 G70 至 G73 由 `leadscrew` 处理，单独读取文本的控制板没有这些功能";
     /// An M code that exists and is not built; {0} its number.
     MNotAvailable = 4021, "M{0} cannot be carried out in this place", "give the call a block of its own",
         "此处不能执行 M{0}", "请将调用单独写成一个程序段";
