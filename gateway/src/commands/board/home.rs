@@ -42,15 +42,22 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
     interrupt::defer(UnderWay::Machine);
     link.set_mode(OperatingMode::Reference)?;
     let last = link.newest_event()?;
+    let before = link.status()?.referenced;
     link.order(Order::Home(wanted))?;
-    let ended = wait(&mut link, global)?;
+    let ended = wait(&mut link, global, before)?;
     // What the tick refuses is in the event log alone.
     let told = link.events_behind(last)?;
     if let Some(reason) = told.iter().find_map(|entry| no_method(&entry.event)) {
         return Err(link.refused_by(reason).into());
     }
-    let wanted = if wanted.is_empty() { Axes::ALL } else { wanted };
     let status = ended.status;
+    // An axis that was referenced before may have lost its reference and found it again between two looks.
+    let is_quiet = !told.iter().any(|entry| is_against(&entry.event));
+    if is_quiet && !ended.interrupted && status.alarm.is_none() {
+        let found = wanted.minus(Axes::ALL.minus(status.referenced));
+        found_at(global, &status, found.minus(ended.told))?;
+    }
+    let wanted = if wanted.is_empty() { Axes::ALL } else { wanted };
     let missing = wanted.minus(status.referenced);
     tell(global, link.node().get(), &status, missing)?;
     if let Some(alarm) = status.alarm {
@@ -80,17 +87,24 @@ fn no_method(event: &Event) -> Option<Alarm> {
     }
 }
 
+/// Something was refused, or has failed.
+const fn is_against(event: &Event) -> bool {
+    matches!(event, Event::Warning(_) | Event::Alarm(_))
+}
+
 /// The end of homing.
 struct Ended {
     status: Status,
+    /// Axes whose references have been told.
+    told: Axes,
     interrupted: bool,
 }
 
 /// Waits until nothing homes any more, and tells each axis that has found its reference.
-fn wait(link: &mut Link, global: &Global) -> Outcome<Ended> {
+fn wait(link: &mut Link, global: &Global, mut before: Axes) -> Outcome<Ended> {
     let begun = Instant::now();
     let mut interrupted = false;
-    let mut before = link.status()?.referenced;
+    let mut told = Axes::NONE;
     loop {
         link.idle(LOOK)?;
         link.check_alive()?;
@@ -99,17 +113,9 @@ fn wait(link: &mut Link, global: &Global) -> Outcome<Ended> {
             link.order(Order::Cancel)?;
         }
         let status = link.status()?;
-        if !global.json {
-            for axis in status.referenced.minus(before).each() {
-                let place = position(&status, axis);
-                let line = both!(
-                    "{axis} referenced at {place}\n",
-                    "{axis} 已回零，位置 {place}\n",
-                    axis = char::from(axis.letter())
-                );
-                output::write(line.get(global.lang()).as_bytes())?;
-            }
-        }
+        let found = status.referenced.minus(before);
+        found_at(global, &status, found)?;
+        told = found.each().fold(told, Axes::with);
         before = status.referenced;
         let works = matches!(
             status.state,
@@ -118,10 +124,28 @@ fn wait(link: &mut Link, global: &Global) -> Outcome<Ended> {
         if !works && begun.elapsed() > BEGINS {
             return Ok(Ended {
                 status,
+                told,
                 interrupted,
             });
         }
     }
+}
+
+/// Tells where these axes have found their references.
+fn found_at(global: &Global, status: &Status, axes: Axes) -> Outcome {
+    if global.json {
+        return Ok(());
+    }
+    for axis in axes.each() {
+        let place = position(status, axis);
+        let line = both!(
+            "{axis} referenced at {place}\n",
+            "{axis} 已回零，位置 {place}\n",
+            axis = char::from(axis.letter())
+        );
+        output::write(line.get(global.lang()).as_bytes())?;
+    }
+    Ok(())
 }
 
 /// Where an axis is in machine coordinates, X as a diameter.
