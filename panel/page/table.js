@@ -20,6 +20,7 @@ export class Table {
     Object.assign(this, { section, path, order, draw, read: new Map(), typed: new Map(), cells: new Map() });
     Object.assign(this, { seen: null, now: null, asked: null, turn: 0, sure: false });
     this.details = section.querySelector("details");
+    this.details.append(document.getElementById("review").content.cloneNode(true));
     this.list = section.querySelector("ol");
     this.details.addEventListener("toggle", () => { if (this.details.open) this.load(); });
     section.addEventListener("input", ({ target }) => { if (target.dataset.key) this.#type(target); });

@@ -54,7 +54,7 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
     // An axis that was referenced before may have lost its reference and found it again between two looks.
     let is_quiet = !told.iter().any(|entry| is_against(&entry.event));
     if is_quiet && !ended.interrupted && status.alarm.is_none() {
-        let found = wanted.minus(Axes::ALL.minus(status.referenced));
+        let found = wanted.and(status.referenced);
         found_at(global, &status, found.minus(ended.told))?;
     }
     let wanted = if wanted.is_empty() { Axes::ALL } else { wanted };
@@ -115,7 +115,7 @@ fn wait(link: &mut Link, global: &Global, mut before: Axes) -> Outcome<Ended> {
         let status = link.status()?;
         let found = status.referenced.minus(before);
         found_at(global, &status, found)?;
-        told = found.each().fold(told, Axes::with);
+        told = told.or(found);
         before = status.referenced;
         let works = matches!(
             status.state,

@@ -65,16 +65,13 @@ pub fn run(global: &Global, folder: &Path, asked: &Asked) -> Outcome {
         .map(|(_, path)| path)
         .collect();
     fleet.tell(global, asked);
+    let same = silent.is_empty() && rows.iter().all(|row| row.found.is_same());
     if global.json {
-        json(global, &fleet, &rows, &silent)?;
+        json(global, &fleet, &rows, &silent, same)?;
     } else {
         text(global, &rows, &silent)?;
     }
-    if silent.is_empty() && rows.iter().all(|row| row.found.is_same()) {
-        Ok(())
-    } else {
-        Err(Failure::Wrong)
-    }
+    if same { Ok(()) } else { Err(Failure::Wrong) }
 }
 
 /// The machine files of a folder, by the names of their machines.
@@ -188,7 +185,7 @@ fn text(global: &Global, rows: &[Row<'_>], silent: &[&PathBuf]) -> Outcome {
                     "其文件 {name}.toml 有错误（见报告），不能比较"
                 )
             }
-            Found::Unreadable(why) => both!("{en}", "{zh}", en = why.en, zh = why.zh),
+            Found::Unreadable(why) => why.clone(),
         };
         add(&Both {
             en: who.en + &what.en,
@@ -216,8 +213,13 @@ fn text(global: &Global, rows: &[Row<'_>], silent: &[&PathBuf]) -> Outcome {
     output::write(out.as_bytes())
 }
 
-fn json(global: &Global, fleet: &Fleet, rows: &[Row<'_>], silent: &[&PathBuf]) -> Outcome {
-    let same = silent.is_empty() && rows.iter().all(|row| row.found.is_same());
+fn json(
+    global: &Global,
+    fleet: &Fleet,
+    rows: &[Row<'_>],
+    silent: &[&PathBuf],
+    same: bool,
+) -> Outcome {
     output::json(|json| {
         json.flag("ok", true);
         json.flag("same", same);

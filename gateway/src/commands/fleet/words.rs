@@ -38,11 +38,10 @@ pub fn since(set: &Set) -> Both {
 /// Why a message is no set.
 pub fn no_set(why: &NoSet) -> Both {
     match why {
-        NoSet::Form { line, column } => both!(
-            "not the JSON of a set, at line {line}, column {column}",
-            "不是参数集的 JSON：第 {line} 行第 {column} 列"
-        ),
-        NoSet::Field(name) => both!("`{name}` cannot be so", "`{name}` 的内容不可能"),
+        NoSet::Form { line, column } => {
+            both!("{why}", "不是参数集的 JSON：第 {line} 行第 {column} 列")
+        }
+        NoSet::Field(name) => both!("{why}", "`{name}` 的内容不可能"),
     }
 }
 

@@ -1,12 +1,14 @@
 //! `tune`: moves an axis to and fro by jogging, and finds how far its drive lags behind; or runs the spindle up, and finds
 //! its ramp and its ripple.
 //!
-//! [`strokes`] moves an axis and hears, [`spindle`] the spindle; `crate::tuning` computes; [`result`] and [`turned`] tell.
+//! [`strokes`] moves an axis and hears, [`spindle`] the spindle; `crate::tuning` computes; [`result`] and [`turned`] say
+//! what was found, and [`telling`] hands that out.
 //! It holds no limit of its own: the board does.
 
 mod result;
 mod spindle;
 mod strokes;
+mod telling;
 mod turned;
 
 use leadscrew_core::operating::OperatingMode;
@@ -14,10 +16,7 @@ use leadscrew_core::units::Axis;
 
 use crate::cli::{AxisWay, Global, Tune, Tuned};
 use crate::commands::board::Greeted;
-use crate::commands::params::{Wish, transact};
-use crate::commands::picture::Format;
 use crate::failure::{Failure, Outcome};
-use crate::output;
 use crate::tuning::{Known, look};
 use crate::words::both;
 
@@ -37,8 +36,7 @@ fn axis(global: &Global, args: &Tune, way: AxisWay) -> Outcome {
             "`--speeds` 和 `--seconds` 用于 `tune spindle`"
         )));
     }
-    let output = args.output.as_deref();
-    let format = output.map(Format::of).transpose()?;
+    let file = telling::file(args)?;
     let axis = if way.on_z { Axis::Z } else { Axis::X };
     let mut machine = Greeted::meet(global)?.read()?;
     let params = &machine.params;
@@ -86,26 +84,5 @@ fn axis(global: &Global, args: &Tune, way: AxisWay) -> Outcome {
         found,
         known,
     };
-    if let Some((path, format)) = output.zip(format) {
-        told.write(path, &format, global)?;
-    }
-    // With `--write` and `--json` the one result is that of the transaction.
-    if !(global.json && args.write) {
-        match global.json {
-            true => output::json(|json| told.fields(json))?,
-            false => output::write(told.words().get(global.lang()).as_bytes())?,
-        }
-    }
-    if !args.write {
-        return Ok(());
-    }
-    transact(
-        global,
-        &Wish {
-            files: &[],
-            set: &told.values(),
-            built_in: false,
-            password: None,
-        },
-    )
+    telling::finish(global, args, file, &told)
 }

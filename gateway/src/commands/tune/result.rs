@@ -1,16 +1,12 @@
 //! What `tune` has found, for people, as JSON and as a picture.
 
-use std::path::Path;
-
 use leadscrew_core::alarm::Lang;
 use svg::Document;
-use svg::node::element::{Line, Text};
+use svg::node::element::Line;
 
-use crate::cli::Global;
-use crate::commands::picture::{self, Format, PictureFormat};
-use crate::failure::{Failure, Outcome};
+use super::telling::{Tells, label};
+use crate::failure::Failure;
 use crate::json::Json;
-use crate::page;
 use crate::tuning::{Found, Known, Refusal};
 use crate::words::{Both, both, pick};
 
@@ -69,9 +65,14 @@ impl Told {
         let after = f64::from(self.latency()) * 1e-6 + behind(self.gain(), self.feed_forward);
         [self.before.taken_off, after].map(|taken_off| self.total() - taken_off)
     }
+}
 
-    /// What is written.
-    pub fn values(&self) -> Vec<String> {
+impl Tells for Told {
+    fn title(&self) -> String {
+        format!("tune {}", self.before.letter)
+    }
+
+    fn values(&self) -> Vec<String> {
         let letter = self.before.letter;
         let mut values = vec![
             format!("9003.{letter}={}", self.latency()),
@@ -86,7 +87,7 @@ impl Told {
         values
     }
 
-    pub fn words(&self) -> Both {
+    fn words(&self) -> Both {
         let (lag, model) = (&self.found.lag, &self.found.model);
         let us = |value: f64| value * 1e6;
         let [before, after] = self.left();
@@ -125,7 +126,7 @@ impl Told {
         )
     }
 
-    pub fn fields(&self, json: &mut Json) {
+    fn fields(&self, json: &mut Json) {
         let (lag, model) = (&self.found.lag, &self.found.model);
         let [before, after] = self.left();
         json.flag("ok", true);
@@ -171,39 +172,10 @@ impl Told {
         json.number("left_after_us", format!("{:.3}", after * 1e6));
     }
 
-    /// Writes it into a file.
-    pub(super) fn write(&self, path: &Path, format: &Format, global: &Global) -> Outcome {
-        let lang = global.lang();
-        match format {
-            Format::Json => {
-                let mut json = Json::new();
-                json.object(|json| self.fields(json));
-                picture::write(path, json.into_bytes())
-            }
-            Format::Picture(PictureFormat::Html) => {
-                let title = format!("tune {}", self.before.letter);
-                let words = self.words();
-                let page = page::sheet(&title, &self.picture(lang), words.get(lang), lang);
-                picture::write(path, page)
-            }
-            Format::Picture(PictureFormat::Svg) => picture::write(path, self.picture(lang)),
-            Format::Picture(PictureFormat::Png) => {
-                picture::write_png(global, path, &self.picture(lang))
-            }
-        }
-    }
-
     /// The predicted lag error over the speed, before and after.
     fn picture(&self, lang: Lang) -> String {
         let left = self.left();
         let most = left[0].abs().max(left[1].abs()).max(1e-6);
-        let label = |x: f64, y: f64, text: String| {
-            Text::new(text)
-                .set("x", x)
-                .set("y", y)
-                .set("font-family", "sans-serif")
-                .set("font-size", 14)
-        };
         let line = |x: f64, y: f64, colour: &str| {
             Line::new()
                 .set("x1", 80)

@@ -14,14 +14,12 @@ use leadscrew_core::link::Status;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Rpm;
 
+use super::telling;
 use super::turned::{self, Told};
 use crate::cli::{Global, Run, Tune};
 use crate::commands::board::{Greeted, Machine, Work, perform_on};
-use crate::commands::params::{Wish, transact};
-use crate::commands::picture::Format;
 use crate::failure::{Failure, Outcome};
 use crate::link::Link;
-use crate::output;
 use crate::source::SourceFile;
 use crate::tuning::spindle::{Known, Look, look};
 use crate::words::both;
@@ -40,8 +38,7 @@ const AROUND: u64 = 2_000;
 /// Turns, finds, tells, and writes where that was asked.
 pub fn run(global: &Global, args: &Tune) -> Outcome {
     refuse(args)?;
-    let output = args.output.as_deref();
-    let format = output.map(Format::of).transpose()?;
+    let file = telling::file(args)?;
     let seconds = args.seconds.unwrap_or(SECONDS);
     let params = Machine::meet(global)?.params;
     within(&args.speeds, &params)?;
@@ -67,8 +64,8 @@ pub fn run(global: &Global, args: &Tune) -> Outcome {
     let dropped = done.link.dropped();
     drop(done.link);
     done.verdict?;
-    let looks = std::mem::take(&mut *ear.lock().unwrap_or_else(PoisonError::into_inner));
-    let looks = looks.whole(dropped)?;
+    let mut ear = ear.lock().unwrap_or_else(PoisonError::into_inner);
+    let looks = ear.take(dropped)?;
     let asked: Vec<f64> = args.speeds.iter().copied().map(f64::from).collect();
     let known = Known {
         seconds: f64::from(seconds),
@@ -82,28 +79,7 @@ pub fn run(global: &Global, args: &Tune) -> Outcome {
         looks,
         found,
     };
-    if let Some((path, format)) = output.zip(format) {
-        told.write(path, &format, global)?;
-    }
-    // With `--write` and `--json` the one result is that of the transaction.
-    if !(global.json && args.write) {
-        match global.json {
-            true => output::json(|json| told.fields(json))?,
-            false => output::write(told.words().get(global.lang()).as_bytes())?,
-        }
-    }
-    if !args.write {
-        return Ok(());
-    }
-    transact(
-        global,
-        &Wish {
-            files: &[],
-            set: &told.values(),
-            built_in: false,
-            password: None,
-        },
-    )
+    telling::finish(global, args, file, &told)
 }
 
 /// Refuses what would be ignored, and too few speeds.
@@ -182,9 +158,9 @@ fn at_rest(status: &Status) -> Outcome {
 }
 
 /// What was heard of the spindle.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Ear {
-    node: Option<NodeId>,
+    node: NodeId,
     /// SYNC period in seconds.
     tick: f64,
     /// SYNCs from one status to the next.
@@ -201,10 +177,13 @@ impl Ear {
     fn new(node: NodeId, params: &Params) -> Self {
         let ticks = u64::from(params.status_period_ms()) * 1000 / u64::from(params.tick_us());
         Self {
-            node: Some(node),
+            node,
             tick: f64::from(params.tick_us()) * 1e-6,
             period: ticks.max(1),
-            ..Self::default()
+            syncs: 0,
+            last: None,
+            looks: Vec::new(),
+            uneven: false,
         }
     }
 
@@ -216,7 +195,7 @@ impl Ear {
         let Some((node, spindle)) = BoardSpindle::decode(frame) else {
             return;
         };
-        if Some(node) != self.node {
+        if node != self.node {
             return;
         }
         if let Some(last) = self.last {
@@ -231,7 +210,7 @@ impl Ear {
     }
 
     /// The looks, where none is missing.
-    fn whole(self, dropped: u64) -> Outcome<Vec<Look>> {
+    fn take(&mut self, dropped: u64) -> Outcome<Vec<Look>> {
         if self.looks.is_empty() || self.syncs == 0 {
             return Err(Failure::Bus(both!(
                 "the board tells nothing of its spindle: TPDO3 (1802h) or SYNC is not on this bus",
@@ -245,7 +224,7 @@ impl Ear {
                 "报文丢失，或控制板状态未按周期（9022、1802h）到达：采样不完整；请减少本机其他负载后重试"
             )));
         }
-        Ok(self.looks)
+        Ok(std::mem::take(&mut self.looks))
     }
 }
 
@@ -322,7 +301,7 @@ mod tests {
                 }
                 ear.hear(&status);
             }
-            ear.whole(dropped)
+            ear.take(dropped)
         };
         assert_eq!(heard(&[3, 10, 10], 0).unwrap().len(), 3);
         for (gaps, dropped) in [(&[3, 10, 9][..], 0), (&[3, 20, 10], 0), (&[3, 10, 10], 1)] {

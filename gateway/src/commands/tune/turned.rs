@@ -1,17 +1,14 @@
 //! What `tune spindle` has found, for people, as JSON and as a picture.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use leadscrew_core::alarm::Lang;
 use svg::Document;
-use svg::node::element::{Line, Polyline, Text};
+use svg::node::element::{Line, Polyline};
 
-use crate::cli::Global;
-use crate::commands::picture::{self, Format, PictureFormat};
-use crate::failure::{Failure, Outcome};
+use super::telling::{Tells, label};
+use crate::failure::Failure;
 use crate::json::Json;
-use crate::page;
 use crate::tuning::spindle::{Found, Kind, Known, Look, Refusal, Source};
 use crate::words::{Both, both, pick};
 
@@ -38,15 +35,40 @@ impl Told {
         found.max(self.variation)
     }
 
-    /// What is written.
-    pub fn values(&self) -> Vec<String> {
+    /// A line of the spectrum.
+    fn source(&self, source: &Source) -> Both {
+        let (share, seen) = (source.share * 100.0, source.seen);
+        let all = self.found.run_ups.len();
+        match source.kind {
+            Kind::Order(order) => both!(
+                "  {share:.2} % {order} times a turn, at {seen} of {all} speeds: it turns with the spindle\n",
+                "  {share:.2} %，每转 {order} 次，在 {all} 个转速中的 {seen} 个出现：随主轴转动\n"
+            ),
+            Kind::Hertz(hertz) => both!(
+                "  {share:.2} % at {hertz:.2} Hz, at {seen} of {all} speeds: it swings by itself (drive, belt, mains)\n",
+                "  {share:.2} %，{hertz:.2} Hz，在 {all} 个转速中的 {seen} 个出现：自由振荡（驱动、皮带、电源）\n"
+            ),
+            Kind::Unknown(hertz) => both!(
+                "  {share:.2} % at {hertz:.2} Hz: these speeds do not tell whether it turns with the spindle\n",
+                "  {share:.2} %，{hertz:.2} Hz：这些转速无法判断是否随主轴转动\n"
+            ),
+        }
+    }
+}
+
+impl Tells for Told {
+    fn title(&self) -> String {
+        "tune spindle".to_owned()
+    }
+
+    fn values(&self) -> Vec<String> {
         vec![
             format!("9004={}", self.ramp()),
             format!("9010={}", self.room()),
         ]
     }
 
-    pub fn words(&self) -> Both {
+    fn words(&self) -> Both {
         let (mut en, mut zh) = (String::new(), String::new());
         for run_up in &self.found.run_ups {
             let (asked, mean) = (run_up.asked, run_up.mean);
@@ -89,27 +111,7 @@ impl Told {
         Both { en, zh }
     }
 
-    /// A line of the spectrum.
-    fn source(&self, source: &Source) -> Both {
-        let (share, seen) = (source.share * 100.0, source.seen);
-        let all = self.found.run_ups.len();
-        match source.kind {
-            Kind::Order(order) => both!(
-                "  {share:.2} % {order} times a turn, at {seen} of {all} speeds: it turns with the spindle\n",
-                "  {share:.2} %，每转 {order} 次，在 {all} 个转速中的 {seen} 个出现：随主轴转动\n"
-            ),
-            Kind::Hertz(hertz) => both!(
-                "  {share:.2} % at {hertz:.2} Hz, at {seen} of {all} speeds: it swings by itself (drive, belt, mains)\n",
-                "  {share:.2} %，{hertz:.2} Hz，在 {all} 个转速中的 {seen} 个出现：自由振荡（驱动、皮带、电源）\n"
-            ),
-            Kind::Unknown(hertz) => both!(
-                "  {share:.2} % at {hertz:.2} Hz: these speeds do not tell whether it turns with the spindle\n",
-                "  {share:.2} %，{hertz:.2} Hz：这些转速无法判断是否随主轴转动\n"
-            ),
-        }
-    }
-
-    pub fn fields(&self, json: &mut Json) {
+    fn fields(&self, json: &mut Json) {
         json.flag("ok", true);
         json.array_at("run_ups", |json| {
             for run_up in &self.found.run_ups {
@@ -140,27 +142,6 @@ impl Told {
             }
         });
         json.number("band_hz", format!("{:.0}", self.known.band));
-    }
-
-    /// Writes it into a file.
-    pub(super) fn write(&self, path: &Path, format: &Format, global: &Global) -> Outcome {
-        let lang = global.lang();
-        match format {
-            Format::Json => {
-                let mut json = Json::new();
-                json.object(|json| self.fields(json));
-                picture::write(path, json.into_bytes())
-            }
-            Format::Picture(PictureFormat::Html) => {
-                let words = self.words();
-                let page = page::sheet("tune spindle", &self.picture(lang), words.get(lang), lang);
-                picture::write(path, page)
-            }
-            Format::Picture(PictureFormat::Svg) => picture::write(path, self.picture(lang)),
-            Format::Picture(PictureFormat::Png) => {
-                picture::write_png(global, path, &self.picture(lang))
-            }
-        }
     }
 
     /// The speed over time, and below it the lines of each speed over their frequency.
@@ -227,14 +208,6 @@ impl Told {
 const COLOURS: [&str; 6] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
 ];
-
-fn label(x: f64, y: f64, text: String) -> Text {
-    Text::new(text)
-        .set("x", x)
-        .set("y", y)
-        .set("font-family", "sans-serif")
-        .set("font-size", 14)
-}
 
 fn axis([x1, y1]: [f64; 2], [x2, y2]: [f64; 2]) -> Line {
     Line::new()

@@ -131,6 +131,30 @@ fn a_spindle_that_turns_evenly_has_no_lines() {
     assert!(found.variation < 1e-4, "{}", found.variation);
 }
 
+/// 2 % of the second order; 0.1 % of a mixture has the frequency of the first speed by chance, at two others.
+#[test]
+fn a_much_smaller_line_of_another_speed_is_another_one() {
+    let run_up = |mean: f64, lines: &[(f64, f64)]| RunUp {
+        asked: mean,
+        mean,
+        up: 0.5,
+        down: 0.5,
+        variation: 0.05,
+        lines: lines
+            .iter()
+            .map(|&(hertz, share)| Line { hertz, share })
+            .collect(),
+    };
+    let run_ups = [
+        run_up(600.0, &[(20.0, 0.02)]),
+        run_up(780.0, &[(26.0, 0.02), (20.0, 0.001)]),
+        run_up(1080.0, &[(20.0, 0.001)]),
+    ];
+    let sources = sources(&run_ups, &KNOWN);
+    assert_eq!(sources[0].kind, Kind::Order(2));
+    assert_eq!((sources[0].share, sources[0].seen), (0.02, 2));
+}
+
 /// At half the speed the second order has the frequency of the first one: nobody can tell which of both it is.
 #[test]
 fn speeds_that_are_multiples_do_not_tell_lines_apart() {

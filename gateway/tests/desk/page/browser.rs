@@ -169,6 +169,14 @@ impl Tab<'_> {
     }
 }
 
+impl Page {
+    /// What somebody opens to operate.
+    fn link(&self) -> String {
+        let token = self.token.as_deref().unwrap();
+        format!("http://{}/#{token}", self.address)
+    }
+}
+
 fn z(user: &User) -> f64 {
     user.json(&["status"])["mz"].as_f64().unwrap()
 }
@@ -194,13 +202,8 @@ fn press(user: &User, tab: &mut Tab<'_>, far: f64) {
 fn somebody_operates_the_machine_with_mouse_and_keys() {
     let user = User::with_machine();
     let page = Page::start(&user);
-    let address = format!(
-        "http://{}/#{}",
-        page.address,
-        page.token.as_deref().unwrap()
-    );
     let mut browser = Browser::start(&user);
-    let mut tab = browser.tab(&address);
+    let mut tab = browser.tab(&page.link());
     // Nothing is ordered by a page that does not operate, and it says so.
     let says =
         |part: &str| format!("document.getElementById('answer').textContent.includes('{part}')");
@@ -260,13 +263,8 @@ fn somebody_opens_a_program_changes_it_and_sees_it_run() {
     std::fs::write(folder.join("a.nc"), text).unwrap();
     std::fs::write(folder.join("wrong.nc"), "G98 G1 X1 F100\nG1 Q\nM30\n").unwrap();
     let page = Page::with(&user, &["--programs", folder.to_str().unwrap()]);
-    let address = format!(
-        "http://{}/#{}",
-        page.address,
-        page.token.as_deref().unwrap()
-    );
     let mut browser = Browser::start(&user);
-    let mut tab = browser.tab(&address);
+    let mut tab = browser.tab(&page.link());
     tab.wait("document.querySelectorAll('#programs option').length === 3");
     let open = |name: &str| {
         format!(

@@ -10,13 +10,8 @@ use crate::{User, good};
 fn somebody_changes_tools_and_parameters_and_loses_nothing_of_what_was_typed() {
     let user = User::with_machine();
     let page = Page::start(&user);
-    let address = format!(
-        "http://{}/#{}",
-        page.address,
-        page.token.as_deref().unwrap()
-    );
     let mut browser = Browser::start(&user);
-    let mut tab = browser.tab(&address);
+    let mut tab = browser.tab(&page.link());
     let cell = |key: &str| format!("document.querySelector('[data-key=\"{key}\"]')");
     let typed = |tab: &mut Tab<'_>, key: &str, text: &str| {
         tab.says(&format!("{}.focus()", cell(key)));

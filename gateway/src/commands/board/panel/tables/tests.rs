@@ -26,6 +26,12 @@ fn json(told: &Told) -> Value {
     serde_json::from_str(&told.json()).unwrap()
 }
 
+/// Names of the values that something is said of.
+fn complained(told: &Value) -> Vec<&str> {
+    let complaints = told["complaints"].as_array().unwrap().iter();
+    complaints.map(|one| one["key"].as_str().unwrap()).collect()
+}
+
 #[test]
 fn what_is_no_change_is_none() {
     let good = json!({"seen": "7", "set": {"T1.X": "1"}, "check": false});
@@ -86,12 +92,7 @@ fn a_change_of_tools_is_what_differs_and_each_mistake_has_its_value() {
     let wrong = json!({"T1.X": "x", "T33.X": "1", "T1": "1", "thread.X": "1", "T1.X+": "1", "T1.tip": "10", "T2.X": "1"});
     let told = json(&tools::check(&base(), &change("tools", "7", &wrong)).unwrap());
     assert_eq!(told["ok"], false);
-    let keys: Vec<_> = told["complaints"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|one| one["key"].as_str().unwrap())
-        .collect();
+    let keys = complained(&told);
     let mut expected = vec!["T1.X", "T33.X", "T1", "thread.X", "T1.X+", "T1.tip"];
     expected.sort_unstable();
     assert_eq!(keys, expected);
@@ -126,12 +127,7 @@ fn a_change_of_parameters_has_each_complaint_beside_its_row() {
     );
     let told = check(json!({"1420.X": "fast", "1420.Z": "-1", "7": "1"}));
     assert_eq!(told["ok"], false);
-    let keys: Vec<_> = told["complaints"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|one| one["key"].as_str().unwrap())
-        .collect();
+    let keys = complained(&told);
     assert_eq!(keys, ["1420.X", "1420.Z", "7"]);
     // What only the whole set shows: the limits have changed places.
     let told = check(json!({"1320.X": "-500 mm"}));
