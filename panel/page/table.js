@@ -18,7 +18,7 @@ export class Table {
   // `draw(answer, cell)` fills it: `cell(key, text)` makes an input for a value. `order(args)` gives what has become of it.
   constructor(section, { path, order, draw }) {
     Object.assign(this, { section, path, order, draw, read: new Map(), typed: new Map(), cells: new Map() });
-    Object.assign(this, { seen: null, now: null, asked: null, turn: 0, sure: false });
+    Object.assign(this, { seen: null, now: null, asked: null, turn: 0, sure: false, written: null });
     this.details = section.querySelector("details");
     this.details.append(document.getElementById("review").content.cloneNode(true));
     this.list = section.querySelector("ol");
@@ -27,7 +27,7 @@ export class Table {
     section.addEventListener("keydown", (event) => this.#below(event));
     this.#button("check").onclick = () => this.#check();
     this.#button("write").onclick = () => this.#write();
-    this.#button("drop").onclick = () => { this.typed.clear(); this.#fill(); this.#disarm(); };
+    this.#button("drop").onclick = () => { this.typed.clear(); this.written = null; this.#fill(); this.#disarm(); };
     this.#disarm();
   }
 
@@ -117,6 +117,7 @@ export class Table {
     const text = input.value.trim();
     if (text === this.read.get(key)) this.typed.delete(key);
     else this.typed.set(key, text);
+    this.written = null;
     this.#mark(input);
     this.#disarm();
   }
@@ -137,12 +138,13 @@ export class Table {
     this.section.querySelector(".note").textContent = text;
   }
 
-  // What was reviewed is not what would be written any more.
+  // What was reviewed is not what would be written any more. That something was written stays until somebody types again:
+  // the board's new values are read right after it.
   #disarm() {
-    this.list.replaceChildren();
+    this.list.replaceChildren(...(this.written ?? []).map((note) => item("care", `! ${said(note)}`)));
     this.#button("write").hidden = true;
     for (const name of ["check", "drop"]) this.#button(name).hidden = this.typed.size === 0;
-    this.#note(this.typed.size ? `${this.typed.size} ${word("changed_values")}` : "");
+    this.#note(this.typed.size ? `${this.typed.size} ${word("changed_values")}` : this.written ? `✓ ${word("written")}` : "");
   }
 
   #order(check) {
@@ -176,10 +178,9 @@ export class Table {
       this.read.set(key, text);
       if (this.typed.get(key) === text) this.typed.delete(key);
     }
+    this.written = answer.notes;
     this.#fill();
     this.#disarm();
-    this.#note(`✓ ${word("written")}`);
-    this.list.replaceChildren(...answer.notes.map((note) => item("care", `! ${said(note)}`)));
   }
 
   // Shows what would change and what is wrong with it. True where nothing is.

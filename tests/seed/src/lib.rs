@@ -1,5 +1,6 @@
 //! A fixed seed is a list of cases; only a new seed finds something new. So each random test runs twice: with a seed of its
-//! own, whose cases stay, and with the seed of the commit, whose cases no commit before has tried.
+//! own, whose cases stay, and with the seed of the commit, whose cases no commit before has tried. Full volumes are for the
+//! second: what stays need not be tried at length each time.
 //!
 //! The commit's seed is the beginning of its hash. It stays the same while a change is being made, so that a failure is
 //! still there after an attempt to mend it. `LEADSCREW_SEED` takes its place: that is how a failure is repeated, and a
@@ -9,6 +10,7 @@
 //! How much a test tries is [`amount`]: a part of it each time, all of it with `LEADSCREW_FULL=1`, which is what
 //! `cargo xtask test --full` sets.
 
+use std::cell::Cell;
 use std::fmt;
 use std::process::Command;
 use std::sync::OnceLock;
@@ -70,12 +72,22 @@ pub fn full() -> bool {
     *IS_FULL.get_or_init(|| std::env::var(FULL).is_ok_and(|asked| is_full(&asked)))
 }
 
-/// How much a test tries, or how far apart the places are that it tries: `usual`, or `full` in a run of full volumes.
+thread_local! {
+    /// True while this test tries its own seed in [`volume`].
+    static IS_FIXED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// How much a test tries, or how far apart the places are that it tries: `full` in a run of full volumes; `usual` in all
+/// others, and for the fixed cases of [`volume`].
 ///
 /// # Panics
 /// As [`full`].
 pub fn amount<T>(usual: T, full: T) -> T {
-    if self::full() { full } else { usual }
+    if self::full() && !IS_FIXED.get() {
+        full
+    } else {
+        usual
+    }
 }
 
 /// The seed of this run.
@@ -86,13 +98,15 @@ pub fn fresh() -> u64 {
     of_run().0
 }
 
-/// Runs a random test with its own seed and with that of this run. Where the second fails, the command that repeats it is
-/// printed.
+/// Runs a random test with its own seed, of which it tries the usual [`amount`], and with that of this run. Where the
+/// second fails, the command that repeats it is printed.
 ///
 /// # Panics
 /// Where the test does.
 pub fn volume(fixed: u64, mut test: impl FnMut(u64)) {
+    IS_FIXED.set(true);
     test(fixed);
+    IS_FIXED.set(false);
     only_fresh(test);
 }
 
@@ -211,9 +225,9 @@ mod tests {
 
     #[test]
     fn a_test_runs_with_its_own_seed_and_with_that_of_the_run() {
-        let mut seeds = Vec::new();
-        volume(7, |seed| seeds.push(seed));
-        assert_eq!(seeds, [7, fresh()]);
+        let mut tried = Vec::new();
+        volume(7, |seed| tried.push((seed, amount(2, 9))));
+        assert_eq!(tried, [(7, 2), (fresh(), amount(2, 9))]);
     }
 
     #[test]

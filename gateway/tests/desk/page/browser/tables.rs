@@ -51,6 +51,10 @@ fn somebody_changes_tools_and_parameters_and_loses_nothing_of_what_was_typed() {
     });
     let value = |key: &str| user.json(&["tools", "get", key])["values"][0]["value"].take();
     assert_eq!(value("T1.wear.X"), -2);
+    // That it was written stays to be read where the table is read anew.
+    good(&user.does(&["tools", "set", "T4.X=3"]));
+    tab.wait(&format!("{}.value === '3'", cell("T4.X")));
+    assert_eq!(tab.says(&noted("tools", "✓")), true);
     // Somebody else changes the table while something is typed: what is new is shown, and what was typed stays.
     typed(&mut tab, "T3.X", "1.5");
     good(&user.does(&["tools", "set", "T2.X=5"]));
