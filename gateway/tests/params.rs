@@ -494,7 +494,7 @@ fn a_drive_that_refuses_stops_all_of_it() {
         (
             "[drive.C]\nmax_torque = 5\n",
             "drive C (node 18): reading object 6072h:00h max_torque refused with abort code 06020000h (object does not exist): this \
-             drive does not have it, leave it out of `[drive.C]`",
+             drive does not have it, leave it, or the profile that asks for it, out of `[drive.C]`",
         ),
         (
             "[drive.C]\n6041.0 = { type = \"u8\", value = 1 }\n",
@@ -568,4 +568,62 @@ fn a_damaged_set_is_offered_the_last_good_one() {
     good(&["run", program, "--state", &state]);
     let empty = board("empty.flash");
     assert!(bad(&["params", "restore", "--state", &empty], 1).contains("no good set from before"));
+}
+
+#[test]
+fn a_drive_is_set_up_by_its_profile_and_told_why_it_cannot_be() {
+    let state = board("profile.flash");
+    let file = machine("profile.toml", "[drive.Z]\nprofile = \"delta-asda-a2\"\n");
+    let out = leadscrew(&["params", "push", &file, "--state", &state]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    // All else is as the simulated drive is delivered.
+    assert!(
+        text(&out.stdout).starts_with("drive Z  1006h:00h communication_cycle_us  0  → 1000\n"),
+        "{}",
+        text(&out.stdout)
+    );
+    assert!(
+        text(&out.stderr).contains("note: drive Z delta-asda-a2 (")
+            && text(&out.stderr).contains(" facts not verified)"),
+        "{}",
+        text(&out.stderr)
+    );
+    // The simulated drives of this command are delivered anew: what they have otherwise goes into a line of its own.
+    good(&["params", "pull", "--into", &file, "--state", &state]);
+    assert_eq!(
+        std::fs::read_to_string(&file).unwrap(),
+        "[drive.Z]\ncommunication_cycle_us = 0\nprofile = \"delta-asda-a2\"\n"
+    );
+    assert_eq!(
+        good(&["params", "push", &file, "--state", &state]),
+        "nothing to change\n"
+    );
+    // A file of one's own lies beside the machine's, and what the section says counts.
+    machine(
+        "my-drive.toml",
+        "name = \"my-drive\"\ntitle = \"Mine\"\nbit_rates_kbit = [1000, 500]\n\
+         source = [{ fact = \"bit_rates_kbit\", kind = \"manual\", ref = \"its page 7\", verified = true }]\n",
+    );
+    let own = machine(
+        "own.toml",
+        "9020 = 500\n9000 = \"2 ms\"\n[drive.X]\nprofile = \"my-drive.toml\"\n[drive.Z]\ninterpolation_period = \"2 ms\"\n\
+         [drive.C]\ninterpolation_period = \"2 ms\"\n[drive.S1]\ninterpolation_period = \"2 ms\"\n\
+         [drive.S2]\ninterpolation_period = \"2 ms\"\n[drive.S3]\ninterpolation_period = \"2 ms\"\n\
+         [drive.S4]\ninterpolation_period = \"2 ms\"\n",
+    );
+    let told = good(&["params", "push", &own, "--state", &state, "--dry-run"]);
+    assert!(
+        told.contains("drive X   60C2h:01h interpolation_value  1        → 2\n"),
+        "{told}"
+    );
+    let slow = machine(
+        "slow.toml",
+        "9020 = 800\n[drive.X]\nprofile = \"my-drive.toml\"\n",
+    );
+    let told = bad(&["params", "push", &slow, "--state", &state], 1);
+    assert!(
+        told.contains("alarm[4459]: drive X cannot be set up by its profile: `my-drive` has bit rates of 1000 500 kbit/s, and parameter 9020 is 800 kbit/s")
+            && told.contains(&format!("{slow}:3:11")),
+        "{told}"
+    );
 }

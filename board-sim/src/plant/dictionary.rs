@@ -47,6 +47,8 @@ pub(super) struct Settings {
     velocity: u32,
     /// 6083h.
     acceleration: u32,
+    /// 1006h.
+    cycle_us: u32,
     /// 60C2h.
     period: (u8, i8),
     /// 6098h.
@@ -246,6 +248,7 @@ impl Settings {
             stop: StopOption::QuickStop,
             velocity: 10_000_000,
             acceleration: 100_000_000,
+            cycle_us: 0,
             period: (1, -3),
             method: 37,
             homing_speed: [200_000, 20_000],
@@ -439,6 +442,7 @@ impl Dictionary<'_> {
         match (object.index, object.sub) {
             (0x1000, 0) => Ok((4, DEVICE_TYPE)),
             (0x1001, 0) => Ok((1, 0)),
+            (0x1006, 0) => Ok((4, settings.cycle_us)),
             (0x1010, 0) => Ok((1, 1)),
             // Can save on command.
             (0x1010, 1) => Ok((4, 1)),
@@ -481,8 +485,8 @@ impl Dictionary<'_> {
             (0x60C2, 1) => Ok((1, u32::from(settings.period.0))),
             (0x60C2, 2) => Ok((1, u32::from(settings.period.1 as u8))),
             (
-                0x1000 | 0x1001 | 0x1010 | 0x1018 | 0x6007 | 0x6040 | 0x6041 | 0x6060 | 0x6061
-                | 0x6064 | 0x607A | 0x607F | 0x6083 | 0x60C2,
+                0x1000 | 0x1001 | 0x1006 | 0x1010 | 0x1018 | 0x6007 | 0x6040 | 0x6041 | 0x6060
+                | 0x6061 | 0x6064 | 0x607A | 0x607F | 0x6083 | 0x60C2,
                 _,
             ) => Err(Abort::NoSubIndex),
             (0x6065 | 0x6066 | 0x60F4, _) if now.following_error.is_some() => {
@@ -505,6 +509,7 @@ impl Dictionary<'_> {
         match (object.index, object.sub) {
             (0x1010, 1) if value == SAVE => *self.kept = *settings,
             (0x1010, 1) => return Err(Abort::NotStored),
+            (0x1006, 0) => settings.cycle_us = value,
             (0x1400, 1) if (value ^ settings.command.cob_id) & !INVALID != 0 => {
                 settings.command.move_to(value, self.now.node)?;
             }

@@ -150,6 +150,13 @@ impl Flash {
         }
     }
 
+    /// Turns a bit over, as an old cell may do by itself; none beyond eight times [`SIZE`](Self::SIZE).
+    pub fn turn_bit(&mut self, bit: usize) {
+        if let Some(byte) = self.bytes.get_mut(bit / 8) {
+            *byte ^= 1 << (bit % 8);
+        }
+    }
+
     /// The whole content, to be kept: a mark, the bytes, the bits of unreadable words, and a CRC-32.
     #[must_use]
     pub fn image(&self) -> [u8; Self::IMAGE] {

@@ -191,6 +191,11 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// The file, as it was named.
+    pub const fn name(&self) -> &'a str {
+        self.name
+    }
+
     fn table(&self, loader: &mut Loader, table: &DeTable) {
         // A file of another version would only give wrong reasons.
         if let Some(value) = table.get(schema::KEY)

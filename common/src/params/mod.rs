@@ -46,6 +46,8 @@ pub struct Loaded {
     pub diagnostics: Vec<Diagnostic>,
     /// The wanted objects of the drives in the order of the files.
     pub drives: Vec<drives::Setting>,
+    /// The profiles of the drives, where their sections name one.
+    pub profiles: Vec<drives::OfProfile>,
     /// The control that programs beside the file are written for.
     pub dialect: Option<Control>,
     /// Numbers of what is not told of programs beside the file.
@@ -168,6 +170,9 @@ impl Loader {
     fn finish(mut self) -> Loaded {
         // An incomplete set would only give wrong reasons.
         if self.loaded.is_good() {
+            drives::fill(&mut self);
+        }
+        if self.loaded.is_good() {
             self.loaded.cross_check(self.lang);
         }
         self.loaded
@@ -182,6 +187,7 @@ impl Loaded {
             params,
             diagnostics: Vec::new(),
             drives: Vec::new(),
+            profiles: Vec::new(),
             dialect: None,
             allow: Allowed::NONE,
             names: Vec::new(),

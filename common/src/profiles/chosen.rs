@@ -127,14 +127,7 @@ impl Chosen {
             let axis = char::from(axis.letter());
             match profile {
                 None => Both::same(format!("{axis} {IDEAL}")),
-                Some(profile) => {
-                    let name = &profile.name;
-                    let (all, unverified) = profile.counts();
-                    both!(
-                        "{axis} {name} ({unverified} of its {all} facts not verified)",
-                        "{axis} {name}（{all} 项中 {unverified} 项未核实）"
-                    )
-                }
+                Some(profile) => profile.of_drive(axis),
             }
         });
         let all: Vec<Both> = all.collect();

@@ -16,13 +16,14 @@ mod tests;
 pub use chosen::{Choice, Chosen};
 pub use facts::{Fact, Quirk, Reference};
 
+use std::fmt;
 use std::path::Path;
 
 use leadscrew_core::alarm::Lang;
 
 use crate::failure::{Failure, Outcome};
 use crate::params;
-use crate::words::both;
+use crate::words::{Both, both};
 
 /// The profile whose figures stand in for those that a profile does not have.
 pub const TYPICAL: &str = "small-lathe";
@@ -75,6 +76,11 @@ impl Profile {
     /// # Errors
     /// No such profile, or a file that is wrong.
     pub fn find(name: &str, lang: Lang) -> Outcome<Self> {
+        Self::find_at(name, Path::new(name), lang)
+    }
+
+    /// The same, with the path of that file.
+    pub(crate) fn find_at(name: &str, path: &Path, lang: Lang) -> Outcome<Self> {
         if let Some(profile) = Self::named(name) {
             return Ok(profile);
         }
@@ -86,7 +92,7 @@ impl Profile {
                 "没有驱动器 `{name}`；有 {IDEAL}、{all}，也可指定自己的 `.toml` 文件"
             )));
         }
-        let text = params::read(Path::new(name), lang)?;
+        let text = params::read(path, lang)?;
         read::profile(name, &text).map_err(|mistake| Failure::WrongBecause(mistake.0))
     }
 
@@ -94,6 +100,17 @@ impl Profile {
     #[must_use]
     pub fn fact(&self, path: &str) -> Option<&Fact> {
         self.facts.iter().find(|fact| fact.path == path)
+    }
+
+    /// A drive with its profile, and how much of that nobody has verified.
+    #[must_use]
+    pub fn of_drive(&self, drive: impl fmt::Display) -> Both {
+        let name = &self.name;
+        let (all, unverified) = self.counts();
+        both!(
+            "{drive} {name} ({unverified} of its {all} facts not verified)",
+            "{drive} {name}（{all} 项中 {unverified} 项未核实）"
+        )
     }
 
     /// Facts and quirks, and how many of them are not verified.

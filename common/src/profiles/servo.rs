@@ -7,7 +7,7 @@ use super::facts::{Value, decimals};
 use super::{Profile, TYPICAL};
 use crate::failure::{Failure, Outcome};
 use crate::values::decimal;
-use crate::words::both;
+use crate::words::{Both, both};
 
 /// The mode in which a board streams.
 const STREAMED: &str = "mode.8";
@@ -18,7 +18,7 @@ impl Profile {
     /// # Errors
     /// The drive cannot be on the bus of such a board.
     pub fn servo(&self, axis: Axis, tick_us: u32) -> Outcome<ServoOptions> {
-        self.refuse(tick_us)?;
+        self.refuse(tick_us).map_err(Failure::WrongBecause)?;
         let typical = Self::named(TYPICAL);
         let figure = |key: &str| {
             let of = |profile: &Self| profile.figure(axis, key);
@@ -65,29 +65,29 @@ impl Profile {
     }
 
     /// Why such a drive cannot be streamed to.
-    fn refuse(&self, tick_us: u32) -> Outcome {
+    pub(crate) fn refuse(&self, tick_us: u32) -> Result<(), Both> {
         let name = &self.name;
         if let Some(fact) = self.fact(&format!("{STREAMED}.supported"))
             && fact.value == Value::Flag(false)
         {
             let source = fact.source.words();
-            return Err(Failure::WrongBecause(both!(
+            return Err(both!(
                 "`{name}` has no mode 8 on CAN ({en}), and the board streams in no other: choose another drive",
                 "`{name}` 在 CAN 上没有模式 8（{zh}），而控制板只用该模式发送设定值：请选择其他驱动器",
                 en = source.en,
                 zh = source.zh
-            )));
+            ));
         }
         let tick = i64::from(tick_us);
         let of = |key: &str| self.whole(&format!("sync.period_us.{key}"));
         let (low, high, step) = (of("min").unwrap_or(1), of("max"), of("step").unwrap_or(1));
         if tick < low || high.is_some_and(|high| tick > high) || tick % step.max(1) != 0 {
             let high = high.map_or_else(|| "…".to_owned(), |high| high.to_string());
-            return Err(Failure::WrongBecause(both!(
+            return Err(both!(
                 "`{name}` takes SYNC periods from {low} to {high} µs in steps of {step} µs, and parameter 9000 is {tick} µs: \
                  change 9000, or choose another drive",
                 "`{name}` 的 SYNC 周期为 {low} 至 {high} µs，步长 {step} µs，而参数 9000 为 {tick} µs：请修改 9000，或选择其他驱动器"
-            )));
+            ));
         }
         Ok(())
     }
@@ -103,9 +103,32 @@ impl Profile {
         }
     }
 
-    fn whole(&self, path: &str) -> Option<i64> {
+    /// A whole number.
+    pub(crate) fn whole(&self, path: &str) -> Option<i64> {
         match &self.fact(path)?.value {
             Value::Number(text) => decimal(text, 0).ok(),
+            _ => None,
+        }
+    }
+
+    /// Whole numbers.
+    pub(crate) fn numbers(&self, path: &str) -> Option<Vec<i64>> {
+        let words = self.words(path)?.into_iter();
+        words.map(|word| decimal(word, 0).ok()).collect()
+    }
+
+    /// Several numbers or words.
+    pub(crate) fn words(&self, path: &str) -> Option<Vec<&str>> {
+        match &self.fact(path)?.value {
+            Value::List(all) => Some(all.iter().map(String::as_str).collect()),
+            _ => None,
+        }
+    }
+
+    /// True or false.
+    pub(crate) fn flag(&self, path: &str) -> Option<bool> {
+        match &self.fact(path)?.value {
+            Value::Flag(flag) => Some(*flag),
             _ => None,
         }
     }

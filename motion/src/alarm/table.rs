@@ -1021,7 +1021,7 @@ codes! {
     /// All rows are taken; {0} the M code.
     RowsTaken = 4446, "there is no row left for M{0}", "leave out another M code: a board has sixteen rows (9401 to 9416)",
         "M{0} 没有空行可用", "请删去另一个 M 代码：控制板共有 16 行（9401 至 9416）";
-    // 4450–4458, drive sections of parameter files: the figures are texts.
+    // 4450–4459, drive sections of parameter files: the figures are texts.
     /// `[drive.NAME]` of a drive that no machine has; {0} the name.
     DriveUnknown = 4450, "there is no drive `{0}`", "write `[drive.X]`, Z, C, or S1 to S4 for a spindle",
         "没有驱动器 `{0}`", "请写 `[drive.X]`，或 Z、C，主轴为 S1 至 S4";
@@ -1056,6 +1056,11 @@ codes! {
     /// A PDO under another identifier than the board's; {0} the drive, {1} the object, {2} its, {3} the board's.
     DriveCobId = 4458, "drive {0}: {1} would be {2}, and the board uses {3}", "write {3}, or leave it out: a drive has it by itself; its number is 9015, or 9016 for spindle 1",
         "驱动器 {0}：{1} 为 {2}，而控制板使用 {3}", "请写 {3}，或不写（驱动器默认即为此值）；节点号由 9015 给出，1 号主轴为 9016";
+    /// What a drive cannot be by its profile; {0} the drive, {1} why.
+    DriveProfile = 4459, "drive {0} cannot be set up by its profile: {1}",
+        "correct what is named, or name another profile (`leadscrew drives list`), or leave `profile` out and write the objects in `[drive.{0}]`",
+        "驱动器 {0} 无法按其配置文件设置：{1}",
+        "请改正上述内容，或选择其他配置文件（`leadscrew drives list`），或不写 `profile` 而在 `[drive.{0}]` 中写各对象";
 
     // -- 4580–4589 offsets and tools: offsets/, board/ ------------------------------------------------------------------
     /// A table comes while a program is under way, held, or about to begin.

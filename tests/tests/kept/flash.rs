@@ -16,18 +16,6 @@ pub fn set(number: u32) -> Params {
     with(&[("1221.Z", i64::from(number) * 1000)])
 }
 
-/// The flash of an image with one bit of its bytes changed; the image's own checksum fits.
-pub fn with_bit_changed(image: &[u8], bit: usize) -> Flash {
-    /// Bytes of an image before those of the flash.
-    const HEAD: usize = 8;
-    let mut changed = image.to_vec();
-    let end = changed.len() - 4;
-    changed[HEAD + bit / 8] ^= 1 << (bit % 8);
-    let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&changed[..end]);
-    changed[end..].copy_from_slice(&sum.to_le_bytes());
-    Flash::from_image(&changed).expect("an image")
-}
-
 /// Entry number so many of the tap journal.
 pub fn entry(sequence: u32) -> TapRecord {
     let depth = i64::from(sequence) * 750_000;

@@ -8,9 +8,12 @@
 //! "2105.3" = { type = "u16", value = 7 }
 //! ```
 //!
+//! `profile = "maxon-epos4"` adds what the board needs of a drive, as far as the section does not say it.
+//!
 //! A drive has its own units, so the values are plain numbers here. Values that must agree with the board's set are
 //! compared with it before any frame is sent.
 
+mod by_profile;
 mod objects;
 mod section;
 
@@ -25,7 +28,9 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
 use crate::diagnostics::Place;
+use crate::profiles::Profile;
 
+pub(super) use by_profile::fill;
 pub use objects::{
     Drive, DriveName, KNOWN, Kind, Known, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE, mapping_text,
     object_text,
@@ -99,6 +104,41 @@ pub struct Setting {
     pub place: Place,
     /// The bytes of its value in the file. Both halves of `interpolation_period` share them.
     pub span: Range<usize>,
+    /// The profile of the drive says it: the place is that of `profile`.
+    pub by_profile: bool,
+}
+
+impl Setting {
+    /// The key of the value in a file, in full.
+    #[must_use]
+    pub fn key(&self) -> String {
+        let object = self.wanted.object();
+        let known = match &self.wanted {
+            Wanted::Number { .. } => KNOWN
+                .iter()
+                .find(|known| known.object == object)
+                .map(|known| known.name),
+            Wanted::Mapping { mapping, .. } => {
+                PDOS.iter().find(|pdo| pdo.1 == *mapping).map(|pdo| pdo.0)
+            }
+        };
+        known.map_or_else(
+            || format!("\"{:04X}.{:X}\"", object.index, object.sub),
+            str::to_owned,
+        )
+    }
+}
+
+/// The profile that a section names.
+#[derive(Clone, Debug)]
+pub struct OfProfile {
+    /// The drive.
+    pub drive: DriveName,
+    /// What is known of it.
+    pub profile: Profile,
+    layer: usize,
+    place: Place,
+    span: Range<usize>,
 }
 
 /// The value of a mapping in a file.

@@ -231,6 +231,14 @@ const fn known(
 /// The objects with a name, as in CiA 301 and CiA 402, by index. The units are the drive's own.
 pub const KNOWN: &[Known] = &[
     known(
+        "communication_cycle_us",
+        0x1006,
+        0,
+        Kind::U32,
+        "Time between two SYNCs, µs",
+        "SYNC 间隔，µs",
+    ),
+    known(
         "heartbeat_ms",
         0x1017,
         0,
@@ -295,6 +303,22 @@ pub const KNOWN: &[Known] = &[
         "首次发送 TPDO1 时的 SYNC 计数",
     ),
     known(
+        "tpdo2_cob_id",
+        0x1801,
+        1,
+        Kind::U32,
+        "COB-ID of TPDO2",
+        "TPDO2 的 COB-ID",
+    ),
+    known(
+        "tpdo2_transmission",
+        0x1801,
+        2,
+        Kind::U8,
+        "Transmission type of TPDO2",
+        "TPDO2 的传输类型",
+    ),
+    known(
         "abort_connection_option",
         0x6007,
         0,
@@ -309,6 +333,14 @@ pub const KNOWN: &[Known] = &[
         Kind::I16,
         "What a quick stop does",
         "快速停止的方式",
+    ),
+    known(
+        "mode_of_operation",
+        0x6060,
+        0,
+        Kind::I8,
+        "Mode: 8 is cyclic synchronous position",
+        "工作模式：8 为循环同步位置",
     ),
     known(
         "following_error_window",

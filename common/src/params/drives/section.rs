@@ -1,6 +1,7 @@
 //! Reads `[drive.NAME]` of a file into a list of objects with their values.
 
 use std::ops::Range;
+use std::path::Path;
 
 use leadscrew_core::alarm::Code;
 use leadscrew_core::bus::{Mapped, Object};
@@ -8,10 +9,14 @@ use toml::Spanned;
 use toml::de::{DeInteger, DeString, DeTable, DeValue};
 
 use super::objects::{DriveName, KNOWN, Kind, Known, PDOS, PERIOD, PERIOD_EXPONENT, PERIOD_VALUE};
-use super::{Setting, Wanted, period_of};
+use super::{OfProfile, Setting, Wanted, period_of};
 use crate::diagnostics::Place;
 use crate::params::Loader;
 use crate::params::file::{Source, in_order};
+use crate::profiles::Profile;
+
+/// The key of the profile.
+const PROFILE: &str = "profile";
 
 /// The mapping of RPDO1.
 const COMMAND_MAPPING: u16 = 0x1600;
@@ -71,6 +76,9 @@ impl Section<'_, '_> {
     fn object(&mut self, name: &str, key: Key, value: Value) {
         if name == PERIOD {
             return self.period(value);
+        }
+        if name == PROFILE {
+            return self.profile(value);
         }
         if let Some(&(_, mapping, communication)) = PDOS.iter().find(|pdo| pdo.0 == name) {
             return self.mapping(name, value, mapping, communication);
@@ -178,6 +186,38 @@ impl Section<'_, '_> {
         }
     }
 
+    /// `profile = "maxon-epos4"`, or a file beside this one.
+    fn profile(&mut self, value: Value) {
+        let place = self.source.place(&value.span());
+        let DeValue::String(name) = value.get_ref() else {
+            let expected = "a name that `leadscrew drives list` prints: `\"maxon-epos4\"`";
+            return self.wrong(PROFILE, "anything but a text", expected, &place);
+        };
+        let path = Path::new(self.source.name()).with_file_name(name.as_ref());
+        match Profile::find_at(name, &path, self.loader.lang) {
+            Ok(profile) => {
+                let drive = self.drive;
+                let named = &mut self.loader.loaded.profiles;
+                named.retain(|before| before.drive != drive);
+                named.push(OfProfile {
+                    drive,
+                    profile,
+                    layer: self.loader.layer,
+                    place,
+                    span: value.span(),
+                });
+            }
+            Err(failure) => {
+                let words = failure.words().unwrap_or_default();
+                let figures = [
+                    self.drive.to_string(),
+                    words.get(self.loader.lang).to_owned(),
+                ];
+                self.loader.report(Code::DriveProfile, &figures, &place);
+            }
+        }
+    }
+
     /// `rpdo1 = ["6040/16", "607A/32"]`.
     fn mapping(&mut self, name: &str, value: Value, mapping: u16, communication: u16) {
         let place = self.source.place(&value.span());
@@ -239,6 +279,7 @@ impl Section<'_, '_> {
             layer: self.loader.layer,
             place,
             span,
+            by_profile: false,
         };
         let before = self.loader.loaded.drives.iter_mut().find(|other| {
             other.drive == setting.drive && other.wanted.object() == setting.wanted.object()

@@ -91,6 +91,9 @@ max_profile_velocity = 500000
 \"2105.3\" = { type = \"u16\", value = 7 }
 ```
 
+`profile = \"maxon-epos4\"` adds what the board needs of such a drive and the section does not say
+([Drives as they are](drives.md#set-up-by-a-profile)).
+
 Where 9031 is 1, a drive takes its place in the one frame of the board ([The board on a CAN bus](bus.md)): Z of board 1
 
 ```toml

@@ -96,6 +96,10 @@ impl Home {
             let Some(found) = found(setting) else {
                 continue;
             };
+            if setting.by_profile {
+                replacements.push(own_line(&text, setting, &found)?);
+                continue;
+            }
             let number_of = |object| {
                 let other = settings.iter().find(|other| {
                     other.drive == setting.drive
@@ -147,4 +151,28 @@ impl Home {
         }
         Ok(replaced(&text, replacements))
     }
+}
+
+/// A line of its own for what a drive has otherwise than its profile says, before the line that names the profile.
+fn own_line(text: &str, setting: &Setting, found: &Found) -> Outcome<Replacement> {
+    let begin = text[..setting.span.start]
+        .rfind('\n')
+        .map_or(0, |end| end + 1);
+    let key = setting.key();
+    if !text[begin..].trim_start().starts_with("profile") {
+        return Err(Failure::WrongBecause(both!(
+            "drive {drive} has another `{key}` than its profile says, and there is no line for it: write `profile` at the \
+             beginning of a line under `[drive.{drive}]`",
+            "驱动器 {drive} 的 `{key}` 与其配置文件不同，但没有可写入的行：请在 `[drive.{drive}]` 下将 `profile` 写在行首",
+            drive = setting.drive
+        )));
+    }
+    let value = match found {
+        Found::Mapping { objects, .. } => mapping_literal(objects),
+        Found::Number(number) => number.to_string(),
+    };
+    Ok(Replacement {
+        span: begin..begin,
+        by: format!("{key} = {value}\n"),
+    })
 }

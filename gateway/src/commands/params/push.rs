@@ -192,6 +192,13 @@ pub fn carry_out(
     };
     drive::check_periods(link, &wanted.drives, &old, &wanted.params)?;
     drive::check_setpoints(link, &wanted.drives, &old, &wanted.params)?;
+    done.notes.extend(wanted.profiles.iter().map(|own| {
+        let Both { en, zh } = own.profile.of_drive(own.drive);
+        both!(
+            "note: drive {en}: `leadscrew drives show` says which, and what is odd about it",
+            "注意：驱动器 {zh}：`leadscrew drives show` 列出未核实项和特殊之处"
+        )
+    }));
     note_offsets(link, &mut done)?;
     if global.dry_run || done.changes.is_empty() && done.drives.is_empty() {
         return Ok(done);

@@ -8,7 +8,7 @@ use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, NmtCommand, NodeId, Object, Order, SdoError};
 use leadscrew_core::params::Params;
 
-use super::{Found, Pending, is, read, refused};
+use super::{Found, NO_REMOTE, Pending, is, is_cob_id, read, refused};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, LinkResult, Trouble};
 use crate::params::drives::{
@@ -317,12 +317,17 @@ fn write(link: &mut Link, drive: Drive, wanted: &Wanted) -> LinkResult {
     }
 }
 
-/// Writes a number. A PDO gets another identifier only while it is not used, as CiA 301 has it.
+/// Writes a number. A PDO gets another identifier only while it is not used, as CiA 301 has it, and keeps its answer to
+/// remote requests, which is the drive's own.
 fn number(link: &mut Link, node: NodeId, object: Object, bytes: &[u8]) -> LinkResult {
-    let is_cob_id = matches!(object.index, 0x1400..=0x15FF | 0x1800..=0x19FF) && object.sub == 1;
-    if is_cob_id && let Ok(now) = link.read_of(node, object)?.try_into() {
-        let unused = u32::from_le_bytes(now) | INVALID;
-        link.write_of(node, object, &unused.to_le_bytes())?;
+    if is_cob_id(object)
+        && let Ok(now) = link.read_of(node, object)?.try_into()
+        && let Ok(wanted) = bytes.try_into()
+    {
+        let now = u32::from_le_bytes(now);
+        link.write_of(node, object, &(now | INVALID).to_le_bytes())?;
+        let wanted = u32::from_le_bytes(wanted) & !NO_REMOTE | now & NO_REMOTE;
+        return link.write_of(node, object, &wanted.to_le_bytes());
     }
     link.write_of(node, object, bytes)
 }

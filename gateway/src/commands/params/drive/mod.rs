@@ -17,6 +17,9 @@ use crate::words::{Both, both};
 pub use apply::{apply, check_periods, only_drives, with_drives};
 pub use setpoints::check_setpoints;
 
+/// COB-ID bit 30: no remote request. The drive decides.
+const NO_REMOTE: u32 = 1 << 30;
+
 /// What an object is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
@@ -97,10 +100,18 @@ pub fn pending(
 
 fn is(wanted: &Wanted, found: &Found) -> bool {
     match (wanted, found) {
+        (Wanted::Number { object, value, .. }, Found::Number(is)) if is_cob_id(*object) => {
+            (value ^ is) & !i64::from(NO_REMOTE) == 0
+        }
         (Wanted::Number { value, .. }, Found::Number(is)) => value == is,
         (Wanted::Mapping { objects, .. }, Found::Mapping { objects: are, .. }) => objects == are,
         _ => false,
     }
+}
+
+/// The identifier of a PDO.
+const fn is_cob_id(object: Object) -> bool {
+    matches!(object.index, 0x1400..=0x15FF | 0x1800..=0x19FF) && object.sub == 1
 }
 
 fn read(link: &mut Link, drive: Drive, wanted: &Wanted) -> Outcome<Found> {
@@ -180,12 +191,12 @@ fn remedy(drive: Drive, error: SdoError) -> Both {
             "它通电了吗？节点号是 {node} 吗（参数 9015 和 9016）"
         ),
         Some(Abort::NoObject | Abort::NoSubIndex) => both!(
-            "this drive does not have it, leave it out of `[drive.{drive}]`",
-            "该驱动器没有此对象，请从 `[drive.{drive}]` 中删除"
+            "this drive does not have it, leave it, or the profile that asks for it, out of `[drive.{drive}]`",
+            "该驱动器没有此对象，请从 `[drive.{drive}]` 中删除它或要求它的 `profile`"
         ),
         Some(Abort::Access | Abort::ReadOnly | Abort::WriteOnly) => both!(
-            "this drive does not let it change, leave it out of `[drive.{drive}]`",
-            "该驱动器不允许更改，请从 `[drive.{drive}]` 中删除"
+            "this drive does not let it change, leave it, or the profile that asks for it, out of `[drive.{drive}]`",
+            "该驱动器不允许更改，请从 `[drive.{drive}]` 中删除它或要求它的 `profile`"
         ),
         Some(Abort::TooHigh | Abort::TooLow | Abort::Value | Abort::MaximumBelowMinimum) => both!(
             "its manual has the range, correct `[drive.{drive}]`",

@@ -1,0 +1,357 @@
+//! What a drive is set up with by its profile: the objects that a board needs, as far as the section does not say them
+//! itself.
+//!
+//! It knows no bus: which value a drive has, and what it does not take, is seen when the objects are written.
+
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::DriveNodes;
+use leadscrew_core::bus::{
+    AxisMode, AxisReport, CobId, DriveStatus, Mapped, Object, Service, SpindleCommand,
+};
+use leadscrew_core::params::Params;
+
+use super::objects::{DriveName, Kind, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE};
+use super::{HOMING_METHOD, Setting, Wanted, command_mapping, homes, period_of};
+use crate::params::Loader;
+use crate::profiles::Profile;
+use crate::words::{Both, both};
+
+/// 1006h.
+const CYCLE: Object = Object::new(0x1006, 0);
+/// 1400h:02h.
+const LATCHED: Object = Object::new(0x1400, 2);
+/// At the next SYNC.
+const AT_SYNC: i64 = 1;
+/// 1801h:02h.
+const REPORT: Object = Object::new(0x1801, 2);
+/// When something changes.
+const AT_CHANGE: i64 = 255;
+/// 6060h.
+const MODE: Object = Object::new(0x6060, 0);
+/// Cyclic synchronous position.
+const POSITION: i64 = 8;
+
+/// Adds what the profiles say of their drives, where no section says it.
+pub(in crate::params) fn fill(loader: &mut Loader) {
+    for own in loader.loaded.profiles.clone() {
+        let loaded = &mut loader.loaded;
+        let (drive, profile) = (own.drive, &own.profile);
+        let wanted = match refused(profile, drive, &loaded.drives, &loaded.params) {
+            Some(words) => Err(words),
+            None => wanted(profile, drive, &loaded.params),
+        };
+        let wanted = match wanted {
+            Ok(wanted) => wanted,
+            Err(words) => {
+                let figures = [drive.to_string(), words.get(loader.lang).to_owned()];
+                loader.report(Code::DriveProfile, &figures, &own.place);
+                continue;
+            }
+        };
+        for wanted in wanted {
+            let is_said = |setting: &Setting| {
+                setting.drive == drive && setting.wanted.object() == wanted.object()
+            };
+            if loaded.drives.iter().any(is_said) {
+                continue;
+            }
+            loaded.drives.push(Setting {
+                drive,
+                wanted,
+                layer: own.layer,
+                place: own.place.clone(),
+                span: own.span.clone(),
+                by_profile: true,
+            });
+        }
+    }
+}
+
+/// All that the board needs of this drive, by a profile.
+///
+/// # Errors
+/// In words: what the profile says that the drive cannot do.
+fn wanted(profile: &Profile, drive: DriveName, params: &Params) -> Result<Vec<Wanted>, Both> {
+    profile.refuse(params.tick_us())?;
+    wire(profile, params)?;
+    let mut all = pdos(profile, drive, params)?;
+    all.push(number(LATCHED, Kind::U8, AT_SYNC));
+    all.push(number(
+        RATE,
+        Kind::U8,
+        i64::from(params.drive_status_syncs()),
+    ));
+    if homes(drive, params) {
+        all.push(number(REPORT, Kind::U8, AT_CHANGE));
+    } else if !drive.is_spindle() {
+        // Who homes or is a spindle is told its mode in process data.
+        all.push(number(MODE, Kind::I8, POSITION));
+    }
+    period(profile, params, &mut all)?;
+    Ok(all)
+}
+
+/// What the section of the drive says against its profile.
+fn refused(
+    profile: &Profile,
+    drive: DriveName,
+    settings: &[Setting],
+    params: &Params,
+) -> Option<Both> {
+    let methods = profile.numbers("homing.methods")?;
+    let of = |setting: &Setting| match setting.wanted {
+        Wanted::Number { object, value, .. }
+            if setting.drive == drive && object == HOMING_METHOD =>
+        {
+            Some(value)
+        }
+        _ => None,
+    };
+    let method = settings.iter().find_map(of)?;
+    (homes(drive, params) && !methods.contains(&method)).then(|| {
+        let name = &profile.name;
+        let methods: Vec<_> = methods.iter().map(i64::to_string).collect();
+        let methods = methods.join(" ");
+        both!(
+            "`{name}` has no homing method {method} (6098h), but {methods}",
+            "`{name}` 没有回零方式 {method}（6098h），只有 {methods}"
+        )
+    })
+}
+
+/// The bit rate.
+fn wire(profile: &Profile, params: &Params) -> Result<(), Both> {
+    let name = &profile.name;
+    let own = i64::from(params.bus_kbit());
+    match profile.numbers("bit_rates_kbit") {
+        Some(rates) if !rates.contains(&own) => {
+            let rates: Vec<_> = rates.iter().map(i64::to_string).collect();
+            let rates = rates.join(" ");
+            Err(both!(
+                "`{name}` has bit rates of {rates} kbit/s, and parameter 9020 is {own} kbit/s",
+                "`{name}` 的波特率为 {rates} kbit/s，而参数 9020 为 {own} kbit/s"
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Mappings and identifiers.
+fn pdos(profile: &Profile, drive: DriveName, params: &Params) -> Result<Vec<Wanted>, Both> {
+    let homes = homes(drive, params);
+    let command = command_mapping(drive, params);
+    let second: &[Mapped] = match () {
+        () if drive.is_spindle() => &SpindleCommand::MAPPING,
+        () if homes => &AxisMode::MAPPING,
+        () => &[],
+    };
+    let report: &[Mapped] = if homes { &AxisReport::MAPPING } else { &[] };
+    let node = drive.among(&DriveNodes::of(params)).node;
+    let mut all = Vec::new();
+    for ((service, objects), (_, mapping, communication)) in [
+        (Service::Rpdo1, &command[..]),
+        (Service::Rpdo2, second),
+        (Service::Tpdo1, &DriveStatus::MAPPING),
+        (Service::Tpdo2, report),
+    ]
+    .into_iter()
+    .zip(PDOS)
+    {
+        if objects.is_empty() {
+            continue;
+        }
+        fits(profile, mapping, objects)?;
+        all.push(Wanted::Mapping {
+            mapping,
+            communication,
+            objects: objects.to_vec(),
+        });
+        // The frame with all setpoints has the number of the board, which nobody knows here.
+        if service != Service::Rpdo1 || params.setpoint_frame() == 0 {
+            let cob_id = i64::from(CobId::of(service, node).get());
+            all.push(number(Object::new(communication, 1), Kind::U32, cob_id));
+        }
+    }
+    Ok(all)
+}
+
+fn fits(profile: &Profile, mapping: u16, objects: &[Mapped]) -> Result<(), Both> {
+    let name = &profile.name;
+    let count = objects.len();
+    if let Some(most) = profile.whole("pdo.entries")
+        && most < count as i64
+    {
+        return Err(both!(
+            "`{name}` maps {most} objects in a PDO at most, and {mapping:04X}h needs {count}",
+            "`{name}` 的一个 PDO 最多映射 {most} 个对象，而 {mapping:04X}h 需要 {count} 个"
+        ));
+    }
+    let is_dummy = |mapped: &Mapped| mapped.object.index < 0x0020;
+    if profile.flag("pdo.dummy") == Some(false) && objects.iter().any(is_dummy) {
+        return Err(both!(
+            "`{name}` has no dummy entries, so it cannot take its part of one frame for all drives: set 9031 to 0",
+            "`{name}` 没有占位条目，不能从所有驱动器共用的一帧中取值：请将 9031 设为 0"
+        ));
+    }
+    Ok(())
+}
+
+/// 60C2h and 1006h, as far as the drive lets them be written.
+fn period(profile: &Profile, params: &Params, all: &mut Vec<Wanted>) -> Result<(), Both> {
+    let tick = i64::from(params.tick_us());
+    let written = profile.words("sync.set");
+    let says = |object: &str| written.as_ref().map(|all| all.contains(&object));
+    let fixed = profile.numbers("sync.exponent");
+    let fitting = |exponent: i64| {
+        let value = (0..=255).find(|value| {
+            super::period_ns(*value, exponent).is_some_and(|ns| Some(ns) == tick.checked_mul(1000))
+        })?;
+        Some((value, exponent))
+    };
+    let (value, exponent) = match &fixed {
+        Some(exponents) => exponents.iter().find_map(|exponent| fitting(*exponent)),
+        None => period_of(tick).map(|(value, exponent)| (i64::from(value), i64::from(exponent))),
+    }
+    .ok_or_else(|| {
+        let name = &profile.name;
+        both!(
+            "60C2h of `{name}` cannot be {tick} µs (9000)",
+            "`{name}` 的 60C2h 不能为 {tick} µs（9000）"
+        )
+    })?;
+    if says("60C2.1") != Some(false) {
+        all.push(number(PERIOD_VALUE, Kind::U8, value));
+    }
+    // A power of ten of its own cannot be written.
+    if says("60C2.2").unwrap_or(fixed.is_none()) {
+        all.push(number(PERIOD_EXPONENT, Kind::I8, exponent));
+    }
+    if says("1006") == Some(true) {
+        all.push(number(CYCLE, Kind::U32, tick));
+    }
+    Ok(())
+}
+
+const fn number(object: Object, kind: Kind, value: i64) -> Wanted {
+    Wanted::Number {
+        object,
+        kind,
+        value,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::{Loaded, load_text};
+    use leadscrew_core::alarm::Lang;
+
+    fn load(text: &str) -> Loaded {
+        load_text("lathe.toml", text, Lang::En)
+    }
+
+    /// Object and value of each number of a drive, and how many mappings there are.
+    fn told(loaded: &Loaded, of: DriveName) -> (Vec<(u16, u8, i64)>, usize) {
+        assert!(loaded.is_good(), "{:?}", loaded.diagnostics);
+        let of = loaded.drives.iter().filter(|setting| setting.drive == of);
+        let numbers = of.clone().filter_map(|setting| match setting.wanted {
+            Wanted::Number { object, value, .. } => Some((object.index, object.sub, value)),
+            Wanted::Mapping { .. } => None,
+        });
+        let numbers: Vec<_> = numbers.collect();
+        let mappings = of.count() - numbers.len();
+        (numbers, mappings)
+    }
+
+    #[test]
+    fn a_profile_says_what_the_board_needs_of_its_drive() {
+        let asda = load("[drive.Z]\nprofile = \"delta-asda-a2\"\n");
+        let expected = vec![
+            (0x1400, 1, 0x211),
+            (0x1800, 1, 0x191),
+            (0x1400, 2, 1),
+            (0x1800, 2, 4),
+            (0x6060, 0, 8),
+            (0x60C2, 1, 1),
+            (0x1006, 0, 1000),
+        ];
+        assert_eq!(told(&asda, DriveName::Z), (expected, 2));
+        assert_eq!(told(&asda, DriveName::X), (vec![], 0));
+        // One that homes is told its mode in process data; both halves of 60C2h where both can be written.
+        let text = "9000 = \"2 ms\"\n9050.X = 1\n[drive.X]\nprofile = \"kollmorgen-akd\"\n";
+        let expected = vec![
+            (0x1400, 1, 0x210),
+            (0x1401, 1, 0x310),
+            (0x1800, 1, 0x190),
+            (0x1801, 1, 0x290),
+            (0x1400, 2, 1),
+            (0x1800, 2, 4),
+            (0x1801, 2, 255),
+            (0x60C2, 1, 2),
+            (0x60C2, 2, -3),
+        ];
+        assert_eq!(told(&load(text), DriveName::X), (expected, 4));
+    }
+
+    #[test]
+    fn what_the_section_says_stands() {
+        let text = "[drive.Z]\ninterpolation_period = \"1000 µs\"\nmax_torque = 800\nprofile = \"delta-asda-a2\"\n";
+        let (numbers, _) = told(&load(text), DriveName::Z);
+        assert_eq!(
+            numbers[..3],
+            [(0x60C2, 1, 1), (0x60C2, 2, -3), (0x6072, 0, 800)]
+        );
+        assert_eq!(numbers.iter().filter(|it| it.0 == 0x60C2).count(), 2);
+    }
+
+    #[test]
+    fn what_a_profile_cannot_be_is_said_with_its_line() {
+        let drive = |more: &str| format!("{more}[drive.Z]\nprofile = \"delta-asda-a2\"\n");
+        for (text, part) in [
+            (drive("9000 = \"500 us\"\n"), "takes SYNC periods from 1000"),
+            (
+                drive("9000 = \"500 us\"\n").replace("delta-asda-a2", "bonfiglioli-active-cube"),
+                "no mode 8",
+            ),
+            (
+                drive("9050.Z = 1\n") + "homing_method = 37\n",
+                "no homing method 37",
+            ),
+            (
+                drive("").replace("asda-a2", "asda-a9"),
+                "there is no drive `delta-asda-a9`",
+            ),
+            (
+                drive("").replace("\"delta-asda-a2\"", "7"),
+                "anything but a text",
+            ),
+        ] {
+            let loaded = load(&text);
+            let [alarm] = &loaded.diagnostics[..] else {
+                panic!("{text}: {:?}", loaded.diagnostics);
+            };
+            let line = text.lines().nth(alarm.line as usize - 1);
+            assert!(
+                line.is_some_and(|line| line.starts_with("profile")),
+                "{alarm:?}"
+            );
+            assert!(alarm.message.contains(part), "{text}: {alarm:?}");
+        }
+    }
+
+    #[test]
+    fn every_built_in_drive_that_can_be_streamed_to_is_set_up_in_full() {
+        let mut streamed = 0;
+        for profile in Profile::built_in() {
+            let loaded = load(&format!("[drive.X]\nprofile = \"{}\"\n", profile.name));
+            if profile.refuse(1000).is_err() || !loaded.is_good() {
+                continue;
+            }
+            streamed += 1;
+            let (numbers, mappings) = told(&loaded, DriveName::X);
+            assert_eq!(mappings, 2, "{}", profile.name);
+            assert!(numbers.contains(&(0x60C2, 1, 1)), "{}", profile.name);
+        }
+        assert!(streamed >= 12, "{streamed}");
+    }
+}
