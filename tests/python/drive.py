@@ -23,11 +23,7 @@ class Drive:
     """Axis drive `number`, standing at `actual` increments. It answers every `every`-th SYNC."""
 
     def __init__(self, number, actual, every=4):
-        heartbeat = ODVariable("producer heartbeat time", 0x1017)
-        heartbeat.data_type, heartbeat.value = UNSIGNED16, 0
-        dictionary = canopen.ObjectDictionary()
-        dictionary.add_object(heartbeat)
-        self.node = canopen.LocalNode(number, dictionary)
+        self.node = canopen.LocalNode(number, self.dictionary(number))
         self.every, self.syncs = every, 0
         self.state, self.actual = "SWITCH ON DISABLED", actual
         self.command = None
@@ -40,7 +36,7 @@ class Drive:
             channel="vcan0",
             can_filters=[
                 {"can_id": identifier, "can_mask": 0x7FF}
-                for identifier in (NMT, SYNC, 0x200 + number_of, 0x300 + number_of)
+                for identifier in (NMT, SYNC, 0x200 + number_of, 0x300 + number_of, 0x600 + number_of)
             ],
         )
         self.network.add_node(self.node)
@@ -49,6 +45,14 @@ class Drive:
         self.network.subscribe(0x300 + number_of, self.receive_mode)
         self.node.nmt.state = "INITIALISING"
         self.node.nmt.state = "PRE-OPERATIONAL"
+
+    def dictionary(self, _):
+        """What can be read and written."""
+        heartbeat = ODVariable("producer heartbeat time", 0x1017)
+        heartbeat.data_type, heartbeat.value = UNSIGNED16, 0
+        made = canopen.ObjectDictionary()
+        made.add_object(heartbeat)
+        return made
 
     def end(self):
         self.network.disconnect()

@@ -1,27 +1,22 @@
 """A board on `vcan0` that finds its reference with a drive of other making. BOARD_SIM and LEADSCREW are the programs.
 `cargo xtask vcan` runs this where there is a bus."""
 
-import json
 import os
 import re
-import subprocess
-import sys
-import time
 import unittest
 
 from drive import HOMING, POSITION, HomingDrive
 from homing import FAST, METHODS, SLOW, Bed, Homing, mark
+from machine import BOARD_SIM, Machine
 
 # X is the drive of other making; its mark is at this radius, and it may go 40 mm to find it. Increments of 100 nm.
 MARK = 12.3456
 INCREMENT = 0.0001
-BOARD = [os.environ["BOARD_SIM"], "--bus", "vcan0", "--lockstep", "--drives", "Z,C", "--at", "X=60,Z=0"]
+BOARD = [*BOARD_SIM, "--lockstep", "--drives", "Z,C", "--at", "X=60,Z=0"]
 SETTINGS = ["9050.X=1", f"9058.X={MARK}", "9062.X=40", "9047=0", "9024=0"]
 START = 300_000
 # 12 m/min are so many increments in a tick: no axis goes faster.
 FASTEST = 2_000
-# How long anything is waited for before it counts as lost.
-PATIENCE = 120
 
 # The home switch of a method: to the positive end, to the negative end, or a piece of the way.
 FAR = 10**9
@@ -56,51 +51,11 @@ def starts(method):
     return turned[: 2 if FULL else 1]
 
 
-class HomeTest(unittest.TestCase):
+class HomeTest(Machine):
     def setUp(self):
         self.drive = HomingDrive(16, START, Homing(Bed(), 35))
         self.addCleanup(self.drive.end)
-        settings = [word for setting in SETTINGS for word in ("--set", setting)]
-        self.board = subprocess.Popen(BOARD + settings, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(self.end)
-        for line in self.board.stderr:
-            if "ready" in line:
-                return
-        self.fail("the board did not come up")
-
-    def end(self):
-        self.board.kill()
-        self.board.wait()
-        # What it said explains a failure.
-        print(self.board.stderr.read(), file=sys.stderr)
-        self.board.stderr.close()
-
-    def begin(self, *words):
-        command = [os.environ["LEADSCREW"], *words, "--bus", "vcan0"]
-        pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        return subprocess.Popen(command, text=True, env={**os.environ, "NO_COLOR": "1"}, **pipes)
-
-    def ends(self, process, code=0):
-        """What it prints until it ends with this code."""
-        try:
-            out, err = process.communicate(timeout=PATIENCE)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            self.fail(f"it does not end: {process.communicate()}")
-        self.assertEqual(process.returncode, code, f"{process.args}: {out}{err}")
-        return out + err
-
-    def does(self, *words, code=0):
-        return self.ends(self.begin(*words), code)
-
-    def status(self):
-        return json.loads(self.does("status", "--json"))
-
-    def until(self, what, happened):
-        deadline = time.time() + PATIENCE
-        while not happened():
-            self.assertLess(time.time(), deadline, what)
-            time.sleep(0.02)
+        self.starts(BOARD, SETTINGS)
 
     def mounts(self, method, start, past=False, **more):
         bed = Bed(home=HOME.get(method, PIECE))

@@ -26,7 +26,7 @@ fn passes(tests: &str, count: u32) {
         .unwrap();
     let report = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{report}");
-    assert!(report.contains(&format!("Ran {count} tests")), "{report}");
+    assert!(report.contains(&format!("Ran {count} test")), "{report}");
 }
 
 #[test]
@@ -37,4 +37,9 @@ fn the_python_package_canopen_operates_a_board() {
 #[test]
 fn an_axis_homes_with_a_drive_of_other_making() {
     passes("home_on_a_bus", 3);
+}
+
+#[test]
+fn a_drive_of_other_making_is_set_up_by_its_profile() {
+    passes("profile_on_a_bus", 1);
 }
