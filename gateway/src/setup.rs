@@ -27,6 +27,7 @@ use crate::failure::{Failure, Outcome};
 use crate::hole::Hole;
 use crate::origin::Origin;
 use crate::output;
+use crate::params::drives::OfProfile;
 use crate::params::{self, Loaded};
 use crate::program::{Begin, Start};
 use crate::source::SourceFile;
@@ -45,6 +46,8 @@ pub struct Setup<'a> {
     pub global: &'a Global,
     /// The machine's parameters.
     pub params: Params,
+    /// The profiles of its drives, where the machine file names them.
+    pub profiles: Vec<OfProfile>,
     /// The table of offsets and tools; `None`: the parameters of old count.
     pub offsets: Option<Offsets>,
     /// Language of messages.
@@ -170,7 +173,7 @@ impl<'a> Setup<'a> {
         let allow = loaded.allow.and(allow);
         let named = global.dialect.map(DialectName::control);
         let control = named.or(loaded.dialect).or(dialect).unwrap_or_default();
-        let params = loaded.params;
+        let (params, profiles) = (loaded.params, loaded.profiles);
         if let (Some(path), Some(stored)) = (&global.state, stored)
             && identity(&stored) != identity(&params)
         {
@@ -185,6 +188,7 @@ impl<'a> Setup<'a> {
         Ok(Self {
             global,
             params,
+            profiles,
             offsets,
             lang: global.lang(),
             signals: signals(global),

@@ -17,7 +17,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
 use crate::json::Json;
 use crate::output;
-use crate::params::drives::DriveName;
+use crate::params::drives::{DriveName, OfProfile};
 use crate::profiles::Chosen;
 use crate::setup::{Answer, Setup};
 use crate::words::{self, Both, both, pick};
@@ -74,7 +74,8 @@ fn of_log(
         }
     };
     let told = !global.params.is_empty() || !global.set.is_empty();
-    let machine = machine(global, args, setup.params, told, clock)?;
+    let (params, profiles) = (setup.params, setup.profiles);
+    let machine = machine(global, args, params, &profiles, told, clock)?;
     let mut doctor = Doctor::new(machine);
     for entry in entries {
         let entry = entry.map_err(|wrong| {
@@ -133,15 +134,18 @@ fn of_bus(global: &Global, args: &cli::Doctor) -> Outcome<(Report, Vec<Both>)> {
             "参数为内置机床的：请用 `--params` 指定实际机床的参数"
         ));
     }
-    let params = match base {
-        Some(base) => base.params,
-        None => Setup::over(global, None, None, Answer::Parameters)?.params,
+    let (params, profiles) = match base {
+        Some(base) => (base.params, Vec::new()),
+        None => {
+            let setup = Setup::over(global, None, None, Answer::Parameters)?;
+            (setup.params, setup.profiles)
+        }
     };
     let clock = match &global.bus {
         Address::SocketCan(_) => Clock::Kernel,
         _ => Clock::Program,
     };
-    let machine = machine(global, args, params, told, clock)?;
+    let machine = machine(global, args, params, &profiles, told, clock)?;
     let mut doctor = Doctor::new(machine.clone());
     doctor.until(began);
     // What came while the parameters were read waits in the bus' own buffer.
@@ -195,6 +199,7 @@ fn machine(
     global: &Global,
     args: &cli::Doctor,
     params: Params,
+    profiles: &[OfProfile],
     told: bool,
     clock: Clock,
 ) -> Outcome<Machine> {
@@ -202,11 +207,13 @@ fn machine(
     let chosen = Chosen::of(&args.drives.drive, global.lang())?;
     let [x, z] = chosen.axes();
     for drive in &mut machine.drives {
+        let of_file = profiles.iter().find(|own| own.drive == drive.name);
         let profile = match drive.name {
             DriveName::X => x.as_ref(),
             DriveName::Z => z.as_ref(),
             _ => None,
-        };
+        }
+        .or(of_file.map(|own| &own.profile));
         let number = |path| -> Option<u32> { profile?.fact(path)?.value.text().parse().ok() };
         drive.known = profile.map(|_| Known {
             window_us: number("sync.window_us"),

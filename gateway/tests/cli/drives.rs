@@ -334,3 +334,19 @@ fn drives_that_cannot_be_are_refused() {
     assert_eq!(code(&ran), 2);
     assert!(stderr(&ran).contains("`--drive` is for the machine inside the command"));
 }
+
+#[test]
+fn the_doctor_knows_the_drive_that_the_machine_file_names() {
+    let folder = Folder::new("doctor-profile");
+    let (log, machine) = (folder.file("bus.log"), folder.file("lathe.toml"));
+    let syncs: String = (0..4)
+        .map(|tick| format!("(1.00{tick}000) can0 080#\n"))
+        .collect();
+    std::fs::write(&log, syncs).unwrap();
+    for (profile, is_known) in [("", false), ("profile = \"kollmorgen-akd\"\n", true)] {
+        std::fs::write(&machine, format!("[drive.Z]\n{profile}")).unwrap();
+        let told = stdout(&leadscrew(&["doctor", "--log", &log, "--params", &machine]));
+        let lacks = told.contains("the profile of the drives is not named");
+        assert_eq!(lacks, !is_known, "{told}");
+    }
+}
