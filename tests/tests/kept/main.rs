@@ -1,4 +1,4 @@
-//! Parameters and offsets over a loss of power: cut at every byte of a change, and damaged at every bit of what is stored.
+//! Parameters and offsets over a loss of power: cut in the middle of a change, and damaged at any bit of what is stored.
 
 mod cuts;
 mod damage;
