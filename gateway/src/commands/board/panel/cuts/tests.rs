@@ -70,18 +70,21 @@ fn a_pass_is_known_where_it_widens_the_range_and_else_lies_within_it() {
     assert_eq!(passes(&cuts), [[known(0.5)]]);
     take(&mut cuts, &[told(1, UnderWay, 2, &[500, -700])]);
     take(&mut cuts, &[told(1, UnderWay, 3, &[500, -700, 100])]);
+    take(&mut cuts, &[told(1, UnderWay, 4, &[500, -700, 100, 600])]);
     // Two between readings: the one that widens the range may be either.
-    take(
-        &mut cuts,
-        &[told(1, Finished, 5, &[500, -700, 100, 900, 0])],
-    );
+    let end = [told(1, Finished, 6, &[500, -700, 100, 600, 900, 0])];
+    take(&mut cuts, &end);
     let wide = Some([-0.7, 0.9]);
-    let all = vec![known(0.5), known(-0.7), Some([-0.7, 0.5]), wide, wide];
+    let all = vec![
+        known(0.5),
+        known(-0.7),
+        Some([-0.7, 0.5]),
+        known(0.6),
+        wide,
+        wide,
+    ];
     assert_eq!(passes(&cuts), [all]);
-    assert!(!take(
-        &mut cuts,
-        &[told(1, Finished, 5, &[500, -700, 100, 900, 0])]
-    ));
+    assert!(!take(&mut cuts, &end));
 }
 
 #[test]
