@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::super::Page;
 use super::{Browser, Tab};
-use crate::{LONG, User};
+use crate::{LIMIT, LONG, User};
 
 /// Asks for full length: the seconds of watching.
 const SECONDS: &str = "LEADSCREW_PAGE_SECONDS";
@@ -78,14 +78,23 @@ fn the_tool_is_followed_along_a_long_path() {
     let mut browser = Browser::start(&user);
     let mut tab = browser.tab(&page.link());
     tab.wait("document.querySelectorAll('#programs option').length === 2");
-    tab.says(
-        "(() => { const list = document.getElementById('programs'); list.value = 'a.nc'; \
-         list.dispatchEvent(new Event('change')); return true; })()",
-    );
-    tab.wait(&format!(
+    let drawn = format!(
         "document.getElementById('path_note').textContent.startsWith('{} ')",
         pieces + 1
-    ));
+    );
+    // On a busy computer a text of megabytes may come too late, and is opened again; but it is given its time.
+    let end = Instant::now() + LIMIT;
+    while tab.says(&drawn) != true {
+        tab.says(
+            "(() => { const list = document.getElementById('programs'); list.value = 'a.nc'; \
+             list.dispatchEvent(new Event('change')); return true; })()",
+        );
+        let again = Instant::now() + Duration::from_secs(40);
+        while tab.says(&drawn) != true && Instant::now() < again {
+            pass(Duration::from_millis(100));
+        }
+        assert!(Instant::now() < end);
+    }
     tab.operate();
     tab.until(
         "document.querySelector('[data-mode=\"automatic\"]').ariaPressed === 'true'",
@@ -97,7 +106,7 @@ fn the_tool_is_followed_along_a_long_path() {
         tab.mouse("#run", "mouseReleased");
         tab.wait("!document.getElementById('answer').textContent.includes('being checked')");
     });
-    // The first one draws all of it anew: after a change of the view.
+    // One of them draws all of it anew: after a change of the view.
     tab.says(
         "window.frames_ = []; const ask = window.requestAnimationFrame; \
          window.requestAnimationFrame = (draw) => ask((time) => { const from = performance.now(); draw(time); \
@@ -105,9 +114,9 @@ fn the_tool_is_followed_along_a_long_path() {
     );
     tab.wait("window.frames_.length >= 100");
     let told = tab.says(
-        "(() => { const first = window.frames_.shift(); const rest = window.frames_.toSorted((a, b) => a - b); \
+        "(() => { const rest = window.frames_.toSorted((a, b) => a - b); \
          const at = (share) => rest[Math.floor(share * (rest.length - 1))].toFixed(2); \
-         return `first ${first.toFixed(1)} ms, then median ${at(0.5)}, 95 % ${at(0.95)}, most ${at(1)} ms`; })()",
+         return `median ${at(0.5)}, 95 % ${at(0.95)}, most ${at(1)} ms`; })()",
     );
     println!("{pieces} pieces: frames: {told}");
     tab.wait("/^→ /.test(document.getElementById('gz').textContent)");
