@@ -123,7 +123,7 @@ fn a_page_that_vanishes_in_a_press_leaves_the_axis_at_rest() {
             match below(3) {
                 0 => {}
                 1 => Press::cut(&one),
-                _ => press.late(&one, Duration::from_millis(below(300))),
+                _ => press.late(&one, Duration::from_millis(below(150))),
             }
             let (to, begun) = rest(&user, &one, &press);
             let gone = (to - from) * f64::from(way);
