@@ -4,6 +4,7 @@ import * as press from "./press.js";
 import * as programs from "./programs.js";
 import * as sheets from "./sheets.js";
 import * as show from "./show.js";
+import * as threads from "./threads.js";
 import { lease, login, order, watch } from "./transport.js";
 import { isChinese, use, word } from "./words.js";
 
@@ -21,6 +22,7 @@ const STEPS = { 1: "0.001", 2: "0.01", 3: "0.1", 4: "1" };
 const at = (id) => document.getElementById(id);
 let last = null;
 let entries = null;
+let contacts = null;
 let heard = performance.now();
 let refused = null;
 // The lease: that of this page, that which counts, whether this link looks only, whether this page is taking it.
@@ -35,6 +37,8 @@ function again() {
   if (entries) show.log(entries);
   programs.again();
   sheets.again();
+  threads.again();
+  if (contacts) show.contacts(contacts);
   whose();
 }
 
@@ -246,11 +250,13 @@ try {
       heard = performance.now();
       press.hear(s);
       show.state(s);
-      programs.state(s);
+      show.to_go(programs.state(s));
       sheets.state(s);
       grow();
     },
     log: (list) => { entries = list; show.log(list); },
+    threads: (told) => threads.show(told.threads),
+    io: (told) => { contacts = told; show.contacts(told); },
     lease: ({ number, notice_s }) => { holds.now = number; holds.notice = notice_s; whose(); },
     program: (one) => {
       programs.under_way(one);

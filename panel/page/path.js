@@ -56,6 +56,7 @@ export class Path {
   at(x, z, move) {
     const { numbers } = this.path;
     this.under_way = move !== null && this.length > 0;
+    this.move = move;
     const [from, to] = this.under_way ? [first(numbers, move), first(numbers, move + 1)] : [0, 0];
     const zero = this.#zero(this.under_way ? Math.min(from, this.length - 1) : this.#cut());
     this.zero = zero;
@@ -68,6 +69,14 @@ export class Path {
     }
     this.done = done;
     this.view.redraw();
+  }
+
+  // The way to the end of the move that is under way, in millimetres: X as a diameter, Z; null where the move has no piece.
+  get to_go() {
+    const { numbers, z, x } = this.path;
+    const last = first(numbers, this.move + 1) - 1;
+    if (!this.under_way || last < 0 || numbers[last] !== this.move) return null;
+    return [2 * (x[last] - this.tool[1]) / UNIT, (z[last] - this.tool[0]) / UNIT];
   }
 
   #forget() {

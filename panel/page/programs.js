@@ -19,6 +19,8 @@ let doomed = null;
 let tell = () => {};
 
 const both = (key) => ({ en: word(key), zh: word(key) });
+// What is drawn begins where the program has begun, by the same tables.
+const fits = (one) => path.path.by === one.by && path.path.from === one.from;
 const is_open = (one) => open !== null && one !== null && open.name === one.name && open.tag === one.tag;
 
 function changed() {
@@ -196,8 +198,10 @@ export function under_way(one) {
   runs = one.end ? null : one;
   note();
   if (runs && !open && begin.done) show(runs.name);
+  else if (is_open(runs) && !fits(runs)) look();
 }
 
+// Gives the way to go.
 export function state(s) {
   const own = is_open(runs) && s.line !== null;
   text.here(own ? Number(s.line) || null : null);
@@ -206,4 +210,5 @@ export function state(s) {
     open.by = s.by;
     look();
   }
+  return own && fits(runs) ? path.to_go : null;
 }

@@ -45,6 +45,31 @@ export function state(s) {
   if (s.alarm) put("alarm", `▲ ${both(s.alarm.text)} — ${word("remedy")}: ${both(s.alarm.help)}`);
 }
 
+// The way to the end of the move that is under way: X as a diameter, Z; null where that is not known.
+export function to_go(way) {
+  const told = document.body.dataset.state === "idle" ? "" : "–";
+  ["gx", "gz"].forEach((id, n) => put(id, way ? `→ ${fixed(way[n], 3)}` : told));
+}
+
+// Inputs and outputs: number, whether it is on, name, what it is for.
+export function contacts(io) {
+  for (const side of ["inputs", "outputs"]) {
+    const rows = io[side].map(({ number, on, name, uses }) => {
+      const row = document.createElement("li");
+      row.dataset.on = String(on);
+      const level = on === null ? `? ${word("unknown")}` : on ? `● ${word("on")}` : `○ ${word("off")}`;
+      row.textContent = [`${number}`, level, name, uses].filter(Boolean).join(" · ");
+      return row;
+    });
+    if (!rows.length) {
+      rows.push(document.createElement("li"));
+      rows[0].textContent = word("no_contacts");
+    }
+    at(side).replaceChildren(...rows);
+  }
+  document.querySelector("#io .note").textContent = io.note.length ? both(io.note) : "";
+}
+
 export function log(entries) {
   at("log").replaceChildren(...entries.toReversed().map((entry) => {
     const row = document.createElement("li");

@@ -18,6 +18,7 @@ pub fn find(path: &str) -> Option<(&'static str, &'static str)> {
         "/show.js" => (SCRIPT, include_str!("../page/show.js")),
         "/sheets.js" => (SCRIPT, include_str!("../page/sheets.js")),
         "/table.js" => (SCRIPT, include_str!("../page/table.js")),
+        "/threads.js" => (SCRIPT, include_str!("../page/threads.js")),
         "/transport.js" => (SCRIPT, include_str!("../page/transport.js")),
         "/words.js" => (SCRIPT, include_str!("../page/words.js")),
         _ => return None,

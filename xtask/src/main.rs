@@ -4,6 +4,7 @@
 //! them to build or run: `cargo build` and `cargo run` are enough.
 
 mod audit;
+mod axe;
 mod bench;
 mod bench_can;
 mod bench_long;
@@ -65,7 +66,8 @@ usage: cargo xtask COMMAND
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings, with every link alive and every picture current
   manual     docs/ as a book, in target/manual (--check: no dead link, no page left out, each program good)
-  page       the lathe in a browser tab, as static files in out/page (--check: opens it in headless Chromium and runs programs)
+  page       the lathe in a browser tab, as static files in out/page (--check: opens it in headless Chromium and runs programs;
+             --long: the page at the machine for ten minutes, with a long path, and left in 500 presses)
   pictures   docs/shop.md and its pictures, from the programs of examples/shop
   renew      every page, picture and golden file that the program writes, anew; read the difference afterwards
   dist       what a release holds, in target/dist: programs for Linux, Debian packages, firmware, page, bills of materials,
@@ -114,6 +116,7 @@ fn main() -> ExitCode {
         ["manual", "--check"] => manual::check(),
         ["page"] => page::write(),
         ["page", "--check"] => page::check(),
+        ["page", "--long"] => page::long(),
         ["pictures"] => pictures::write(),
         ["renew"] => renew::all(),
         ["dist"] => dist::make(),

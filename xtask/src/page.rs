@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
-use crate::{run, setup, wasm};
+use crate::{axe, run, setup, wasm};
 
 const MODULE: &str = "leadscrew.wasm";
 
@@ -45,6 +45,7 @@ pub fn write() -> Result<()> {
 /// Opens the page in headless Chromium, and that of `leadscrew panel`.
 pub fn check() -> Result<()> {
     setup::tools(&[setup::BROWSER])?;
+    axe::ensure()?;
     write()?;
     let test = ["test", "--quiet", "--package", "leadscrew-web"];
     let which = ["--features", "browser", "--test", "browser"];
@@ -56,6 +57,25 @@ pub fn check() -> Result<()> {
     let test = ["test", "--quiet", "--package", "leadscrew"];
     let which = ["--features", "browser", "--test", "desk", "page::browser::"];
     run::show(run::cargo(&run::root(), &[&test[..], &which].concat()))
+}
+
+/// The page of `leadscrew panel` watched for ten minutes, with a path of 100 000 pieces, and left in the middle of 500
+/// presses: tells the figures.
+pub fn long() -> Result<()> {
+    setup::tools(&[setup::BROWSER])?;
+    let test = ["test", "--quiet", "--package", "leadscrew"];
+    let which = ["--features", "browser", "--test", "desk"];
+    let run = |name: &str, variable: (&str, &str)| {
+        let more = [name, "--", "--nocapture", "--test-threads=1"];
+        let mut run = run::cargo(&run::root(), &[&test[..], &which, &more].concat());
+        run.env(variable.0, variable.1);
+        run::show(run)
+    };
+    run("page::browser::long::", ("LEADSCREW_PAGE_SECONDS", "600"))?;
+    run(
+        "page::jog::a_page_that_vanishes",
+        (leadscrew_seed::FULL, "1"),
+    )
 }
 
 /// Where it is written.

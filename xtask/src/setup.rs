@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
-use crate::{canopen, run, target, wasm};
+use crate::{axe, canopen, run, target, wasm};
 
 /// The number of tries for a package lock, and the time between them: five minutes in all, as long as an upgrade may take.
 const TRIES: u32 = 60;
@@ -26,6 +26,11 @@ pub const EMULATOR: Tool = Tool {
 pub const BROWSER: Tool = Tool {
     program: "chromium",
     package: "chromium",
+};
+/// Installs what looks for faults of pages.
+pub const NPM: Tool = Tool {
+    program: "npm",
+    package: "npm",
 };
 /// Counts instructions on the host.
 pub const VALGRIND: Tool = Tool {
@@ -70,6 +75,7 @@ pub fn for_test(full: bool) -> Result<()> {
         tools(&[EMULATOR])?;
         tools(CAN)?;
         tools(&[BROWSER])?;
+        axe::ensure()?;
         wasm::ensure()?;
     }
     canopen::python()?;

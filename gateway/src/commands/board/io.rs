@@ -34,7 +34,7 @@ pub fn io(global: &Global, command: &IoCommand) -> Outcome {
 }
 
 /// The names of the machine files; without `--params`, of the nearest `leadscrew.toml`.
-fn names(global: &Global) -> Outcome<Vec<Named>> {
+pub(super) fn names(global: &Global) -> Outcome<Vec<Named>> {
     let beside = || -> Vec<PathBuf> { beside::find(Path::new("io")).into_iter().collect() };
     let files = match &global.params[..] {
         [] => beside(),
@@ -89,24 +89,11 @@ fn list(global: &Global, names: &[Named]) -> Outcome {
     let mut machine = Machine::meet(global)?;
     let contacts = machine.link.contacts()?;
     let lang = global.lang();
-    let all = [Side::Input, Side::Output].map(|side| {
-        let of_side = Contact::all().map(move |contact| Io { side, contact });
-        let rows = of_side.filter_map(|io| {
-            let row = Row::of(io, &contacts, names, &machine.params);
-            row.is_shown().then_some(row)
-        });
-        rows.collect::<Vec<_>>()
-    });
+    let all = rows(&contacts, names, &machine.params);
     if global.json {
         return output::json(|json| {
             json.flag("ok", true);
-            for (key, rows) in ["inputs", "outputs"].into_iter().zip(&all) {
-                json.array_at(key, |list| {
-                    for row in rows {
-                        list.object(|o| row.fields(o));
-                    }
-                });
-            }
+            fields(&all, json);
         });
     }
     let rows: Vec<_> = all.into_iter().flatten().collect();
@@ -129,8 +116,31 @@ fn list(global: &Global, names: &[Named]) -> Outcome {
     output::write(text.as_bytes())
 }
 
+/// Inputs and outputs, each with what is on or has a name or a use.
+pub(super) fn rows(contacts: &MachineContacts, names: &[Named], params: &Params) -> [Vec<Row>; 2] {
+    [Side::Input, Side::Output].map(|side| {
+        let of_side = Contact::all().map(move |contact| Io { side, contact });
+        let rows = of_side.filter_map(|io| {
+            let row = Row::of(io, contacts, names, params);
+            row.is_shown().then_some(row)
+        });
+        rows.collect()
+    })
+}
+
+/// `inputs` and `outputs`.
+pub(super) fn fields(all: &[Vec<Row>; 2], json: &mut Json) {
+    for (key, rows) in ["inputs", "outputs"].into_iter().zip(all) {
+        json.array_at(key, |list| {
+            for row in rows {
+                list.object(|o| row.fields(o));
+            }
+        });
+    }
+}
+
 /// A line of the list.
-struct Row {
+pub(super) struct Row {
     io: Io,
     on: Option<bool>,
     /// Its names.

@@ -2,6 +2,8 @@
 //!
 //! Chromium is driven over a pair of pipes. `cargo xtask page --check` runs this; without Chromium it fails.
 
+mod long;
+mod shown;
 mod tables;
 
 use std::fs::{File, OpenOptions};
@@ -117,6 +119,12 @@ impl Tab<'_> {
             .browser
             .answer(Some(&session), "Runtime.evaluate", params);
         answer["result"]["result"]["value"].take()
+    }
+
+    /// What a promise comes to.
+    fn awaits(&mut self, expression: &str) -> Value {
+        let params = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        self.asks("Runtime.evaluate", params)["result"]["value"].take()
     }
 
     #[track_caller]
@@ -320,6 +328,9 @@ fn somebody_opens_a_program_changes_it_and_sees_it_run() {
         "document.querySelector('#numbers .here')?.textContent === '{line}' && !document.getElementById('here').hidden"
     ));
     tab.wait(blue);
+    // To the end of the line it is what is left of it.
+    tab.wait("/^→ -2[0-9][.][0-9]{3}$/.test(document.getElementById('gz').textContent)");
+    tab.wait("/^→ -?0[.]000$/.test(document.getElementById('gx').textContent)");
     tab.click("#stop");
     tab.wait("document.getElementById('answer').textContent.includes('a.nc: 4300')");
     tab.wait("document.getElementById('here').hidden");

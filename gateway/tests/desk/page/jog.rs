@@ -1,5 +1,6 @@
 //! Axes moved by hand from the page: as long as its frames come.
 
+use std::io::Write as _;
 use std::time::Duration;
 
 use serde_json::{Value, json};
@@ -51,6 +52,24 @@ impl Press {
         answer
     }
 
+    /// One frame that comes late: with a beat that was new before.
+    fn late(&self, client: &Client<'_>, delay: Duration) {
+        let body = json!({"c": client.name, "press": self.number, "axes": [0, self.way], "rapid": false, "speed": 0,
+            "echo": self.echoes[1]});
+        std::thread::sleep(delay);
+        client.page.post(&client.cookie, "/jog", &body);
+    }
+
+    /// The network is cut in the middle of a frame.
+    fn cut(client: &Client<'_>) {
+        let mut stream = client.page.connect();
+        let head = format!(
+            "POST /jog HTTP/1.1\r\nHost: {}\r\nContent-Le",
+            client.page.address
+        );
+        stream.write_all(head.as_bytes()).unwrap();
+    }
+
     /// How far it may have gone: until its last echo is too old, by the board's own clock.
     fn longest(&self) -> f64 {
         let [first, last] = self.echoes;
@@ -100,7 +119,12 @@ fn a_page_that_vanishes_in_a_press_leaves_the_axis_at_rest() {
                 press.frame(&one, false);
                 std::thread::sleep(Duration::from_millis(below(30)));
             }
-            // Nothing more comes. The board tells when it is over.
+            // Nothing more comes, or half a frame, or one that was under way for long. The board tells when it is over.
+            match below(3) {
+                0 => {}
+                1 => Press::cut(&one),
+                _ => press.late(&one, Duration::from_millis(below(150))),
+            }
             let (to, begun) = rest(&user, &one, &press);
             let gone = (to - from) * f64::from(way);
             let longest = press.longest();

@@ -5,6 +5,7 @@ mod browser;
 mod jog;
 mod orders;
 mod programs;
+mod shown;
 mod tables;
 
 use std::cell::Cell;
@@ -17,6 +18,10 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use crate::{LIMIT, LONG, User, bad, good};
+
+/// A thread of a few short passes.
+const THREAD: &str =
+    "G98\nM3 S800\nG0 X30 Z4\nG76 P011060 Q150 R0.02\nG76 X29 Z-8 P500 Q300 F1.5\nM5\nM30\n";
 
 /// A panel at work.
 struct Page {

@@ -131,9 +131,17 @@ fn a_program_is_sent_and_begun_as_its_page_has_seen_it_and_stays_until_its_end()
         "no such program",
     );
     let mut told = page.watch();
+    wait(&mut told, "s", |s| s["by"].is_string());
     one.does("program", &args);
     let begun = wait(&mut told, "program", |_| true);
-    assert_eq!(begun, json!({"name": "long.nc", "tag": tag, "end": null}));
+    // The way to go is told by a path of the same tables that begins where the program has begun.
+    let path = one.seen("/programs/long.nc/path");
+    let [by, from] = ["by", "from"].map(|key| path[key].clone());
+    assert!(by.is_string() && from.is_string(), "{path}");
+    assert_eq!(
+        begun,
+        json!({"name": "long.nc", "tag": tag, "by": by, "from": from, "end": null})
+    );
     user.wait_for("run");
     refused(one.orders("program", &args), "4502 ");
     // Nobody changes it under way.

@@ -14,7 +14,7 @@ use leadscrew_core::bus::BoardStatus;
 use leadscrew_core::link::{Logged, Status, ThreadCertificate, ThreadState};
 
 use super::super::open;
-use super::super::watch::{Starts, bit_rates};
+use super::super::watch::{Starts, THREADS, bit_rates};
 use super::cut::Cuts;
 use super::reader::Reader;
 use crate::cli::Global;
@@ -31,9 +31,6 @@ const LOOK: Duration = Duration::from_millis(100);
 const STATUS: Duration = Duration::from_secs(2);
 /// Between two readings while things change.
 const CHANGED: Duration = Duration::from_millis(500);
-/// Between two readings of the certificates while threads are cut: 0.9 % of such a bus, and time for four threads that
-/// the board keeps beside it.
-const THREADS: Duration = Duration::from_millis(1500);
 /// The same where a reading brought several.
 const MANY: (u32, Duration) = (3, Duration::from_millis(250));
 /// Between two measurements of the load of the bus, and how long one takes: hearing every frame is most of the work here.

@@ -3,8 +3,11 @@
 //! What pages order goes by the [desk](Desk), which has its turn wherever the link waits. This must not know who watches or
 //! orders: sockets, tokens and refusals are those of `leadscrew_panel`.
 
+mod contacts;
+mod cuts;
 mod desk;
 mod path;
+mod reading;
 mod sent;
 mod tables;
 mod telling;
@@ -24,9 +27,11 @@ use leadscrew_core::bus::Beat;
 use leadscrew_core::link::Status;
 use leadscrew_panel::{Feed, Programs, Server, Token, Tokens, fresh_token};
 
+use self::contacts::Contacts;
+use self::cuts::Cuts;
 use self::desk::{Asks, Desk, Line, Program};
 use self::sent::Sent;
-use self::telling::{in_both, levels, log, places};
+use self::telling::{levels, places};
 use self::views::Views;
 use super::monitor::hand::broken;
 use super::monitor::told::Told;
@@ -158,6 +163,8 @@ struct Side<'a> {
     typed: Option<Typed>,
     sent: Option<Sent>,
     watch: Watch,
+    cuts: Cuts,
+    contacts: Contacts,
     record: Option<(Status, Instant)>,
     /// The number of the last status, and when it came.
     status: (u64, Instant),
@@ -194,6 +201,8 @@ impl<'a> Side<'a> {
             typed: None,
             sent: None,
             watch,
+            cuts: Cuts::default(),
+            contacts: Contacts::new(global),
             record: None,
             messages: VecDeque::new(),
         })
@@ -221,6 +230,7 @@ impl<'a> Side<'a> {
                 }
                 self.ask_beat()?;
             }
+            self.read_cuts(now)?;
             self.tell_state()?;
             server.attend();
             self.link.listen(Instant::now() + PERIOD, &mut |_| false)?;
@@ -291,7 +301,10 @@ impl<'a> Side<'a> {
         let begun = if self.is_busy() {
             Err(busy())
         } else {
-            Sent::begin(self.global, self.programs.as_ref(), program)
+            let from = self.record.map(|(record, _)| record.position);
+            let of = (self.views.tag(), from);
+            Sent::begin(self.global, self.programs.as_ref(), program, of)
+                .inspect(|_| self.views.begin(from))
         };
         let done = begun.map(|sent| {
             self.desk.note_begun(sent.handle(), halts);
@@ -323,32 +336,11 @@ impl<'a> Side<'a> {
         {
             self.feed.tell("program", sent.told(Some(&done)));
             self.sent = None;
+            self.views.begin(None);
         }
         if !self.is_busy() {
             self.desk.note_ended();
         }
-    }
-
-    fn read_log(&mut self) -> Outcome {
-        let read = self.watch.log(&mut self.link);
-        let entries = self.tolerate(read)?.unwrap_or_default();
-        for entry in &entries {
-            if let Some(told) = in_both(entry) {
-                if self.messages.len() == KEPT {
-                    self.messages.pop_front();
-                }
-                self.messages.push_back(told);
-            }
-        }
-        if !entries.is_empty() {
-            self.feed.tell("log", log(&self.messages));
-        }
-        if let Some((status, _)) = self.record {
-            let read = self.watch.follow(self.global, &mut self.link, &status);
-            self.tolerate(read)?;
-            self.views.note(self.watch.zeros.read(), &status);
-        }
-        Ok(())
     }
 
     fn tell_state(&mut self) -> Outcome {

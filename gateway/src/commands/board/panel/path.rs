@@ -144,10 +144,16 @@ pub fn json(setup: &Setup, source: &SourceFile, by: &str) -> Outcome<String> {
     let stock = walk.stock().copied();
     Ok(object(|json| {
         json.text("by", by);
+        start(&setup.options().position, json);
         json.flag("whole", path.is_whole);
         fields(json, &path);
         around(json, setup, stock.as_ref());
     }))
+}
+
+/// Where a path begins, in machine coordinates.
+pub fn start(at: &Position, json: &mut Json) {
+    json.text("from", &format!("{} {}", at.x.nm(), at.z.nm()));
 }
 
 fn fields(json: &mut Json, path: &Path) {

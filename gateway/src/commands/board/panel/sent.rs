@@ -6,13 +6,14 @@
 use std::sync::Arc;
 
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::call::Position;
 use leadscrew_panel::{Claim, Programs, Refusal};
 use serde_json::Value;
 
 use super::super::monitor::typed;
 use super::super::own::{Handle, Own};
 use super::desk::Program;
-use super::object;
+use super::{object, path};
 use crate::cli::Global;
 use crate::json::Json;
 use crate::words::{Both, both};
@@ -22,6 +23,9 @@ use crate::words::{Both, both};
 pub struct Sent {
     name: String,
     tag: String,
+    /// By which tables, and from where: as its path has them.
+    by: Option<String>,
+    from: Option<Position>,
     own: Own,
     /// It stays as it is until this goes.
     _claim: Claim,
@@ -36,6 +40,7 @@ impl Sent {
         global: &Global,
         programs: Option<&Arc<Programs>>,
         program: &Program,
+        (by, from): (Option<String>, Option<Position>),
     ) -> Result<Self, Both> {
         let programs = programs.ok_or_else(|| of_refusal(Refusal::NoStore))?;
         let claim = programs
@@ -51,6 +56,8 @@ impl Sent {
         Ok(Self {
             name: program.name.clone(),
             tag: program.tag.clone(),
+            by,
+            from,
             own,
             _claim: claim,
         })
@@ -88,6 +95,14 @@ impl Sent {
         object(|json| {
             json.text("name", &self.name);
             json.text("tag", &self.tag);
+            match &self.by {
+                Some(by) => json.text("by", by),
+                None => json.null("by"),
+            }
+            match &self.from {
+                Some(from) => path::start(from, json),
+                None => json.null("from"),
+            }
             match end {
                 Some(done) => json.object_at("end", |json| self::end(json, done)),
                 None => json.null("end"),

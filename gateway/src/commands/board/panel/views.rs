@@ -38,6 +38,8 @@ pub struct Views {
     /// With the options of the panel.
     global: Global,
     known: Mutex<Option<Known>>,
+    /// Where the axes stood when the program began that runs from here.
+    begun: Mutex<Option<Position>>,
     turn: Mutex<()>,
 }
 
@@ -51,6 +53,7 @@ impl Views {
                 ..global.clone()
             },
             known: Mutex::default(),
+            begun: Mutex::default(),
             turn: Mutex::default(),
         }
     }
@@ -103,6 +106,11 @@ impl Views {
         }
     }
 
+    /// A program begins where the axes stand, or has ended: while it runs, paths begin where it has begun.
+    pub fn begin(&self, at: Option<Position>) {
+        *self.begun.lock().unwrap_or_else(PoisonError::into_inner) = at;
+    }
+
     /// By what programs are looked at now.
     pub fn tag(&self) -> Option<String> {
         self.known().as_ref().map(|known| known.tag.clone())
@@ -130,7 +138,8 @@ impl Views {
         let source = SourceFile::new(program);
         let mut setup = Setup::over(&global, Some(base), Some(program), Answer::Check)?;
         if view == View::Path {
-            setup.position = Some(position);
+            let begun = *self.begun.lock().unwrap_or_else(PoisonError::into_inner);
+            setup.position = Some(begun.unwrap_or(position));
             return path::json(&setup, &source, &tag);
         }
         let report = checking::check(&setup, &source, Detail::Verdict)?;

@@ -1,0 +1,66 @@
+//! What the panel reads of the board beside its state, and tells the pages where there is news: log, contacts, threads.
+//!
+//! When it is time for it is the business of the [`Side`]; this must not know pages or orders.
+
+use std::time::Instant;
+
+use super::telling::{in_both, log};
+use super::{KEPT, Side};
+use crate::certified::Judge;
+use crate::failure::Outcome;
+
+impl Side<'_> {
+    /// Entries of the log, and what else changes seldom.
+    pub(super) fn read_log(&mut self) -> Outcome {
+        let read = self.watch.log(&mut self.link);
+        let entries = self.tolerate(read)?.unwrap_or_default();
+        for entry in &entries {
+            if let Some(told) = in_both(entry) {
+                if self.messages.len() == KEPT {
+                    self.messages.pop_front();
+                }
+                self.messages.push_back(told);
+            }
+        }
+        if !entries.is_empty() {
+            self.feed.tell("log", log(&self.messages));
+        }
+        if let Some((status, _)) = self.record {
+            let read = self.watch.follow(self.global, &mut self.link, &status);
+            self.tolerate(read)?;
+            self.views.note(self.watch.zeros.read(), &status);
+        }
+        self.read_contacts()
+    }
+
+    fn read_contacts(&mut self) -> Outcome {
+        let read = self.link.contacts();
+        let Some(contacts) = self.tolerate(read)? else {
+            return Ok(());
+        };
+        let Some((params, _)) = self.watch.zeros.read() else {
+            return Ok(());
+        };
+        if let Some(text) = self.contacts.news(&contacts, params) {
+            self.feed.tell("io", text);
+        }
+        Ok(())
+    }
+
+    /// The certificates of threads, where there may be news in them.
+    pub(super) fn read_cuts(&mut self, now: Instant) -> Outcome {
+        let is_locked = self.link.seen.status.is_some_and(|said| said.flags.locked);
+        if !self.cuts.is_due(is_locked, now) || self.watch.zeros.read().is_none() {
+            return Ok(());
+        }
+        let read = self.link.certificates();
+        let told = self.tolerate(read)?;
+        if let (Some((_, threads)), Some((params, _))) = (told, self.watch.zeros.read()) {
+            let judge = Judge::new(params, None);
+            if self.cuts.take(&threads, &judge, self.link.seen.boots, now) {
+                self.feed.tell("threads", self.cuts.json(&judge));
+            }
+        }
+        Ok(())
+    }
+}
