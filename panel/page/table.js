@@ -170,9 +170,13 @@ export class Table {
   }
 
   async #write() {
+    const { seen } = this;
     const sent = new Map(this.typed);
+    const before = JSON.stringify([...sent]);
     this.#button("write").hidden = true;
     const answer = await this.#order(false);
+    // Nothing has come of it, as where what is shown is too old: what was reviewed can be ordered again.
+    if (!answer && seen === this.seen && before === JSON.stringify([...this.typed])) this.#button("write").hidden = false;
     if (!this.#show(answer)) return;
     for (const [key, text] of sent) {
       this.read.set(key, text);
