@@ -18,7 +18,7 @@ from machine import BOARD_SIM, Machine
 NODE = 17
 BOARD = [*BOARD_SIM, "--drives", "X,C", "--at", "X=60,Z=100"]
 # Real time, and figures that an interpreter on a busy computer keeps to.
-SETTINGS = ["9000=4000", "9005=15", "9011=10000", "9021=50", "9024=0", "9027=0", "9047=0"]
+SETTINGS = ["9000=4000", "9005=15", "9011=10000", "9021=150", "9024=0", "9027=0", "9047=0"]
 TICK = (4, -3)
 MACHINE = '[drive.Z]\nprofile = "maxon-epos4"\n'
 # Of an identifier: off, and no remote request.
