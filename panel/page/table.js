@@ -151,13 +151,16 @@ export class Table {
     return this.order({ seen: this.seen, set: Object.fromEntries(this.typed), check, sure: this.sure, zh: isChinese() });
   }
 
+  // What a review is of: another text once something else was typed, or read.
+  #subject() {
+    return JSON.stringify([this.seen, ...this.typed]);
+  }
+
   async #check() {
-    const { seen } = this;
-    const before = JSON.stringify([...this.typed]);
+    const subject = this.#subject();
     this.sure = false;
     const answer = await this.#order(true);
-    // Meanwhile something else was typed, or read.
-    if (seen !== this.seen || before !== JSON.stringify([...this.typed])) return;
+    if (subject !== this.#subject()) return;
     if (!this.#show(answer)) return;
     if (!answer.changes.length) {
       this.typed.clear();
@@ -170,13 +173,12 @@ export class Table {
   }
 
   async #write() {
-    const { seen } = this;
+    const subject = this.#subject();
     const sent = new Map(this.typed);
-    const before = JSON.stringify([...sent]);
     this.#button("write").hidden = true;
     const answer = await this.#order(false);
     // Nothing has come of it, as where what is shown is too old: what was reviewed can be ordered again.
-    if (!answer && seen === this.seen && before === JSON.stringify([...this.typed])) this.#button("write").hidden = false;
+    if (!answer && subject === this.#subject()) this.#button("write").hidden = false;
     if (!this.#show(answer)) return;
     for (const [key, text] of sent) {
       this.read.set(key, text);

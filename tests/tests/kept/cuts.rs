@@ -143,7 +143,7 @@ fn history(tear: usize) -> Vec<Step> {
 
 /// The first byte at which the power goes.
 pub fn first(tear: usize, stride: usize) -> u32 {
-    (leadscrew_seed::fresh() as usize % stride + tear) as u32
+    ((leadscrew_seed::fresh() as usize % stride + tear) % stride) as u32
 }
 
 #[test]

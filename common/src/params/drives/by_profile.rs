@@ -98,7 +98,9 @@ fn refused(
     settings: &[Setting],
     params: &Params,
 ) -> Option<Both> {
-    let methods = profile.numbers("homing.methods")?;
+    if !homes(drive, params) {
+        return None;
+    }
     let of = |setting: &Setting| match setting.wanted {
         Wanted::Number { object, value, .. }
             if setting.drive == drive && object == HOMING_METHOD =>
@@ -108,31 +110,31 @@ fn refused(
         _ => None,
     };
     let method = settings.iter().find_map(of)?;
-    (homes(drive, params) && !methods.contains(&method)).then(|| {
-        let name = &profile.name;
-        let methods: Vec<_> = methods.iter().map(i64::to_string).collect();
-        let methods = methods.join(" ");
-        both!(
-            "`{name}` has no homing method {method} (6098h), but {methods}",
-            "`{name}` 没有回零方式 {method}（6098h），只有 {methods}"
-        )
-    })
+    let methods = others(profile, "homing.methods", method)?;
+    let name = &profile.name;
+    Some(both!(
+        "`{name}` has no homing method {method} (6098h), but {methods}",
+        "`{name}` 没有回零方式 {method}（6098h），只有 {methods}"
+    ))
+}
+
+/// What a profile lists, where this number is not in its list.
+fn others(profile: &Profile, path: &str, number: i64) -> Option<String> {
+    let fact = profile.fact(path)?;
+    let is_there = profile.numbers(path)?.contains(&number);
+    (!is_there).then(|| fact.value.text())
 }
 
 /// The bit rate.
 fn wire(profile: &Profile, params: &Params) -> Result<(), Both> {
     let name = &profile.name;
     let own = i64::from(params.bus_kbit());
-    match profile.numbers("bit_rates_kbit") {
-        Some(rates) if !rates.contains(&own) => {
-            let rates: Vec<_> = rates.iter().map(i64::to_string).collect();
-            let rates = rates.join(" ");
-            Err(both!(
-                "`{name}` has bit rates of {rates} kbit/s, and parameter 9020 is {own} kbit/s",
-                "`{name}` 的波特率为 {rates} kbit/s，而参数 9020 为 {own} kbit/s"
-            ))
-        }
-        _ => Ok(()),
+    match others(profile, "bit_rates_kbit", own) {
+        Some(rates) => Err(both!(
+            "`{name}` has bit rates of {rates} kbit/s, and parameter 9020 is {own} kbit/s",
+            "`{name}` 的波特率为 {rates} kbit/s，而参数 9020 为 {own} kbit/s"
+        )),
+        None => Ok(()),
     }
 }
 

@@ -37,8 +37,8 @@ pub use objects::{
 };
 pub(super) use section::apply;
 
-/// Bit 30 of a COB-ID: no remote request.
-const NO_REMOTE: i64 = 1 << 30;
+/// Bit 30 of a COB-ID: no remote request. The drive decides whether it answers one.
+pub const NO_REMOTE: u32 = 1 << 30;
 
 /// Identifiers of the frame with all setpoints (9031), of boards with the numbers 1 to 127.
 const TOGETHER_FIRST: i64 = 0x481;
@@ -322,8 +322,7 @@ fn cob_id_conflict(
         (0x1801, 1) if homes(drive, params) => Service::Tpdo2,
         _ => return None,
     };
-    // The drive decides whether it answers a remote request.
-    let theirs = value & !NO_REMOTE;
+    let theirs = value & !i64::from(NO_REMOTE);
     let board = match service {
         // The board's number is known once there is a board: then this is checked again.
         Service::Rpdo1 if params.setpoint_frame() == 1 => match theirs {

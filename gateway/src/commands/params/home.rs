@@ -9,9 +9,7 @@ use crate::cli::Global;
 use crate::commands::board::Machine;
 use crate::failure::{Failure, Outcome};
 use crate::params::difference::DriveChange;
-use crate::params::drives::{
-    PERIOD_EXPONENT, PERIOD_VALUE, Setting, Wanted, mapping_literal, period_literal,
-};
+use crate::params::drives::{PERIOD_EXPONENT, PERIOD_VALUE, Setting, Wanted, period_literal};
 use crate::params::edit::{Replacement, replaced};
 use crate::words::{Both, both};
 
@@ -127,8 +125,7 @@ impl Home {
                 (Some(value), Some(exponent)) => Some((value, exponent)),
                 _ => None,
             };
-            let by = match (found, period) {
-                (Found::Mapping { objects, .. }, _) => mapping_literal(&objects),
+            let by = match (&found, period) {
                 (Found::Number(_), Some((value, exponent))) => period_literal(value, exponent)
                     .ok_or_else(|| {
                         Failure::WrongBecause(both!(
@@ -139,7 +136,7 @@ impl Home {
                             drive = setting.drive
                         ))
                     })?,
-                (Found::Number(number), None) => number.to_string(),
+                _ => found.literal(),
             };
             let replacement = Replacement {
                 span: setting.span.clone(),
@@ -167,10 +164,7 @@ fn own_line(text: &str, setting: &Setting, found: &Found) -> Outcome<Replacement
             drive = setting.drive
         )));
     }
-    let value = match found {
-        Found::Mapping { objects, .. } => mapping_literal(objects),
-        Found::Number(number) => number.to_string(),
-    };
+    let value = found.literal();
     Ok(Replacement {
         span: begin..begin,
         by: format!("{key} = {value}\n"),

@@ -8,11 +8,11 @@ use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, NmtCommand, NodeId, Object, Order, SdoError};
 use leadscrew_core::params::Params;
 
-use super::{Found, NO_REMOTE, Pending, is, is_cob_id, read, refused};
+use super::{Found, Pending, is, is_cob_id, read, refused};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, LinkResult, Trouble};
 use crate::params::drives::{
-    Drive, DriveName, Kind, PERIOD_EXPONENT, PERIOD_VALUE, Setting, Wanted, object_text,
+    Drive, DriveName, Kind, NO_REMOTE, PERIOD_EXPONENT, PERIOD_VALUE, Setting, Wanted, object_text,
     period_conflict,
 };
 use crate::words::{Both, both};

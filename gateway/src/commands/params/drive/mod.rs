@@ -11,14 +11,13 @@ use leadscrew_core::bus::{Abort, Mapped, Object, SdoError};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, Trouble, reason};
 use crate::params::difference::DriveChange;
-use crate::params::drives::{Drive, Kind, Setting, Wanted, mapping_text, object_text};
+use crate::params::drives::{
+    Drive, Kind, NO_REMOTE, Setting, Wanted, mapping_literal, mapping_text, object_text,
+};
 use crate::words::{Both, both};
 
 pub use apply::{apply, check_periods, only_drives, with_drives};
 pub use setpoints::check_setpoints;
-
-/// COB-ID bit 30: no remote request. The drive decides.
-const NO_REMOTE: u32 = 1 << 30;
 
 /// What an object is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,6 +31,16 @@ pub enum Found {
         /// Its COB-ID, with the bit that switches it off.
         cob_id: u32,
     },
+}
+
+impl Found {
+    /// Its value in a file.
+    pub fn literal(&self) -> String {
+        match self {
+            Self::Number(number) => number.to_string(),
+            Self::Mapping { objects, .. } => mapping_literal(objects),
+        }
+    }
 }
 
 /// An object that is another one than wanted.

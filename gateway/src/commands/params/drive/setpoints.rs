@@ -9,7 +9,7 @@ use super::{Found, read};
 use crate::failure::{Failure, Outcome};
 use crate::link::Link;
 use crate::params::drives::{
-    Drive, DriveName, Kind, Setting, Wanted, command_mapping, mapping_text,
+    Drive, DriveName, Kind, NO_REMOTE, Setting, Wanted, command_mapping, mapping_text,
 };
 use crate::words::both;
 
@@ -76,7 +76,7 @@ fn compare(drive: Drive, board: NodeId, new: &Params, cob_id: i64, objects: &[Ma
     };
     let mapping = command_mapping(drive.name, new);
     // Bit 30 says nothing of an RPDO.
-    if cob_id & !(1 << 30) == wanted && objects == mapping {
+    if cob_id & !i64::from(NO_REMOTE) == wanted && objects == mapping {
         return Ok(());
     }
     Err(Failure::WrongBecause(both!(
