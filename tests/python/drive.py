@@ -1,5 +1,6 @@
 """A CiA 402 drive that shares nothing with the board: its states are the tables of the Python package `canopen`, its frames
-are packed here, and `canopen` is its NMT slave. It follows targets in each SYNC (mode 8), and may home by itself (mode 6).
+are packed here, and `canopen` is its NMT slave. It follows targets in each SYNC (mode 8, or 7 where a test
+makes one of it), and may home by itself (mode 6).
 
 It is for a bus in virtual time, where the board waits for its answers."""
 

@@ -20,10 +20,13 @@ BOARD = [*BOARD_SIM, "--drives", "X,C", "--at", "X=60,Z=100"]
 # Real time, and figures that an interpreter on a busy computer keeps to.
 SETTINGS = ["9000=4000", "9005=15", "9011=10000", "9021=150", "9024=0", "9027=0", "9047=0"]
 TICK = (4, -3)
-MACHINE = '[drive.Z]\nprofile = "maxon-epos4"\n'
 # Of an identifier: off, and no remote request.
 OFF, NO_REMOTE = 1 << 31, 1 << 30
-COMMAND, STATUS = [0x60400010, 0x607A0020], [0x60410010, 0x60640020]
+CONTROL, STATUS = 0x60400010, [0x60410010, 0x60640020]
+# The object with the target, by mode.
+TARGET = {7: 0x60C10120, 8: 0x607A0020}
+# Bit 4 of the controlword: in mode 7 targets count.
+BEGUN = 1 << 4
 
 
 def variable(name, index, sub, kind, value):
@@ -40,7 +43,11 @@ def record(name, index, values, kinds):
 
 
 class Delivered(Drive):
-    """It does what its objects say, and they are not those that a board needs."""
+    """It does what its objects say, and they are not those that a board needs. It has this mode for setpoints alone."""
+
+    def __init__(self, number, actual, mode):
+        self.mode = mode
+        super().__init__(number, actual)
 
     def dictionary(self, number):
         made = super().dictionary(number)
@@ -63,33 +70,36 @@ class Delivered(Drive):
 
     def receive(self, identifier, data, time):
         on = self.says(0x1400, 1) & ~NO_REMOTE == 0x200 + NODE
-        if on and self.maps(0x1600) == COMMAND and self.says(0x1400, 2) <= 240:
+        if on and self.maps(0x1600) == [CONTROL, TARGET[self.mode]] and self.says(0x1400, 2) <= 240:
             super().receive(identifier, data, time)
+
+    def move(self, control, target):
+        if self.mode == 8 or control & BEGUN:
+            super().move(control, target)
 
     def sync(self, *arguments):
         on = self.says(0x1800, 1) & ~NO_REMOTE == 0x180 + NODE
         # As a drive of these: it wants all three in one period.
-        fits = (self.says(0x60C2, 1), self.says(0x60C2, 2)) == TICK and self.says(0x6060) == 8
+        fits = (self.says(0x60C2, 1), self.says(0x60C2, 2)) == TICK and self.says(0x6060) == self.mode
         self.every = self.says(0x1800, 2) if on and fits and self.maps(0x1A00) == STATUS else 10**9
         super().sync(*arguments)
 
 
 class ProfileTest(Machine):
-    def setUp(self):
-        self.drive = Delivered(NODE, 1_000_000)
+    def push(self, mode, profile, machine):
+        """A drive as it was delivered, with this mode alone, goes along after a push of this file."""
+        self.drive = Delivered(NODE, 1_000_000, mode)
         self.addCleanup(self.drive.end)
         # Z does not answer.
         self.starts(BOARD, SETTINGS, "alarm: ")
-
-    def test_a_drive_as_it_was_delivered_goes_along_after_a_push(self):
         self.assertIn("Z", str(self.status()["alarm"]))
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "lathe.toml"
-            file.write_text(MACHINE)
+            file.write_text(f'{machine}[drive.Z]\nprofile = "{profile}"\n')
             told = self.does("params", "push", str(file), "--dry-run")
             self.assertEqual(self.drive.says(0x6060), 1, told)
             told = self.does("params", "push", str(file))
-            self.assertIn("maxon-epos4 (", told)
+            self.assertIn(f"{profile} (", told)
             self.assertIn("1800h:01h tpdo1_cob_id", told)
             # Bit 30 is its own: it is what it was.
             self.assertEqual(self.drive.says(0x1800, 1), 0x180 + NODE | NO_REMOTE)
@@ -98,6 +108,12 @@ class ProfileTest(Machine):
         self.until("all are up", lambda: self.status()["state"] == "idle")
         self.does("jog", "Z-", "--by", "0.5")
         self.until("the step is made", lambda: self.drive.actual == 1_000_000 - 5_000)
+
+    def test_a_drive_as_it_was_delivered_goes_along_after_a_push(self):
+        self.push(8, "maxon-epos4", "")
+
+    def test_a_drive_that_has_mode_7_alone_goes_along_after_a_push(self):
+        self.push(7, "elmo-dsp402", "9076.Z = 7\n")
 
 
 if __name__ == "__main__":

@@ -262,7 +262,7 @@ impl Machine {
             at: self.at,
             ripple: self.spindle.ripple,
             ramp_ms: self.spindle.ramp_ms,
-            servos: self.drives.servos(params.tick_us())?,
+            servos: self.drives.servos(&params)?,
             board: Some(self.node),
             ..PlantOptions::default()
         };

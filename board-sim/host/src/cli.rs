@@ -258,7 +258,7 @@ impl Common {
 
     /// The same on a machine with these parameters.
     pub fn servos(&self, params: &Params) -> Outcome<[Option<ServoOptions>; 2]> {
-        self.drives()?.servos(params.tick_us())
+        self.drives()?.servos(params)
     }
 
     /// The options of the plant, without the spindle.

@@ -128,7 +128,7 @@ impl Machine {
         let params = &up.params;
         let drives = args.common.drives()?;
         let options = PlantOptions {
-            servos: drives.servos(params.tick_us())?,
+            servos: drives.servos(params)?,
             ..options
         };
         let plant = fitted(params, &options)?;

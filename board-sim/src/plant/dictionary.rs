@@ -8,8 +8,8 @@
 use super::homing::{Homing, Speeds};
 use super::servo::Following;
 use leadscrew_core::bus::{
-    Abort, AxisMode, AxisReport, CobId, DriveCommand, DriveStatus, Frame, Mapped, NodeId, Object,
-    Objects, Service, Setpoints, SpindleCommand,
+    Abort, AxisMode, AxisReport, CobId, DriveCommand, DriveStatus, Frame, Mapped, Mode, NodeId,
+    Object, Objects, Service, Setpoints, SpindleCommand,
 };
 
 /// `save`, the value that 1010h:01h takes.
@@ -43,6 +43,8 @@ pub(super) struct Settings {
     start: u8,
     /// 6007h: the reaction to NMT stop.
     stop: StopOption,
+    /// 6060h of an axis.
+    mode_wanted: u8,
     /// 607Fh.
     velocity: u32,
     /// 6083h.
@@ -246,6 +248,7 @@ impl Settings {
             report: Pdo::new(Service::Tpdo2, node, 254, &AxisReport::MAPPING).off(),
             start,
             stop: StopOption::QuickStop,
+            mode_wanted: Mode::Position as u8,
             velocity: 10_000_000,
             acceleration: 100_000_000,
             cycle_us: 0,
@@ -266,6 +269,37 @@ impl Settings {
         self.mode = Pdo::new(Service::Rpdo2, node, 254, &AxisMode::MAPPING);
         self.report = Pdo::new(Service::Tpdo2, node, 254, &AxisReport::MAPPING);
         self
+    }
+
+    /// The drive gets its setpoints in interpolated position (mode 7).
+    pub(super) fn interpolated(mut self) -> Self {
+        for slot in &mut self.command.objects {
+            if *slot == DriveCommand::TARGET.raw() {
+                *slot = DriveCommand::INTERPOLATED.raw();
+            }
+        }
+        self.mode_wanted = Mode::Interpolated as u8;
+        self
+    }
+
+    /// Its target is in the object of this mode.
+    pub(super) fn targets_count_in(&self, mode: u8) -> bool {
+        let target = if mode == Mode::Interpolated as u8 {
+            DriveCommand::INTERPOLATED
+        } else {
+            DriveCommand::TARGET
+        };
+        self.command.objects.contains(&target.raw())
+    }
+
+    /// 6060h.
+    pub(super) const fn mode_wanted(&self) -> u8 {
+        self.mode_wanted
+    }
+
+    /// Sets it.
+    pub(super) const fn want_mode(&mut self, mode: u8) {
+        self.mode_wanted = mode;
     }
 
     /// The mode in a frame that brings it.
@@ -464,6 +498,7 @@ impl Dictionary<'_> {
             (0x6007, 0) => Ok((2, settings.stop as u32)),
             (0x6040, 0) => Ok((2, u32::from(now.control))),
             (0x6041, 0) => Ok((2, u32::from(now.status))),
+            (0x6060, 0) if !now.spindle => Ok((1, u32::from(settings.mode_wanted))),
             (0x6060 | 0x6061, 0) => Ok((1, u32::from(now.mode))),
             (0x6064, 0) => Ok((4, now.actual as u32)),
             (0x6065, 0) if now.following_error.is_some() => Ok((4, settings.following.window)),
@@ -472,6 +507,9 @@ impl Dictionary<'_> {
             }
             (0x60F4, 0) if let Some(error) = now.following_error => Ok((4, error as u32)),
             (0x607A, 0) => Ok((4, now.target as u32)),
+            (0x60C0, 0) if !now.spindle => Ok((2, 0)),
+            (0x60C1, 0) if !now.spindle => Ok((1, 1)),
+            (0x60C1, 1) if !now.spindle => Ok((4, now.target as u32)),
             (0x607C, 0) if !now.spindle => Ok((4, settings.home_offset as u32)),
             (0x6098, 0) if !now.spindle => Ok((1, u32::from(settings.method))),
             (0x6099, 0) if !now.spindle => Ok((1, 2)),
@@ -492,7 +530,7 @@ impl Dictionary<'_> {
             (0x6065 | 0x6066 | 0x60F4, _) if now.following_error.is_some() => {
                 Err(Abort::NoSubIndex)
             }
-            (0x607C | 0x6098 | 0x6099 | 0x609A | 0x60FD, _) if !now.spindle => {
+            (0x607C | 0x6098 | 0x6099 | 0x609A | 0x60C0 | 0x60C1 | 0x60FD, _) if !now.spindle => {
                 Err(Abort::NoSubIndex)
             }
             _ => Err(Abort::NoObject),
@@ -522,7 +560,26 @@ impl Dictionary<'_> {
             (0x1800, 6) if value <= 240 => settings.start = value as u8,
             (0x1800, 6) => return Err(Abort::TooHigh),
             (0x1800, sub @ 1..) => settings.status.communication(sub, value)?,
-            (0x1600, sub) => settings.command.map(sub, value, &DriveCommand::MAPPING)?,
+            (0x1600, sub) => {
+                let mut command = settings.command;
+                let position = command.map(sub, value, &DriveCommand::MAPPING);
+                if let Err(abort) = position {
+                    let interpolated = [DriveCommand::CONTROL, DriveCommand::INTERPOLATED];
+                    if self.now.spindle || command.map(sub, value, &interpolated).is_err() {
+                        return Err(abort);
+                    }
+                }
+                settings.command = command;
+            }
+            // Linear interpolation, and no other.
+            (0x60C0, 0) if !self.now.spindle => match value {
+                0 => {}
+                _ => return Err(Abort::Value),
+            },
+            (0x6060, 0) if !self.now.spindle => match value {
+                6..=8 => settings.mode_wanted = value as u8,
+                _ => return Err(Abort::Value),
+            },
             (0x1601, sub) if !self.now.spindle => {
                 settings.mode.map(sub, value, &AxisMode::MAPPING)?
             }

@@ -94,8 +94,7 @@ pub struct Drive {
     turning: bool,
     /// The drive's count, less the place of the axis.
     shift: i64,
-    /// 6060h of an axis as last received, 6061h, and SYNCs until the one becomes the other.
-    wanted: u8,
+    /// 6061h of an axis, and SYNCs until 6060h becomes it.
     mode: u8,
     changing: u16,
     homing: Homing,
@@ -150,7 +149,6 @@ impl Drive {
             failed: None,
             turning: false,
             shift: 0,
-            wanted: Mode::Position as u8,
             mode: Mode::Position as u8,
             changing: 0,
             homing: Homing::new(HomingOptions::default()),
@@ -190,6 +188,15 @@ impl Drive {
     pub(super) fn with_reference(mut self) -> Self {
         self.settings = self.settings.with_reference(self.node);
         self.kept = self.settings;
+        self
+    }
+
+    /// The drive of an axis that gets its setpoints in interpolated position.
+    #[must_use]
+    pub(super) fn interpolated(mut self) -> Self {
+        self.settings = self.settings.interpolated();
+        self.kept = self.settings;
+        self.mode = self.settings.mode_wanted();
         self
     }
 
@@ -331,6 +338,7 @@ impl Drive {
             of_spindle: self.of_spindle,
             trouble: self.trouble,
             servo: self.servo,
+            mode: self.kept.mode_wanted(),
             settings: self.kept,
             kept: self.kept,
             ..Self::new(self.node, self.options, self.follower)
@@ -391,8 +399,8 @@ impl Drive {
 
     /// 6060h.
     const fn order(&mut self, mode: u8) {
-        if mode != self.wanted {
-            self.wanted = mode;
+        if mode != self.settings.mode_wanted() {
+            self.settings.want_mode(mode);
             self.changing = self.homing.options.slow;
         }
     }
@@ -575,11 +583,21 @@ impl Drive {
         }
     }
 
+    /// The drive follows its targets: they are in the object of its mode, and mode 7 has been begun by bit 4.
+    fn follows(&self) -> bool {
+        let begun = self.mode != Mode::Interpolated as u8 || self.control & 0x10 != 0;
+        self.of_spindle || begun && self.settings.targets_count_in(self.mode)
+    }
+
     /// 6041h: in homing bits 13, 12 and 10 are those of homing.
-    const fn statusword(&self) -> u16 {
+    fn statusword(&self) -> u16 {
         let word = self.power.statusword();
-        if self.mode == Mode::Homing as u8 && matches!(self.power, Power::Enabled) {
+        if self.power != Power::Enabled {
+            word
+        } else if self.mode == Mode::Homing as u8 {
             word & !0x3400 | self.homing.bits()
+        } else if !self.follows() {
+            word & !0x1000
         } else {
             word
         }
@@ -613,8 +631,8 @@ impl Drive {
     fn change_mode(&mut self) {
         if self.changing > 0 {
             self.changing = self.changing.wrapping_sub(1);
-        } else if matches!(self.wanted, 6 | 8) {
-            self.mode = self.wanted;
+        } else if matches!(self.settings.mode_wanted(), 6..=8) {
+            self.mode = self.settings.mode_wanted();
         }
     }
 
@@ -634,7 +652,7 @@ impl Drive {
         let fresh = core::mem::take(&mut self.fresh);
         match (self.power, target) {
             _ if self.trouble == Trouble::Stuck => self.stop(),
-            (Power::Enabled, Some(target)) => match &mut self.servo {
+            (Power::Enabled, Some(target)) if self.follows() => match &mut self.servo {
                 Some(servo) => self.failed = servo.latch(target, fresh),
                 None => self.follower.follow(target),
             },

@@ -51,7 +51,7 @@ pub use tapper::Tapper;
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
-    CobId, FdFrame, Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
+    CobId, FdFrame, Frame, Increments, MilliRpm, Mode, NmtCommand, NodeId, Scale, Service, is_sync,
 };
 use leadscrew_core::call::{Position, TapSpindle};
 use leadscrew_core::params::{BY_DRIVE, Gear, Params};
@@ -447,6 +447,10 @@ pub fn axis_drive(
     let place = axis as u8;
     let drive = Drive::new(node, staggered(options, place), follower).at(place_of);
     let drive = set_up(drive, params, options, usize::from(place));
+    let drive = match Mode::of_setpoints(params.drive_mode(axis)) {
+        Mode::Interpolated => drive.interpolated(),
+        _ => drive,
+    };
     let drive = match options.servos.get(usize::from(place)).copied().flatten() {
         None => drive,
         Some(servo) => {

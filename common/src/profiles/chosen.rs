@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use leadscrew_board_sim::plant::ServoOptions;
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::bus::Mode;
+use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
 use super::{IDEAL, Profile};
@@ -98,14 +100,17 @@ impl Chosen {
         }
     }
 
-    /// The simulated drives, for a board with this tick.
+    /// The simulated drives, for a board with this set.
     ///
     /// # Errors
     /// A drive cannot be on the bus of such a board.
-    pub fn servos(&self, tick_us: u32) -> Outcome<[Option<ServoOptions>; 2]> {
+    pub fn servos(&self, params: &Params) -> Outcome<[Option<ServoOptions>; 2]> {
         let [x, z] = &self.0;
         let of = |profile: &Option<Profile>, axis| {
-            let servo = profile.as_ref().map(|profile| profile.servo(axis, tick_us));
+            let mode = Mode::of_setpoints(params.drive_mode(axis));
+            let servo = profile
+                .as_ref()
+                .map(|profile| profile.servo(axis, mode, params.tick_us()));
             servo.transpose()
         };
         Ok([of(x, Axis::X)?, of(z, Axis::Z)?])

@@ -1,6 +1,7 @@
 //! From a profile to the figures of the simulated drive.
 
 use leadscrew_board_sim::plant::{Interpolation, Late, ServoOptions};
+use leadscrew_core::bus::Mode;
 use leadscrew_core::units::{Acceleration, Axis, Feed, Length};
 
 use super::facts::{Value, decimals};
@@ -9,16 +10,17 @@ use crate::failure::{Failure, Outcome};
 use crate::values::decimal;
 use crate::words::{Both, both};
 
-/// The mode in which a board streams.
-const STREAMED: &str = "mode.8";
+/// The quirk of a drive that wants the way of a tick in 60C1h:02 beside the target.
+const DIFFERENCE: &str = "ip-target";
 
 impl Profile {
-    /// The simulated drive of an axis under this profile, for a board with this tick.
+    /// The simulated drive of an axis under this profile, for a board that gives it its setpoints in this mode and with
+    /// this tick.
     ///
     /// # Errors
     /// The drive cannot be on the bus of such a board.
-    pub fn servo(&self, axis: Axis, tick_us: u32) -> Outcome<ServoOptions> {
-        self.refuse(tick_us).map_err(Failure::WrongBecause)?;
+    pub fn servo(&self, axis: Axis, mode: Mode, tick_us: u32) -> Outcome<ServoOptions> {
+        self.refuse(mode, tick_us).map_err(Failure::WrongBecause)?;
         let typical = Self::named(TYPICAL);
         let figure = |key: &str| {
             let of = |profile: &Self| profile.figure(axis, key);
@@ -28,11 +30,11 @@ impl Profile {
         };
         let small = |key: &str| u32::try_from(figure(key)).unwrap_or(u32::MAX);
         let acceleration = |key: &str| Acceleration::from_nm_per_s2(figure(key));
-        let streamed = |key: &str| self.whole(&format!("{STREAMED}.{key}"));
+        let streamed = |key: &str| self.whole(&format!("mode.{}.{key}", mode as u8));
         let following = figure("following_mm");
         Ok(ServoOptions {
             buffer: streamed("buffer.default").unwrap_or(0) as u8,
-            interpolation: match self.word(&format!("{STREAMED}.interpolation")) {
+            interpolation: match self.word(&format!("mode.{}.interpolation", mode as u8)) {
                 Some("cubic") => Interpolation::Cubic,
                 _ => Interpolation::Linear,
             },
@@ -64,18 +66,37 @@ impl Profile {
         })
     }
 
-    /// Why such a drive cannot be streamed to.
-    pub(crate) fn refuse(&self, tick_us: u32) -> Result<(), Both> {
+    /// Why such a drive cannot get its setpoints in this mode, or at this tick.
+    pub(crate) fn refuse(&self, mode: Mode, tick_us: u32) -> Result<(), Both> {
         let name = &self.name;
-        if let Some(fact) = self.fact(&format!("{STREAMED}.supported"))
-            && fact.value == Value::Flag(false)
-        {
-            let source = fact.source.words();
+        let own = mode as u8;
+        let other = if mode == Mode::Interpolated { 8 } else { 7 };
+        let supports = |mode: u8| self.flag(&format!("mode.{mode}.supported"));
+        if supports(own) == Some(false) {
+            let source = self.fact(&format!("mode.{own}.supported"));
+            let source = source.map_or_else(|| both!("", ""), |fact| fact.source.words());
+            return Err(if supports(other) == Some(true) {
+                both!(
+                    "`{name}` has no mode {own} on CAN ({en}), but mode {other}: set parameter 9076 of its axis to {other}",
+                    "`{name}` 在 CAN 上没有模式 {own}（{zh}），但有模式 {other}：请将该轴的参数 9076 设为 {other}",
+                    en = source.en,
+                    zh = source.zh
+                )
+            } else {
+                both!(
+                    "`{name}` has no mode {own} on CAN ({en}), and the board sends setpoints in modes 7 and 8 alone: choose \
+                     another drive",
+                    "`{name}` 在 CAN 上没有模式 {own}（{zh}），而控制板只在模式 7 和 8 下发送设定值：请选择其他驱动器",
+                    en = source.en,
+                    zh = source.zh
+                )
+            });
+        }
+        if mode == Mode::Interpolated && self.quirks.iter().any(|quirk| quirk.id == DIFFERENCE) {
             return Err(both!(
-                "`{name}` has no mode 8 on CAN ({en}), and the board streams in no other: choose another drive",
-                "`{name}` 在 CAN 上没有模式 8（{zh}），而控制板只用该模式发送设定值：请选择其他驱动器",
-                en = source.en,
-                zh = source.zh
+                "`{name}` wants more than the target in mode 7, and the board sends it alone: set parameter 9076 of its axis \
+                 to 8",
+                "`{name}` 在模式 7 下除目标外还需要其他数据，而控制板只发送目标：请将该轴的参数 9076 设为 8"
             ));
         }
         let tick = i64::from(tick_us);
@@ -133,7 +154,7 @@ impl Profile {
         }
     }
 
-    fn word(&self, path: &str) -> Option<&str> {
+    pub(crate) fn word(&self, path: &str) -> Option<&str> {
         match &self.fact(path)?.value {
             Value::Text(text) => Some(text),
             _ => None,

@@ -1,6 +1,7 @@
 use super::*;
 use leadscrew_board_sim::plant::{Interpolation, Late, ServoOptions};
-use leadscrew_core::bus::Increments;
+use leadscrew_core::bus::{Increments, Mode};
+use leadscrew_core::params::Params;
 use leadscrew_core::units::{Acceleration, Axis, Length};
 
 /// Where the tests of quirks are.
@@ -19,13 +20,20 @@ fn every_built_in_profile_is_right_and_named_as_its_file() {
         let streamed = profile.fact("mode.8.supported");
         if streamed.is_none_or(|fact| fact.value == facts::Value::Flag(true)) {
             for axis in [Axis::X, Axis::Z] {
-                let options = profile.servo(axis, 1000).unwrap();
+                let options = profile.servo(axis, Mode::Position, 1000).unwrap();
                 let zero = Increments::new(0);
                 let servo = leadscrew_board_sim::plant::Servo::new(&options, (1, 1), 1000, zero);
                 assert!(servo.is_some(), "{name}: {options:?}");
             }
         } else {
-            assert!(profile.servo(Axis::Z, 1000).is_err(), "{name}");
+            assert!(
+                profile.servo(Axis::Z, Mode::Position, 1000).is_err(),
+                "{name}"
+            );
+            assert!(
+                profile.servo(Axis::Z, Mode::Interpolated, 1000).is_ok(),
+                "{name}"
+            );
         }
     }
     assert_eq!(Profile::built_in().count(), BUILT_IN.len());
@@ -57,15 +65,20 @@ fn every_simulated_quirk_has_the_test_that_it_names() {
 
 #[test]
 fn a_profile_has_its_own_figures_and_those_of_the_typical_drive() {
-    let options = named("technosoft-ipos").servo(Axis::X, 1000).unwrap();
+    let options = named("technosoft-ipos")
+        .servo(Axis::X, Mode::Position, 1000)
+        .unwrap();
     assert_eq!(options.buffer, 9);
     assert_eq!(options.sliding, Acceleration::from_nm_per_s2(400_000_000));
     let expected = ServoOptions {
         buffer: 0,
         ..options
     };
-    assert_eq!(named(TYPICAL).servo(Axis::X, 1000).unwrap(), expected);
-    let z = named("kv15").servo(Axis::Z, 1000).unwrap();
+    assert_eq!(
+        named(TYPICAL).servo(Axis::X, Mode::Position, 1000).unwrap(),
+        expected
+    );
+    let z = named("kv15").servo(Axis::Z, Mode::Position, 1000).unwrap();
     assert_eq!((z.kv_milli, z.current_loop_milli), (15_000, 5_026_548));
     assert_eq!(z.sliding, Acceleration::from_nm_per_s2(250_000_000));
     assert_eq!(
@@ -74,7 +87,10 @@ fn a_profile_has_its_own_figures_and_those_of_the_typical_drive() {
     );
     assert_eq!(z.following, Some((Length::from_nm(20_000_000), 100)));
     assert_eq!((z.interpolation, z.late), (Interpolation::Linear, None));
-    let late = named("delta-asda-a2").servo(Axis::Z, 1000).unwrap().late;
+    let late = named("delta-asda-a2")
+        .servo(Axis::Z, Mode::Position, 1000)
+        .unwrap()
+        .late;
     let expected = Late {
         extrapolate: 1,
         fault: 2,
@@ -85,9 +101,13 @@ fn a_profile_has_its_own_figures_and_those_of_the_typical_drive() {
 #[test]
 fn a_period_that_the_drive_does_not_take_is_refused() {
     let akd = named("kollmorgen-akd");
-    assert!(akd.servo(Axis::Z, 2000).is_ok());
+    assert!(akd.servo(Axis::Z, Mode::Position, 2000).is_ok());
     for tick in [250, 1500] {
-        let words = akd.servo(Axis::Z, tick).unwrap_err().words().unwrap();
+        let words = akd
+            .servo(Axis::Z, Mode::Position, tick)
+            .unwrap_err()
+            .words()
+            .unwrap();
         assert!(
             words.en.contains(&format!("9000 is {tick} µs")),
             "{words:?}"
@@ -206,7 +226,7 @@ fn axes_have_the_drives_that_the_options_say() {
         Chosen::of(&choices, Lang::En)
     };
     let kv = |texts: &[&str]| {
-        let servos = chosen(texts).unwrap().servos(1000).unwrap();
+        let servos = chosen(texts).unwrap().servos(&Params::sheets()).unwrap();
         servos.map(|servo| servo.map(|servo| servo.kv_milli / 1000))
     };
     assert_eq!(kv(&[]), [None, None]);
@@ -229,7 +249,9 @@ fn axes_have_the_drives_that_the_options_say() {
     ] {
         assert!(matches!(chosen(wrong), Err(Failure::Usage(_))), "{wrong:?}");
     }
-    let none = chosen(&["infranor-xtrapuls"]).unwrap().servos(1000);
+    let none = chosen(&["infranor-xtrapuls"])
+        .unwrap()
+        .servos(&Params::sheets());
     let words = none.unwrap_err().words().unwrap();
     assert!(words.en.contains("has no mode 8 on CAN"), "{words:?}");
 }

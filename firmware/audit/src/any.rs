@@ -160,7 +160,7 @@ records! {
     BoardStatus { state flags alarm count late credit }
     BoardPlace { line number }
     BoardSpindle { angle speed sync_error }
-    DriveConfig { letter node scale step silence following reach homes }
+    DriveConfig { letter node scale step silence following reach homes mode }
     HomeLimits { time travel stale }
 }
 
@@ -183,7 +183,7 @@ macro_rules! choices {
 }
 choices! {
     StoreError { StoreError::Device, StoreError::Full } or StoreError::Damaged;
-    Mode { Mode::Position, Mode::Homing } or Mode::Velocity;
+    Mode { Mode::Position, Mode::Interpolated, Mode::Homing } or Mode::Velocity;
     SpindleDemand { SpindleDemand::Speed(any()) } or SpindleDemand::Position(any());
     NmtCommand {
         NmtCommand::Start, NmtCommand::Stop, NmtCommand::PreOperational, NmtCommand::ResetNode,

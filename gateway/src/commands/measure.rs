@@ -27,7 +27,7 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
         source.protect(path)?;
     }
     let chosen = Chosen::of(&args.drives.drive, setup.lang)?;
-    let servos = chosen.servos(setup.params.tick_us())?;
+    let servos = chosen.servos(&setup.params)?;
     let mut execution = Execution::prepare(setup, &source)?;
     let wish = Wish {
         threads: args.thread.clone(),

@@ -65,7 +65,7 @@ pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
         source.protect(path)?;
     }
     let chosen = Chosen::of(&args.drives.drive, setup.lang)?;
-    let servos = chosen.servos(setup.params.tick_us())?;
+    let servos = chosen.servos(&setup.params)?;
     let mut execution = Execution::prepare(setup, source)?;
     let tick_us = setup.params.tick_us();
     let log = match record {

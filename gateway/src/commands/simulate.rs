@@ -21,7 +21,7 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
         source.protect(path)?;
     }
     let chosen = Chosen::of(&args.drives.drive, setup.lang)?;
-    let servos = chosen.servos(setup.params.tick_us())?;
+    let servos = chosen.servos(&setup.params)?;
     let mut execution = Execution::prepare(setup, &source)?;
     let tick_us = setup.params.tick_us();
     let cannot = |error: io::Error| match &args.output {

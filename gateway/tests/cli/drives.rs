@@ -174,6 +174,21 @@ fn worst_of_passes(csv: &str, lead_mm: f64) -> [f64; 2] {
     passes.try_into().unwrap()
 }
 
+/// A drive without mode 8 follows the same setpoints in mode 7.
+#[test]
+fn a_drive_without_mode_8_runs_in_mode_7() {
+    let folder = Folder::new("drives-mode-7");
+    let ideal = simulated(&folder, TWO_SPEEDS, &BORNE);
+    let mode = ["--set", "9076.X=7", "--set", "9076.Z=7"];
+    let alone = simulated(&folder, TWO_SPEEDS, &[&BORNE[..], &mode].concat());
+    assert_eq!(alone["setpoint_hash"], ideal["setpoint_hash"]);
+    let drive = ["--drive", "infranor-xtrapuls"];
+    let real = simulated(&folder, TWO_SPEEDS, &[&BORNE[..], &mode, &drive].concat());
+    assert_eq!(real["setpoint_hash"], ideal["setpoint_hash"]);
+    let words = real["cut"]["drives"].as_str().unwrap();
+    assert!(words.starts_with("X infranor-xtrapuls ("), "{words}");
+}
+
 #[test]
 fn an_ideal_drive_changes_nothing_and_another_only_what_is_said_of_it() {
     let folder = Folder::new("drives-ideal");
@@ -317,7 +332,17 @@ fn drives_that_cannot_be_are_refused() {
         (&["--drive", "kv31"][..], 2, "there is no drive `kv31`"),
         (&["--drive", "C=kv30"], 2, "C and the spindles stay ideal"),
         (&["--drive", "kv30", "--drive", "kv15"], 2, "twice"),
-        (&["--drive", "infranor-xtrapuls"], 1, "has no mode 8 on CAN"),
+        (
+            &["--drive", "infranor-xtrapuls"],
+            1,
+            "has no mode 8 on CAN (manual: Infranor Xtrapuls CANopen manual), but mode 7: set parameter 9076 of its axis \
+             to 7",
+        ),
+        (
+            &["--drive", "Z=delta-asda-a2", "--set", "9076.Z=7"],
+            1,
+            "wants more than the target in mode 7",
+        ),
         (
             &["--drive", "kollmorgen-akd", "--tick-us", "1500"],
             1,

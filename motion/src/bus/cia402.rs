@@ -138,7 +138,9 @@ impl Controlword {
     pub const ENABLE_OPERATION: Self = Self(0x000F);
     /// Enabled, bit 4: homing runs as long as the bit stays.
     pub const HOME: Self = Self(0x001F);
-    /// The same with bit 8: the axis halts on its way.
+    /// Enabled, bit 4 in mode 7: the drive follows its setpoints.
+    pub const INTERPOLATE: Self = Self::HOME;
+    /// Homing with bit 8: the axis halts on its way.
     pub const HOME_HALTED: Self = Self(0x011F);
     /// Enabled, bit 8: the axis halts.
     pub const HALT: Self = Self(0x010F);

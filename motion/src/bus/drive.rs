@@ -14,7 +14,8 @@
 //! ```
 //!
 //! A drive that homes by itself leaves position mode and comes back to it: see `home`. It is enabled only in position mode
-//! (6061h = 8), whatever it was doing when the board came up.
+//! (6061h = 8), whatever it was doing when the board came up. Where a drive gets its setpoints in mode 7, that is its
+//! position mode, and once it is enabled its controlword is 001Fh: without bit 4 it follows nothing.
 //!
 //! Each step has the same time limit. A step that takes longer is a [`DriveFailure`] with the step and the statusword.
 //! A failure is latched until [`DriveMaster::reset`]; no drive is enabled again by itself. A fault or a loss of

@@ -2,7 +2,7 @@
 //!
 //! | PDO | content |
 //! |---|---|
-//! | RPDO1 | 6040h controlword (16 bit), 607Ah target position (32 bit, drive increments) |
+//! | RPDO1 | 6040h controlword (16 bit), 607Ah target position, in mode 7 60C1h:01 (32 bit, drive increments) |
 //! | RPDO2, spindles | 6060h mode of operation (8 bit), 60FFh target velocity (32 bit, 0.001 rpm) |
 //! | RPDO2, axes that home by themselves | 6060h mode of operation (8 bit) |
 //! | TPDO1 | 6041h statusword (16 bit), 6064h actual position (32 bit, drive increments) |
@@ -22,13 +22,19 @@ use crate::units::{Rpm, TurnRate};
 pub struct DriveCommand {
     /// 6040h.
     pub control: Controlword,
-    /// 607Ah.
+    /// 607Ah, or 60C1h:01.
     pub target: Increments,
 }
 
 impl DriveCommand {
     /// The objects that the drive must map into this PDO.
-    pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6040, 0, 16), Mapped::new(0x607A, 0, 32)];
+    pub const MAPPING: [Mapped; 2] = [Self::CONTROL, Self::TARGET];
+    /// The controlword.
+    pub const CONTROL: Mapped = Mapped::new(0x6040, 0, 16);
+    /// The target position in cyclic synchronous position.
+    pub const TARGET: Mapped = Mapped::new(0x607A, 0, 32);
+    /// The target position in interpolated position.
+    pub const INTERPOLATED: Mapped = Mapped::new(0x60C1, 1, 32);
 
     /// The frame to `node`.
     #[must_use]
@@ -185,16 +191,29 @@ impl AxisReport {
     }
 }
 
-/// Mode of operation, 6060h: homing, and the cyclic synchronous modes.
+/// Mode of operation, 6060h: homing, and the modes in which a drive gets a setpoint with each SYNC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Mode {
     /// Homing by the drive itself.
     Homing = 6,
+    /// Interpolated position (IP): for axes whose drives have no other such mode on CAN.
+    Interpolated = 7,
     /// Cyclic synchronous position (CSP): for axes, and for a spindle that taps.
     Position = 8,
     /// Cyclic synchronous velocity (CSV): for a spindle at a speed.
     Velocity = 9,
+}
+
+impl Mode {
+    /// The mode in which the drive of an axis gets its setpoints, by parameter 9076.
+    #[must_use]
+    pub const fn of_setpoints(number: u32) -> Self {
+        match number {
+            7 => Self::Interpolated,
+            _ => Self::Position,
+        }
+    }
 }
 
 /// Spindle speed on the bus, in thousandths of a turn per minute; positive M03.

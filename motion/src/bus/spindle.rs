@@ -172,6 +172,7 @@ mod tests {
             following: None,
             reach: 9_000,
             homes: None,
+            mode: Mode::Position,
         })
     }
 

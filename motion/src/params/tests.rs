@@ -378,6 +378,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x5AFF_874E),
     // A reference by a switch at the board: 9050 = 2, 9051 to 9055.
     (2, 0x13C3_ED09),
+    // Drives that get their setpoints in mode 7: 9076.
+    (2, 0xD9B9_2B27),
 ];
 
 #[test]

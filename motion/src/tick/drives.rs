@@ -15,8 +15,8 @@ use super::nodes::DriveNodes;
 use super::spindles::{Spindle, Spindles};
 use crate::alarm::Alarm;
 use crate::bus::{
-    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, Periods, Scale,
-    SyncProducer, Told,
+    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, Mode, Periods,
+    Scale, SyncProducer, Told,
 };
 use crate::bus::{Phase, Service, Setpoints, Step};
 use crate::call::{Position, TapSpindle};
@@ -88,6 +88,7 @@ impl Figures {
             }),
             reach,
             homes: None,
+            mode: Mode::Position,
             ..*c
         };
         let homed = |axis, config: &DriveConfig| home::offset(params, axis, &config.scale);
@@ -133,6 +134,7 @@ fn axis_config(
         }),
         reach: increments,
         homes: home::limits(params, axis, &scale),
+        mode: Mode::of_setpoints(params.drive_mode(axis)),
     })
 }
 

@@ -26,12 +26,18 @@ pub const LONGEST: u64 = 40_000;
 
 /// The parameters: X and Z home by their drives.
 pub fn params() -> Params {
-    with(&[
+    params_and(&[])
+}
+
+/// The same with other values.
+pub fn params_and(values: &[(&str, i64)]) -> Params {
+    let own = [
         ("9050.X", 1),
         ("9050.Z", 1),
         ("9058.X", MARK),
         ("9061.X", 30_000),
-    ])
+    ];
+    with(&[&own[..], values].concat())
 }
 
 /// X and Z.

@@ -41,5 +41,5 @@ fn an_axis_homes_with_a_drive_of_other_making() {
 
 #[test]
 fn a_drive_of_other_making_is_set_up_by_its_profile() {
-    passes("profile_on_a_bus", 1);
+    passes("profile_on_a_bus", 2);
 }

@@ -44,7 +44,7 @@ impl Machine {
         }
         self.begin_anew(Some(self.options.at))?;
         let params = self.board.params().clone();
-        self.options.servos = self.drives.servos(params.tick_us())?;
+        self.options.servos = self.drives.servos(&params)?;
         self.plant = fitted(&params, &self.options)?;
         self.tick_us = params.tick_us();
         self.unplugged = false;

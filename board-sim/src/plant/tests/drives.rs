@@ -4,7 +4,7 @@ extern crate std;
 
 use super::super::*;
 use leadscrew_core::bus::{
-    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, NmtState, NodeId, Periods, Phase,
+    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Mode, NmtState, NodeId, Periods, Phase,
     SpindleDemand, SpindleMaster, SyncProducer,
 };
 use leadscrew_core::units::{Length, Rpm};
@@ -36,6 +36,7 @@ impl Bench {
             }),
             reach: 10_000,
             homes: None,
+            mode: Mode::Position,
         };
         Self {
             plant: Plant::new(&Params::sheets(), options).unwrap(),

@@ -94,9 +94,13 @@ impl Bench {
     }
 
     fn read(&mut self, index: u16) -> Option<u32> {
+        self.read_sub(index, 0)
+    }
+
+    fn read_sub(&mut self, index: u16, sub: u8) -> Option<u32> {
         let mut bytes = [0; 8];
         let mut buffer = SdoBuffer::new(&mut bytes);
-        let (object, patience) = (Object::new(index, 0), Duration::from_secs(1));
+        let (object, patience) = (Object::new(index, sub), Duration::from_secs(1));
         let short = SdoProtocol::Short;
         let now = Duration::ZERO;
         let mut upload = SdoUpload::new(Z, object, &mut buffer, short, patience, now);
@@ -343,6 +347,32 @@ fn homing_moves_the_tool_and_counts_anew_behind_it() {
     // A count is 100 nm, and half the play is behind.
     let tool = bench.plant.truth().loads[1].unwrap().nm();
     assert!((1_955_000..1_955_100).contains(&tool), "{tool}");
+}
+
+#[test]
+fn in_interpolated_position_it_follows_its_own_object_and_only_with_bit_4() {
+    let mut params = Params::sheets();
+    params.set(Entry::find_text("9076.Z").unwrap(), 7).unwrap();
+    let mut bench = Bench::with(&params, options());
+    let mapped = [0x6040_0010, 0x60C1_0120];
+    for (sub, raw) in (1..).zip(mapped) {
+        assert_eq!(bench.read_sub(0x1600, sub), Some(raw));
+    }
+    assert_eq!((bench.read(0x6060), bench.read(0x6061)), (Some(7), Some(7)));
+    // Enabled without bit 4: it stands, and says so.
+    (1..=500).for_each(|k| bench.tick(Some((0x0F, k))));
+    assert_eq!(bench.place(), 0);
+    assert_eq!(bench.read(0x6041).unwrap() & 0x1000, 0);
+    (1..=1000).for_each(|k| bench.tick(Some((0x1F, k.min(500)))));
+    assert_eq!(bench.place(), 500);
+    assert_eq!(bench.read(0x6041).unwrap() & 0x1000, 0x1000);
+    // In mode 8 the target is elsewhere.
+    params.set(Entry::find_text("9050.Z").unwrap(), 1).unwrap();
+    let mut bench = Bench::with(&params, options());
+    let other = AxisMode(Mode::Position).frame(Z);
+    bench.plant.exchange(&[other], |_| {});
+    (1..=500).for_each(|k| bench.tick(Some((0x1F, k))));
+    assert_eq!((bench.place(), bench.read(0x6061)), (0, Some(8)));
 }
 
 #[test]

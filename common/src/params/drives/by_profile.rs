@@ -6,12 +6,12 @@
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
-    AxisMode, AxisReport, CobId, DriveStatus, Mapped, Object, Service, SpindleCommand,
+    AxisMode, AxisReport, CobId, DriveStatus, Mapped, Mode, Object, Service, SpindleCommand,
 };
 use leadscrew_core::params::Params;
 
 use super::objects::{DriveName, Kind, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE};
-use super::{HOMING_METHOD, Setting, Wanted, command_mapping, homes, period_of};
+use super::{HOMING_METHOD, Setting, Wanted, command_mapping, homes, mode, period_of};
 use crate::params::Loader;
 use crate::profiles::Profile;
 use crate::words::{Both, both};
@@ -28,8 +28,10 @@ const REPORT: Object = Object::new(0x1801, 2);
 const AT_CHANGE: i64 = 255;
 /// 6060h.
 const MODE: Object = Object::new(0x6060, 0);
-/// Cyclic synchronous position.
-const POSITION: i64 = 8;
+/// 60C0h.
+const INTERPOLATION: Object = Object::new(0x60C0, 0);
+/// A straight line from setpoint to setpoint.
+const LINEAR: i64 = 0;
 
 /// Adds what the profiles say of their drives, where no section says it.
 pub(in crate::params) fn fill(loader: &mut Loader) {
@@ -72,7 +74,8 @@ pub(in crate::params) fn fill(loader: &mut Loader) {
 /// # Errors
 /// In words: what the profile says that the drive cannot do.
 fn wanted(profile: &Profile, drive: DriveName, params: &Params) -> Result<Vec<Wanted>, Both> {
-    profile.refuse(params.tick_us())?;
+    let mode = mode(drive, params);
+    profile.refuse(mode, params.tick_us())?;
     wire(profile, params)?;
     let mut all = pdos(profile, drive, params)?;
     all.push(number(LATCHED, Kind::U8, AT_SYNC));
@@ -85,7 +88,10 @@ fn wanted(profile: &Profile, drive: DriveName, params: &Params) -> Result<Vec<Wa
         all.push(number(REPORT, Kind::U8, AT_CHANGE));
     } else if !drive.is_spindle() {
         // Who homes or is a spindle is told its mode in process data.
-        all.push(number(MODE, Kind::I8, POSITION));
+        all.push(number(MODE, Kind::I8, mode as i64));
+    }
+    if mode == Mode::Interpolated && profile.word("mode.7.interpolation") == Some("linear") {
+        all.push(number(INTERPOLATION, Kind::I16, LINEAR));
     }
     period(profile, params, &mut all)?;
     Ok(all)
@@ -296,6 +302,27 @@ mod tests {
     }
 
     #[test]
+    fn a_drive_that_has_mode_7_alone_is_set_up_for_it() {
+        let text = "9076.Z = 7\n[drive.Z]\nprofile = \"infranor-xtrapuls\"\n";
+        let loaded = load(text);
+        let (numbers, mappings) = told(&loaded, DriveName::Z);
+        assert_eq!(mappings, 2);
+        assert!(numbers.contains(&(0x6060, 0, 7)) && numbers.contains(&(0x60C0, 0, 0)));
+        let target = loaded
+            .drives
+            .iter()
+            .find_map(|setting| match &setting.wanted {
+                Wanted::Mapping {
+                    mapping: 0x1600,
+                    objects,
+                    ..
+                } => objects.last().map(|last| last.raw()),
+                _ => None,
+            });
+        assert_eq!(target, Some(0x60C1_0120));
+    }
+
+    #[test]
     fn what_the_section_says_stands() {
         let text = "[drive.Z]\ninterpolation_period = \"1000 µs\"\nmax_torque = 800\nprofile = \"delta-asda-a2\"\n";
         let (numbers, _) = told(&load(text), DriveName::Z);
@@ -346,7 +373,7 @@ mod tests {
         let mut streamed = 0;
         for profile in Profile::built_in() {
             let loaded = load(&format!("[drive.X]\nprofile = \"{}\"\n", profile.name));
-            if profile.refuse(1000).is_err() || !loaded.is_good() {
+            if profile.refuse(Mode::Position, 1000).is_err() || !loaded.is_good() {
                 continue;
             }
             streamed += 1;

@@ -21,11 +21,10 @@ use std::ops::Range;
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
-    AxisMode, AxisReport, CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Service,
+    AxisMode, AxisReport, CobId, DriveCommand, DriveStatus, Mapped, Mode, NodeId, Object, Service,
     Setpoints, SpindleCommand,
 };
 use leadscrew_core::params::Params;
-use leadscrew_core::units::Axis;
 
 use crate::diagnostics::Place;
 use crate::profiles::Profile;
@@ -288,23 +287,33 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
 
 /// The drive of an axis that homes by itself (9050 = 1).
 fn homes(drive: DriveName, params: &Params) -> bool {
-    let axis = match drive {
-        DriveName::X => Axis::X,
-        DriveName::Z => Axis::Z,
-        DriveName::C => Axis::C,
-        _ => return false,
-    };
-    params.home_method(axis) == leadscrew_core::params::BY_DRIVE
+    drive
+        .axis()
+        .is_some_and(|axis| params.home_method(axis) == leadscrew_core::params::BY_DRIVE)
 }
 
 /// The mapping of RPDO1 that the board needs of a drive: its own objects, after those of other drives where all drives get
 /// one frame (9031).
 #[must_use]
 pub fn command_mapping(drive: DriveName, params: &Params) -> Vec<Mapped> {
-    match params.setpoint_frame() {
+    let mut mapping = match params.setpoint_frame() {
         0 => DriveCommand::MAPPING.to_vec(),
         _ => Setpoints::mapping(drive as usize).collect(),
+    };
+    if mode(drive, params) == Mode::Interpolated {
+        // The target is the last entry.
+        mapping.pop();
+        mapping.push(DriveCommand::INTERPOLATED);
     }
+    mapping
+}
+
+/// The mode in which a drive gets its setpoints (9076).
+#[must_use]
+pub fn mode(drive: DriveName, params: &Params) -> Mode {
+    drive.axis().map_or(Mode::Position, |axis| {
+        Mode::of_setpoints(params.drive_mode(axis))
+    })
 }
 
 /// Both identifiers in words, where a PDO between board and drive is switched off or has another identifier.

@@ -75,6 +75,17 @@ impl DriveName {
         Drive { name: self, node }
     }
 
+    /// Its axis, if it is not that of a spindle.
+    #[must_use]
+    pub const fn axis(self) -> Option<Axis> {
+        match self {
+            Self::X => Some(Axis::X),
+            Self::Z => Some(Axis::Z),
+            Self::C => Some(Axis::C),
+            Self::S1 | Self::S2 | Self::S3 | Self::S4 => None,
+        }
+    }
+
     /// True for the drive of a spindle.
     #[must_use]
     pub const fn is_spindle(self) -> bool {
@@ -339,8 +350,8 @@ pub const KNOWN: &[Known] = &[
         0x6060,
         0,
         Kind::I8,
-        "Mode: 8 is cyclic synchronous position",
-        "工作模式：8 为循环同步位置",
+        "Mode: 8 is cyclic synchronous position, 7 interpolated position",
+        "工作模式：8 为循环同步位置，7 为插补位置",
     ),
     known(
         "following_error_window",

@@ -1,8 +1,8 @@
 //! The bus side of an axis.
 
 use leadscrew_core::bus::{
-    DriveConfig, DriveMaster, DriveOutput, DriveStatus, FollowingLimit, Frame, Increments, NodeId,
-    Periods, Scale, Statusword,
+    DriveConfig, DriveMaster, DriveOutput, DriveStatus, FollowingLimit, Frame, Increments, Mode,
+    NodeId, Periods, Scale, Statusword,
 };
 
 use super::Work;
@@ -45,6 +45,7 @@ impl Work for Commanding {
             }),
             reach: 10_000,
             homes: None,
+            mode: Mode::Position,
         });
         master.enable().expect("a new master has no failure");
         master.tick(None);

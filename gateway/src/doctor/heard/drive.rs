@@ -42,6 +42,8 @@ pub struct Drive {
     spindle: bool,
     /// 9011.
     patience: Duration,
+    /// The mode in which the board gives it setpoints: 8, or 7 (9076).
+    streamed: u8,
     /// The last command, and when.
     pub command: Option<(Stamp, DriveCommand)>,
     /// Since when the controlword asks for what it asks for.
@@ -60,7 +62,7 @@ pub struct Drive {
     last_sync: Option<u64>,
     /// It tells another mode than it was told.
     pub other_mode: Hits,
-    /// It tells mode 7.
+    /// It tells the mode for setpoints that the board does not use for it.
     pub interpolated: Hits,
     /// Enabled in mode 8, it says that it does not follow.
     pub not_following: Hits,
@@ -99,12 +101,13 @@ struct Homing {
 }
 
 impl Drive {
-    /// Nothing was heard of it. `patience`: 9011.
+    /// Nothing was heard of it. `patience`: 9011; `streamed`: the mode in which the board gives it setpoints.
     #[must_use]
-    pub fn new(spindle: bool, patience: Duration) -> Self {
+    pub fn new(spindle: bool, patience: Duration, streamed: Mode) -> Self {
         Self {
             spindle,
             patience,
+            streamed: streamed as u8,
             ..Self::default()
         }
     }
@@ -156,8 +159,8 @@ impl Drive {
 
     /// The mode that it says it is in.
     pub fn tells_mode(&mut self, at: Stamp, mode: u8, packet: &Packet) {
-        let (since, told) = self.mode.unwrap_or((at, Mode::Position as u8));
-        if mode == 7 {
+        let (since, told) = self.mode.unwrap_or((at, self.streamed));
+        if takes_setpoints(mode) && mode != self.streamed {
             self.interpolated.go_on(at, packet);
         } else {
             self.interpolated.end(at);
@@ -274,10 +277,10 @@ impl Drive {
         self.enabled.is_some_and(|since| at.since(since) >= SETTLED)
     }
 
-    /// It goes where its target is: mode 8, which an axis is in where nobody says otherwise.
+    /// It goes where its target is: in the mode for setpoints, which an axis is in where nobody says otherwise.
     fn moves_by_targets(&self) -> bool {
         match self.mode {
-            Some((_, mode)) => mode == Mode::Position as u8,
+            Some((_, mode)) => mode == self.streamed,
             None => !self.spindle,
         }
     }
@@ -361,4 +364,9 @@ impl Drive {
             hits.end(at);
         }
     }
+}
+
+/// In this mode a drive gets a setpoint with each SYNC.
+pub const fn takes_setpoints(mode: u8) -> bool {
+    mode == Mode::Interpolated as u8 || mode == Mode::Position as u8
 }

@@ -28,7 +28,7 @@ use self::period::Period;
 use self::sdo::Transfers;
 use super::hits::Hits;
 use super::machine::{Clock, Machine};
-use crate::params::drives::DriveName;
+use crate::params::drives::{self, DriveName};
 
 /// Emergency 8611h: following error.
 pub const FOLLOWING: u16 = 0x8611;
@@ -83,7 +83,10 @@ impl Heard {
     #[must_use]
     pub fn new(machine: Machine) -> Self {
         let patience = Duration::from_millis(u64::from(machine.params.drive_time_ms()));
-        let drive = |name: DriveName| Drive::new(name.is_spindle(), patience);
+        let drive = |name: DriveName| {
+            let streamed = drives::mode(name, &machine.params);
+            Drive::new(name.is_spindle(), patience, streamed)
+        };
         let drives = machine.drives.iter();
         let drives = drives.map(|expected| (expected.node, drive(expected.name)));
         Self {

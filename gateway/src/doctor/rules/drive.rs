@@ -7,11 +7,11 @@ use leadscrew_core::units::Axis;
 
 use super::{Found, Group, Lack, Rule, Verdict, found, found_or};
 use crate::doctor::heard::Heard;
-use crate::doctor::heard::drive::Drive;
+use crate::doctor::heard::drive::{Drive, takes_setpoints};
 use crate::doctor::heard::motion::Way;
 use crate::doctor::hits::Hits;
 use crate::doctor::machine::Expected;
-use crate::params::drives::DriveName;
+use crate::params::drives::{DriveName, mode};
 use crate::words::{Both, both};
 
 macro_rules! rules {
@@ -34,13 +34,13 @@ rules! {
         ("look whether it has the mode, and let it stand before it changes", "确认它支持该模式，并在静止时切换"),
         ("6061h differs from 6060h for longer than 9011", "6061h 与 6060h 不同的时间超过 9011");
     34 not_following
-        ("in mode 8 the drive does not follow its targets", "模式 8 下驱动器不跟随目标"),
+        ("in its mode for setpoints the drive does not follow its targets", "在设定值模式下驱动器不跟随目标"),
         ("look whether it is synchronous: SYNC, 60C2h, 1400h:02", "检查是否同步：SYNC、60C2h、1400h:02"),
         ("enabled for 100 ms, bit 12 of the statusword 0; axes, not in homing", "使能 100 ms 以上而状态字第 12 位为 0；仅轴，不在回零中");
     35 interpolated
-        ("the drive is in mode 7 and gets its targets in 607Ah", "驱动器处于模式 7，而目标在 607Ah"),
-        ("set mode 8; where it has none, it cannot follow this board", "改为模式 8；没有该模式的驱动器不能用于本控制板"),
-        ("6061h says 7, by TPDO2 or by SDO", "6061h 为 7（TPDO2 或 SDO）");
+        ("the drive is in mode 7 and gets its targets in 607Ah (or in 8, and in 60C1h)", "驱动器处于模式 7，而目标在 607Ah（或处于模式 8，而目标在 60C1h）"),
+        ("set its mode to that of 9076 of its axis, or 9076 to its mode; then push its section", "将其模式设为该轴的 9076，或将 9076 设为其模式；再推送其段"),
+        ("6061h says 7 or 8 and 9076 the other, by TPDO2 or by SDO", "6061h 为 7 或 8，而 9076 为另一个（TPDO2 或 SDO）");
     36 no_mains
         ("the drive has no mains", "驱动器没有主电源"),
         ("look at contactor, fuse and mains of the drive", "检查驱动器的接触器、熔断器和主电源"),
@@ -117,6 +117,11 @@ fn word(drive: &Drive) -> String {
     format!("{status:04X}h")
 }
 
+/// The mode in which the board gives it setpoints.
+fn streamed(heard: &Heard, expected: &Expected) -> u32 {
+    mode(expected.name, &heard.machine.params) as u32
+}
+
 /// The mode that the drive says, by SDO.
 fn mode_told(heard: &Heard, expected: &Expected) -> Option<(Hits, u32)> {
     let (at, mode) = heard.objects.value(expected.node, 0x6061, 0)?;
@@ -148,7 +153,7 @@ fn other_mode(heard: &Heard) -> Verdict {
             None => heard
                 .objects
                 .value(expected.node, 0x6060, 0)
-                .map_or(Mode::Position as u32, |(_, mode)| mode),
+                .map_or(streamed(heard, expected), |(_, mode)| mode),
         };
         if mode != told {
             let name = expected.name;
@@ -189,10 +194,15 @@ fn interpolated(heard: &Heard) -> Verdict {
         heard,
         |drive| &drive.interpolated,
         |expected, _| {
-            let name = expected.name;
+            let (name, own) = (expected.name, streamed(heard, expected));
             both!(
-                "drive {name} says mode 7 in its TPDO2",
-                "驱动器 {name} 的 TPDO2 为模式 7"
+                "drive {name} says mode {told} in its TPDO2, 9076 says {own}",
+                "驱动器 {name} 的 TPDO2 为模式 {told}，9076 为 {own}",
+                told = if own == Mode::Position as u32 {
+                    Mode::Interpolated as u32
+                } else {
+                    Mode::Position as u32
+                }
             )
         },
     );
@@ -201,11 +211,15 @@ fn interpolated(heard: &Heard) -> Verdict {
         if let Some((hits, mode)) = mode_told(heard, expected) {
             known = true;
             let name = expected.name;
-            if mode == 7 {
+            let own = streamed(heard, expected);
+            if u8::try_from(mode).is_ok_and(takes_setpoints) && mode != own {
                 all.push(Found::at(
                     expected.node,
                     &hits,
-                    both!("6061h of drive {name} is 7", "驱动器 {name} 的 6061h 为 7"),
+                    both!(
+                        "6061h of drive {name} is {mode}, 9076 says {own}",
+                        "驱动器 {name} 的 6061h 为 {mode}，9076 为 {own}"
+                    ),
                 ));
             }
         }

@@ -191,6 +191,10 @@ pub fn all() -> Vec<(u8, Scene)> {
     homes.frame(0, 0x310, &[6]);
     guard(34, homes);
     guard(35, object(0x6061, 0, 8));
+    let mut seven = object(0x6061, 0, 7);
+    seven.object(1400, 16, [0x6060, 0], 7, false);
+    seven.streams_in(7);
+    guard(35, seven);
     let mains = Scene::new().control(|ms| if ms < 2000 { 0x0006 } else { 0x000F });
     guard(36, mains.word(|ms| if ms < 1000 { 0x0240 } else { 0x1237 }));
     guard(36, Scene::new().word(|_| 0x0240).control(|_| 0x0000));

@@ -2,7 +2,7 @@
 
 use leadscrew_can::{ErrorFrame, Packet, Stamp};
 use leadscrew_core::bus::{CobId, Frame, NodeId};
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Entry, Params};
 
 use crate::doctor::machine::{Clock, Machine};
 use crate::doctor::{Doctor, Report};
@@ -101,6 +101,14 @@ impl Scene {
     }
 
     /// The node is asked for an object and tells it, or is told it.
+    /// The board gives X and Z their setpoints in this mode.
+    pub fn streams_in(&mut self, mode: i64) {
+        for key in ["9076.X", "9076.Z"] {
+            let entry = Entry::find_text(key).unwrap();
+            self.machine.params.set(entry, mode).unwrap();
+        }
+    }
+
     pub fn object(&mut self, ms: u64, node: u16, [index, sub]: [u16; 2], value: u32, write: bool) {
         let [low, high] = index.to_le_bytes();
         let [a, b, c, d] = value.to_le_bytes();

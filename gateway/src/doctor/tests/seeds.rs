@@ -180,6 +180,10 @@ pub fn all() -> Vec<(u8, Scene)> {
     let mut seven = object(0x6061, 0, 7);
     seven.object(1400, 16, [0x6060, 0], 7, false);
     seed(35, seven);
+    let mut eight = object(0x6061, 0, 8);
+    eight.object(1400, 16, [0x6060, 0], 8, false);
+    eight.streams_in(7);
+    seed(35, eight);
     seed(36, Scene::new().word(|_| 0x0240).control(|_| 0x0006));
     seed(37, Scene::new().word(|_| 0x0231).control(|_| 0x0007));
     seed(

@@ -3,8 +3,10 @@
 //! Plain values for the master and for the failures. This module must not know either of them, nor any frame.
 
 use super::home::{HomeLimits, HomeStep};
+use crate::bus::cia402::Controlword;
 use crate::bus::frame::NodeId;
 use crate::bus::increments::Scale;
+use crate::bus::pdo::Mode;
 use crate::bus::periods::Periods;
 
 /// The configuration of a drive.
@@ -27,6 +29,18 @@ pub struct DriveConfig {
     pub reach: u32,
     /// What the drive is allowed in homing; `None` where it does not home by itself, and its mode is not ordered.
     pub homes: Option<HomeLimits>,
+    /// The mode in which it gets its setpoints: cyclic synchronous or interpolated position.
+    pub mode: Mode,
+}
+
+impl DriveConfig {
+    /// The controlword of an enabled drive that follows its setpoints.
+    pub(super) const fn following_on(&self) -> Controlword {
+        match self.mode {
+            Mode::Interpolated => Controlword::INTERPOLATE,
+            _ => Controlword::ENABLE_OPERATION,
+        }
+    }
 }
 
 /// How far an enabled drive may be from its target while it follows, and for how long.

@@ -1,8 +1,9 @@
-//! Homing by the drive itself (CiA 402, mode 6), from rest in position mode back to rest in position mode.
+//! Homing by the drive itself (CiA 402, mode 6), from rest in position mode back to rest in position mode: mode 8, or 7
+//! for a drive that gets its setpoints in that one.
 //!
 //! ```text
 //! enabled ─► to homing ─► running ─► leaving ─► to position ─► settling ─► enabled
-//!            6060h = 6    001Fh      000Fh      6060h = 8      two equal 6064h
+//!            6060h = 6    001Fh      000Fh      6060h = 8, 7   two equal 6064h
 //! ```
 //!
 //! From 001Fh on, until the drive is enabled again, its target is its last reported position: whatever the drive makes of
@@ -46,7 +47,7 @@ pub enum HomeStep {
     Running,
     /// 000Fh, or 010Fh after an error; waits until the drive stands.
     Leaving,
-    /// 6060h = 8; waits for 6061h = 8.
+    /// 6060h = 8 (7); waits for 6061h to be the same.
     ToPosition,
     /// Position mode; waits until the drive stands where it is told to be.
     Settling,
@@ -109,9 +110,9 @@ impl Home {
         (self.mode, self.told) = (0, 0);
     }
 
-    /// True where the drive is known to be in position mode.
-    pub const fn in_position_mode(&self) -> bool {
-        self.mode == Mode::Position as u8
+    /// True where the drive is known to be in this mode.
+    pub const fn is_in(&self, mode: Mode) -> bool {
+        self.mode == mode as u8
     }
 }
 
@@ -219,7 +220,7 @@ impl DriveMaster {
                 self.home.forget();
                 return None;
             }
-            _ => Mode::Position,
+            _ => self.config.mode,
         };
         let home = &mut self.home;
         let raw = wanted as u8;
@@ -288,7 +289,7 @@ impl DriveMaster {
             Phase::Homing(HomeStep::Running) if !homing => {
                 self.end_homing(HomeEnd::Mode(report.mode), HomeStep::Leaving);
             }
-            Phase::Homing(HomeStep::ToPosition) if self.home.in_position_mode() => {
+            Phase::Homing(HomeStep::ToPosition) if self.home.is_in(self.config.mode) => {
                 self.go_home(HomeStep::Settling);
             }
             _ => {}

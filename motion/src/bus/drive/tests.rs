@@ -3,7 +3,7 @@ extern crate std;
 
 use super::*;
 use crate::alarm::{Arg, Code};
-use crate::bus::{CobId, DriveCommand, Emcy, Frame, NmtState, Scale, Statusword};
+use crate::bus::{CobId, DriveCommand, Emcy, Frame, Mode, NmtState, Scale, Statusword};
 use crate::units::Length;
 use std::string::String;
 use std::vec::Vec;
@@ -25,6 +25,7 @@ fn master() -> DriveMaster {
         }),
         reach: 1000,
         homes: None,
+        mode: Mode::Position,
     })
 }
 
@@ -106,6 +107,36 @@ fn start_up_frame_by_frame() {
         "210#0F00CE040000",
         "210#0F00CF040000",
         "210#0F00CF040000",
+    ];
+    assert_eq!(log, expected);
+}
+
+#[test]
+fn in_interpolated_position_it_follows_with_bit_4() {
+    let config = DriveConfig {
+        mode: Mode::Interpolated,
+        ..*master().config()
+    };
+    let mut m = DriveMaster::new(config);
+    m.enable().unwrap();
+    let mut log = vec![sent(m.tick(None))];
+    for status in [0x0250, 0x0231, 0x0233, 0x0237, 0x1237] {
+        answer(&mut m, status, 4);
+        log.push(sent(m.tick(Some(Increments::new(4)))));
+    }
+    // The usual tick and the slow one.
+    log.push(sent(m.tick(Some(Increments::new(5)))));
+    m.disable();
+    log.push(sent(m.tick(None)));
+    let expected = [
+        "000#0110",
+        "210#060004000000",
+        "210#070004000000",
+        "210#0F0004000000",
+        "210#1F0004000000",
+        "210#1F0004000000",
+        "210#1F0005000000",
+        "210#060005000000",
     ];
     assert_eq!(log, expected);
 }

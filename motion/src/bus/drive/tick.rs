@@ -76,7 +76,7 @@ impl DriveMaster {
         self.quiet = self.quiet.one_more();
         self.last_target = self.target;
         self.target = demand.unwrap_or(self.target);
-        Some(self.command(Controlword::ENABLE_OPERATION))
+        Some(self.command(self.config.following_on()))
     }
 
     fn command(&self, control: Controlword) -> Frame {
@@ -109,9 +109,8 @@ impl DriveMaster {
             Phase::Standby | Phase::Step(Step::Shutdown) => Some(Controlword::SHUTDOWN),
             Phase::Halted => Some(Controlword::QUICK_STOP),
             Phase::Step(Step::SwitchOn) => Some(Controlword::SWITCH_ON),
-            Phase::Step(Step::EnableOperation) | Phase::Enabled => {
-                Some(Controlword::ENABLE_OPERATION)
-            }
+            Phase::Step(Step::EnableOperation) => Some(Controlword::ENABLE_OPERATION),
+            Phase::Enabled => Some(self.config.following_on()),
             // The fault-reset bit must rise, so the first controlword of this step has it low.
             Phase::Step(Step::FaultReset) if self.waited <= Periods::new(1) => {
                 Some(Controlword::DISABLE_VOLTAGE)
@@ -186,9 +185,9 @@ impl DriveMaster {
         self.astray = self.astray.one_more();
     }
 
-    /// True while the drive, whose mode is ordered, has not reported position mode.
+    /// True while the drive, whose mode is ordered, has not reported its mode for setpoints.
     pub(super) const fn awaits_position_mode(&self) -> bool {
-        self.config.homes.is_some() && !self.home.in_position_mode()
+        self.config.homes.is_some() && !self.home.is_in(self.config.mode)
     }
 
     fn step_failed(&mut self, step: Step) {
