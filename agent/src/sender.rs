@@ -287,9 +287,10 @@ impl<'a> Sending<'a> {
         Ok(())
     }
 
-    /// Gives the broker the sets that it has not been given, where no record waits and there is room.
+    /// Gives the broker the sets that it has not been given, where there is room. [`Sending::take`] has filled that with
+    /// records before: where one waits, there is none.
     pub fn retain(&mut self, sets: &Sets, now: Duration) {
-        if !self.accepted || !self.empty {
+        if !self.accepted {
             return;
         }
         for (machine, number, payload) in sets.iter() {

@@ -6,7 +6,7 @@
 //!                       │ ├──► assets     the page
 //!                       │ ├──► texts ─► programs   a folder of programs; the machine: what is to be known of one
 //!                       │ └──► posted     ledger, lease; the machine: the side of the bus does an order
-//!                       └◄─── feed ◄───   it tells what the machine does
+//!                       └◄─── feed ◄───   it tells what the machine does, at the pace of both
 //! ```
 //!
 //! This crate must not know a bus, a board or an alarm: what the machine says comes to it as JSON, and an order is a name
@@ -19,6 +19,7 @@ mod http;
 mod lease;
 mod ledger;
 mod machine;
+mod pace;
 mod posted;
 mod programs;
 mod refusal;
@@ -29,6 +30,7 @@ mod texts;
 
 pub use feed::Feed;
 pub use machine::{Jog, Machine, Order, Sheet, View};
+pub use pace::Pace;
 pub use programs::{Claim, LONGEST, Listed, Programs, Text, When};
 pub use refusal::Refusal;
 pub use server::{CONNECTIONS, STREAMS, Server, fresh_token};

@@ -8,7 +8,7 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use nix::sys::socket::{setsockopt, sockopt};
 
@@ -18,6 +18,7 @@ use crate::guard::Place;
 use crate::http::{self, Request};
 use crate::ledger::Answer;
 use crate::machine::{Machine, Sheet};
+use crate::pace::Pace;
 use crate::posted::{self, Posted};
 use crate::programs::Programs;
 use crate::refusal::Refusal;
@@ -29,8 +30,6 @@ use crate::texts::{self, Sent};
 pub const CONNECTIONS: usize = 32;
 /// Those of them that watch. Others always find room.
 pub const STREAMS: usize = 16;
-/// Between two messages to one who watches: 30 Hz.
-const PERIOD: Duration = Duration::from_millis(33);
 /// A stream with no news says so often that it is there, and so finds out who has gone.
 const ALIVE: Duration = Duration::from_secs(1);
 /// What the kernel keeps for one who does not read, in bytes: a few messages, so that nobody is shown old ones for long.
@@ -349,6 +348,7 @@ fn watch(
 
 fn pass_on(stream: &mut TcpStream, feed: &Feed) -> io::Result<()> {
     let mut last = 0;
+    let mut pace = Pace::new(Instant::now());
     while let Some(news) = feed.behind(last, ALIVE) {
         let mut text = String::new();
         for (number, kind, json) in news {
@@ -360,7 +360,8 @@ fn pass_on(stream: &mut TcpStream, feed: &Feed) -> io::Result<()> {
         }
         http::send(stream, text.as_bytes())?;
         // What is told meanwhile takes the place of what was told before.
-        thread::sleep(PERIOD);
+        let now = Instant::now();
+        thread::sleep(pace.next(now) - now);
     }
     Err(ErrorKind::UnexpectedEof.into())
 }

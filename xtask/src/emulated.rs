@@ -30,7 +30,7 @@ pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     let program = program.to_string_lossy();
     let list = run::read(run::command(&root, &program, &["--list", filter]))?;
     let (inside, outside): (Vec<&str>, Vec<&str>) =
-        names(&list).partition(|name| name.starts_with(IN_KERNEL));
+        run::listed(&list).partition(|name| name.starts_with(IN_KERNEL));
     let mut passed = true;
     if !outside.is_empty() {
         let args = [&["--color=never", "--exact"], &outside[..]].concat();
@@ -106,11 +106,6 @@ fn terminal(line: &str) -> Option<&str> {
     place.split_whitespace().next()
 }
 
-/// The tests in a list.
-fn names(list: &str) -> impl Iterator<Item = &str> {
-    list.lines().filter_map(|line| line.strip_suffix(": test"))
-}
-
 #[cfg(test)]
 mod tests {
     use std::io::Write;
@@ -134,6 +129,9 @@ mod tests {
         let line = "char device redirected to /dev/pts/7 (label serial0)\n";
         assert_eq!(terminal(line), Some("/dev/pts/7"));
         assert_eq!(terminal("no room\n"), None);
-        assert_eq!(names(list).collect::<Vec<_>>(), ["kernel::a", "run::b"]);
+        assert_eq!(
+            run::listed(list).collect::<Vec<_>>(),
+            ["kernel::a", "run::b"]
+        );
     }
 }

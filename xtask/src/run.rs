@@ -76,6 +76,11 @@ pub fn test_program(name: &str) -> Result<PathBuf> {
         .with_context(|| format!("cargo named no program of the tests `{name}`"))
 }
 
+/// The tests in what a program of tests prints for `--list`.
+pub fn listed(list: &str) -> impl Iterator<Item = &str> {
+    list.lines().filter_map(|line| line.strip_suffix(": test"))
+}
+
 fn line_of(command: &Command) -> String {
     let program = Path::new(command.get_program());
     let mut line = program
@@ -138,8 +143,8 @@ pub fn watch(mut command: Command, mut seen: impl FnMut(&str)) -> Result<bool> {
     Ok(child.wait()?.success())
 }
 
-/// As [`watch`], but shows only the lines for which `seen` is true. Succeeds where the command ended.
-pub fn watch_some(mut command: Command, mut seen: impl FnMut(&str) -> bool) -> Result<()> {
+/// As [`watch`], but shows nothing. Succeeds where the command ended.
+pub fn each_line(mut command: Command, mut seen: impl FnMut(&str)) -> Result<()> {
     let line = line_of(&command);
     let mut child = command
         .stdin(Stdio::null())
@@ -152,10 +157,7 @@ pub fn watch_some(mut command: Command, mut seen: impl FnMut(&str) -> bool) -> R
         // A kernel's messages need not be text.
         while stdout.read_until(b'\n', &mut bytes)? > 0 {
             let text = String::from_utf8_lossy(&bytes);
-            let text = text.trim_end_matches(['\r', '\n']);
-            if seen(text) {
-                println!("{text}");
-            }
+            seen(text.trim_end_matches(['\r', '\n']));
             bytes.clear();
         }
     }

@@ -19,13 +19,13 @@ use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use leadscrew_core::alarm::{Alarm, Code, Lang};
 use leadscrew_core::board::device::objects::BEAT;
 use leadscrew_core::bus::Beat;
 use leadscrew_core::link::Status;
-use leadscrew_panel::{Feed, Programs, Server, Token, Tokens, fresh_token};
+use leadscrew_panel::{Feed, Pace, Programs, Server, Token, Tokens, fresh_token};
 
 use self::contacts::Contacts;
 use self::cuts::Cuts;
@@ -48,8 +48,6 @@ use crate::link::{Link, LinkResult};
 use crate::output;
 use crate::words::{self, Both, both};
 
-/// Between two messages of state: 30 Hz.
-const PERIOD: Duration = Duration::from_millis(33);
 /// Messages of the log that are kept for the page.
 const KEPT: usize = 60;
 
@@ -218,6 +216,7 @@ impl<'a> Side<'a> {
 
     fn carry_out(mut self, server: &Server) -> Outcome {
         let (mut status, mut log) = (Every::new(STATUS), Every::new(LOG));
+        let mut pace = Pace::new(Instant::now());
         loop {
             let now = Instant::now();
             if log.is_due(now) {
@@ -233,7 +232,8 @@ impl<'a> Side<'a> {
             self.read_cuts(now)?;
             self.tell_state()?;
             server.attend();
-            self.link.listen(Instant::now() + PERIOD, &mut |_| false)?;
+            self.link
+                .listen(pace.next(Instant::now()), &mut |_| false)?;
             self.watch.attend(&mut self.link)?;
             self.do_asked()?;
             if interrupt::requested() {

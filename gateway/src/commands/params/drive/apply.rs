@@ -2,13 +2,13 @@
 //!
 //! A drive is written in pre-operational, where CiA 301 lets its PDOs change: the board notices that it is silent and
 //! stops, and what follows brings the drives up again [D122]. Where one object is refused, what was written before it gets
-//! its old value back.
+//! its old value back. Types of PDOs come first: a PDO that is switched on has its type by then.
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, NmtCommand, NodeId, Object, Order, SdoError};
 use leadscrew_core::params::Params;
 
-use super::{Found, Pending, is, is_cob_id, read, refused};
+use super::{Found, Pending, is, is_cob_id, is_type, read, refused};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, LinkResult, Trouble};
 use crate::params::drives::{
@@ -76,7 +76,10 @@ pub fn check_periods(link: &mut Link, settings: &[Setting], old: &Params, new: &
 /// # Errors
 /// The first that is refused, or does not read back; what was written before it has its old value again.
 pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Outcome<Vec<Both>> {
-    let drives = to_pre_operational(link, pending)?;
+    let mut pending = pending.to_vec();
+    // All others stay in their order.
+    pending.sort_by_key(|pending| !is_type(pending.wanted.object()));
+    let drives = to_pre_operational(link, &pending)?;
     for (at, pending_) in pending.iter().enumerate() {
         let written = write(link, pending_.drive, &pending_.wanted);
         let wrong = match written {

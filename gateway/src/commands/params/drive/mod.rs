@@ -120,7 +120,17 @@ fn is(wanted: &Wanted, found: &Found) -> bool {
 
 /// The identifier of a PDO.
 const fn is_cob_id(object: Object) -> bool {
-    matches!(object.index, 0x1400..=0x15FF | 0x1800..=0x19FF) && object.sub == 1
+    is_of_pdo(object) && object.sub == 1
+}
+
+/// When a PDO is sent, or what is received in it counts.
+const fn is_type(object: Object) -> bool {
+    is_of_pdo(object) && object.sub == 2
+}
+
+/// How a PDO is carried.
+const fn is_of_pdo(object: Object) -> bool {
+    matches!(object.index, 0x1400..=0x15FF | 0x1800..=0x19FF)
 }
 
 fn read(link: &mut Link, drive: Drive, wanted: &Wanted) -> Outcome<Found> {

@@ -151,6 +151,43 @@ fn a_drive_is_asked_where_the_set_says_that_it_is() {
     );
 }
 
+#[test]
+fn a_pdo_has_its_type_before_it_is_switched_on() {
+    let inside = board();
+    let (told, writes) = std::sync::mpsc::channel();
+    let mut link = between(
+        &inside,
+        move |frame| {
+            // What begins to write, as CiA 301 has it: the command, the object.
+            if let [0x20..=0x3F, low, high, sub, ..] = *frame.payload()
+                && frame.id() == CobId::of(Service::SdoRequest, X.node)
+            {
+                told.send((u16::from_le_bytes([low, high]), sub)).unwrap();
+            }
+            Fate::Arrives
+        },
+        |frame| frame,
+    );
+    // As a profile has them.
+    let wanted = [(1, Kind::U32, 0x190), (2, Kind::U8, 2)];
+    let pending: Vec<Pending> = wanted
+        .into_iter()
+        .map(|(sub, kind, value)| Pending {
+            drive: X,
+            wanted: Wanted::Number {
+                object: Object::new(0x1800, sub),
+                kind,
+                value,
+            },
+            found: Found::Number(0),
+        })
+        .collect();
+    apply(&mut link, &pending, &mut || ()).unwrap();
+    // Its type, then off and on, then all is kept.
+    let expected = [(0x1800, 2), (0x1800, 1), (0x1800, 1), (0x1010, 1)];
+    assert_eq!(writes.try_iter().collect::<Vec<_>>(), expected);
+}
+
 /// What the sections have to say for a board of number 1 whose drives get their setpoints in one frame.
 fn together(drive: DriveName) -> [Wanted; 2] {
     let mapping = Wanted::Mapping {
