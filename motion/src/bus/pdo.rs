@@ -37,6 +37,7 @@ impl DriveCommand {
     pub const INTERPOLATED: Mapped = Mapped::new(0x60C1, 1, 32);
 
     /// The frame to `node`.
+    #[inline]
     #[must_use]
     pub const fn frame(self, node: NodeId) -> Frame {
         Frame::of(

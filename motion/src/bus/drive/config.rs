@@ -35,7 +35,7 @@ pub struct DriveConfig {
 
 impl DriveConfig {
     /// The controlword of an enabled drive that follows its setpoints.
-    pub(super) const fn following_on(&self) -> Controlword {
+    pub(super) const fn streaming(&self) -> Controlword {
         match self.mode {
             Mode::Interpolated => Controlword::INTERPOLATE,
             _ => Controlword::ENABLE_OPERATION,
