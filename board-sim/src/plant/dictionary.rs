@@ -273,9 +273,11 @@ impl Settings {
 
     /// The drive gets its setpoints in interpolated position (mode 7).
     pub(super) fn interpolated(mut self) -> Self {
+        let [of_position, interpolated] =
+            [Mode::Position, Mode::Interpolated].map(|mode| DriveCommand::target(mode).raw());
         for slot in &mut self.command.objects {
-            if *slot == DriveCommand::TARGET.raw() {
-                *slot = DriveCommand::INTERPOLATED.raw();
+            if *slot == of_position {
+                *slot = interpolated;
             }
         }
         self.mode_wanted = Mode::Interpolated as u8;
@@ -284,11 +286,7 @@ impl Settings {
 
     /// Its target is in the object of this mode.
     pub(super) fn targets_count_in(&self, mode: u8) -> bool {
-        let target = if mode == Mode::Interpolated as u8 {
-            DriveCommand::INTERPOLATED
-        } else {
-            DriveCommand::TARGET
-        };
+        let target = DriveCommand::target(Mode::of_setpoints(mode.into()));
         self.command.objects.contains(&target.raw())
     }
 
@@ -561,15 +559,16 @@ impl Dictionary<'_> {
             (0x1800, 6) => return Err(Abort::TooHigh),
             (0x1800, sub @ 1..) => settings.status.communication(sub, value)?,
             (0x1600, sub) => {
-                let mut command = settings.command;
-                let position = command.map(sub, value, &DriveCommand::MAPPING);
-                if let Err(abort) = position {
-                    let interpolated = [DriveCommand::CONTROL, DriveCommand::INTERPOLATED];
-                    if self.now.spindle || command.map(sub, value, &interpolated).is_err() {
-                        return Err(abort);
-                    }
-                }
-                settings.command = command;
+                // What is refused changes nothing.
+                let mut map = |mode| {
+                    settings
+                        .command
+                        .map(sub, value, &DriveCommand::mapping(mode))
+                };
+                map(Mode::Position).or_else(|abort| match self.now.spindle {
+                    true => Err(abort),
+                    false => map(Mode::Interpolated).map_err(|_| abort),
+                })?;
             }
             // Linear interpolation, and no other.
             (0x60C0, 0) if !self.now.spindle => match value {

@@ -36,7 +36,7 @@ use home::Home;
 pub use home::{HomeEnd, HomeLimits, HomeStep};
 pub use tick::DriveOutput;
 
-use super::cia402::{Controlword, State};
+use super::cia402::State;
 use super::failure::DriveFailure;
 use super::frame::{CobId, NodeId, Service};
 use super::increments::Increments;
@@ -54,8 +54,6 @@ pub struct DriveMaster {
     /// Increments in a nanometre: two positions that differ by no more count as equal. Kept here, because computing it
     /// takes a division.
     nanometre: u32,
-    /// The controlword of the enabled drive.
-    streaming: Controlword,
     phase: Phase,
     failure: Option<DriveFailure>,
     /// Periods since the step began; while enabled, ticks for which demands have been refused.
@@ -94,7 +92,6 @@ impl DriveMaster {
             config,
             status_id: CobId::of(Service::Tpdo1, config.node),
             nanometre: config.scale.limit(1),
-            streaming: config.streaming(),
             phase: Phase::Offline,
             failure: None,
             waited: Periods::new(0),

@@ -27,14 +27,23 @@ pub struct DriveCommand {
 }
 
 impl DriveCommand {
-    /// The objects that the drive must map into this PDO.
-    pub const MAPPING: [Mapped; 2] = [Self::CONTROL, Self::TARGET];
-    /// The controlword.
-    pub const CONTROL: Mapped = Mapped::new(0x6040, 0, 16);
-    /// The target position in cyclic synchronous position.
-    pub const TARGET: Mapped = Mapped::new(0x607A, 0, 32);
-    /// The target position in interpolated position.
-    pub const INTERPOLATED: Mapped = Mapped::new(0x60C1, 1, 32);
+    /// The objects that the drive must map into this PDO in cyclic synchronous position.
+    pub const MAPPING: [Mapped; 2] = Self::mapping(Mode::Position);
+
+    /// The objects that a drive must map into this PDO that gets its setpoints in this mode.
+    #[must_use]
+    pub const fn mapping(mode: Mode) -> [Mapped; 2] {
+        [Mapped::new(0x6040, 0, 16), Self::target(mode)]
+    }
+
+    /// The object with the target position: 60C1h:01 in interpolated position, else 607Ah.
+    #[must_use]
+    pub const fn target(mode: Mode) -> Mapped {
+        match mode {
+            Mode::Interpolated => Mapped::new(0x60C1, 1, 32),
+            _ => Mapped::new(0x607A, 0, 32),
+        }
+    }
 
     /// The frame to `node`.
     #[inline]
@@ -207,7 +216,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// The mode in which the drive of an axis gets its setpoints, by parameter 9076.
+    /// The mode in which the drive of an axis gets its setpoints, by parameter 9076: 7 or 8.
     #[must_use]
     pub const fn of_setpoints(number: u32) -> Self {
         match number {

@@ -300,11 +300,9 @@ pub fn command_mapping(drive: DriveName, params: &Params) -> Vec<Mapped> {
         0 => DriveCommand::MAPPING.to_vec(),
         _ => Setpoints::mapping(drive as usize).collect(),
     };
-    if mode(drive, params) == Mode::Interpolated {
-        // The target is the last entry.
-        mapping.pop();
-        mapping.push(DriveCommand::INTERPOLATED);
-    }
+    // The target is the last entry.
+    mapping.pop();
+    mapping.push(DriveCommand::target(mode(drive, params)));
     mapping
 }
 

@@ -76,7 +76,7 @@ impl DriveMaster {
         self.quiet = self.quiet.one_more();
         self.last_target = self.target;
         self.target = demand.unwrap_or(self.target);
-        Some(self.command(self.streaming))
+        Some(self.command(self.config.streaming()))
     }
 
     #[inline]
@@ -111,7 +111,7 @@ impl DriveMaster {
             Phase::Halted => Some(Controlword::QUICK_STOP),
             Phase::Step(Step::SwitchOn) => Some(Controlword::SWITCH_ON),
             Phase::Step(Step::EnableOperation) => Some(Controlword::ENABLE_OPERATION),
-            Phase::Enabled => Some(self.streaming),
+            Phase::Enabled => Some(self.config.streaming()),
             // The fault-reset bit must rise, so the first controlword of this step has it low.
             Phase::Step(Step::FaultReset) if self.waited <= Periods::new(1) => {
                 Some(Controlword::DISABLE_VOLTAGE)
