@@ -40,11 +40,11 @@ pub enum Toward {
 /// A corner that is worked in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inserted {
-    /// The first motion, shortened; of no length where the leg is all of it.
+    /// The first motion, shortened; a line of no length where the leg is all of it (an arc would be a full circle).
     pub first: Element,
     /// The chamfer or the arc; `None` where the motions are tangent, or where its ends are one place.
     pub between: Option<Element>,
-    /// The second motion, shortened; it begins where `between` ends.
+    /// The second motion, shortened in the same way; it begins where `between` ends.
     pub second: Element,
 }
 
@@ -60,8 +60,7 @@ const STEPS: u32 = 64;
 const HALVINGS: u32 = 60;
 
 /// Puts `corner`, written at `span`, between `first`, which begins at `start`, and `next`. `toward` is the
-/// direction that a
-/// sign asks for. The size of `corner` is above zero.
+/// direction that a sign asks for. The size of `corner` is above zero.
 ///
 /// # Errors
 /// 0051 without a next motion, 0052 where one of the two does not cut, 0055 where a leg is longer than its
@@ -104,12 +103,9 @@ pub fn insert(
         // The second motion comes back along the first, and crosses it there: the tip between them goes.
         let tip = cut.from.from(at);
         return Ok(Inserted {
-            first: Element { end: tip, ..*first },
+            first: shortened_first(start, first, tip),
             between: None,
-            second: Element {
-                shape: shape_from(at, next.shape, tip),
-                ..*next
-            },
+            second: shortened_second(at, next, tip),
         });
     }
     let (from, to) = (cut.from.from(at), cut.to.from(at));
@@ -122,20 +118,36 @@ pub fn insert(
         },
     };
     Ok(Inserted {
-        first: Element {
-            end: from,
-            ..*first
-        },
+        first: shortened_first(start, first, from),
         between: Some(Element {
             end: to,
             shape,
             span,
         }),
-        second: Element {
-            shape: shape_from(at, next.shape, to),
-            ..*next
-        },
+        second: shortened_second(at, next, to),
     })
+}
+
+/// The first motion, which begins at `start` and now ends at `end`.
+fn shortened_first(start: Point, first: &Element, end: Point) -> Element {
+    let shape = match first.shape {
+        Shape::Arc { .. } if end == start => Shape::Line,
+        shape => shape,
+    };
+    Element {
+        end,
+        shape,
+        ..*first
+    }
+}
+
+/// The second motion, which began at `at` and now begins at `start`.
+fn shortened_second(at: Point, second: &Element, start: Point) -> Element {
+    let shape = match second.shape {
+        Shape::Arc { .. } if start == second.end => Shape::Line,
+        shape => shape_from(at, shape, start),
+    };
+    Element { shape, ..*second }
 }
 
 impl Toward {
@@ -196,16 +208,43 @@ enum End {
     Last,
 }
 
+impl End {
+    /// The direction away from the corner: along the element, or against it.
+    fn inwards(self) -> f64 {
+        match self {
+            Self::First => 1.0,
+            Self::Last => -1.0,
+        }
+    }
+
+    /// The end of `piece` that is not at the corner.
+    fn other(self, piece: &Piece) -> V {
+        match self {
+            Self::First => piece.end,
+            Self::Last => piece.start,
+        }
+    }
+
+    /// `place`, which leaves `rest` of `piece`; its other end where that is nothing, and `None` beyond it. An
+    /// arc that is left with less than its rounding could go the other way round.
+    fn leaves(self, piece: &Piece, rest: f64, place: V) -> Option<V> {
+        if rest < -ROUNDED {
+            return None;
+        }
+        Some(if rest < NOTHING {
+            self.other(piece)
+        } else {
+            place
+        })
+    }
+}
+
 /// The place of an element at a straight distance from the corner; `None` beyond its other end.
 fn at_distance(piece: &Piece, end: End, distance: f64) -> Option<V> {
-    let inwards = match end {
-        End::First => 1.0,
-        End::Last => -1.0,
-    };
+    let inwards = end.inwards();
     let Some(bend) = piece.bend else {
-        let length = (piece.end - piece.start).length();
-        let fits = distance <= length + ROUNDED;
-        return fits.then(|| piece.first() * (inwards * distance.min(length)));
+        let rest = (piece.end - piece.start).length() - distance;
+        return end.leaves(piece, rest, piece.first() * (inwards * distance));
     };
     let arm = -bend.centre;
     let radius = arm.length();
@@ -213,10 +252,8 @@ fn at_distance(piece: &Piece, end: End, distance: f64) -> Option<V> {
         return None;
     }
     let angle = 2.0 * libm::asin((distance / (2.0 * radius)).min(1.0));
-    if angle * radius > piece.turning().abs() * radius + ROUNDED {
-        return None;
-    }
-    Some(bend.centre + turned(arm, bend.hand() * inwards * angle))
+    let place = bend.centre + turned(arm, bend.hand() * inwards * angle);
+    end.leaves(piece, (piece.turning().abs() - angle) * radius, place)
 }
 
 fn turned(v: V, angle: f64) -> V {
@@ -256,17 +293,13 @@ fn leg_of(a: &Piece, b: &Piece, length: f64, turn: f64) -> Option<f64> {
 
 /// The largest distance from the corner up to which an element goes steadily away.
 fn longest(piece: &Piece, end: End) -> f64 {
-    let other = match end {
-        End::First => piece.end,
-        End::Last => piece.start,
-    };
     match piece.bend {
         // By the radius at the corner, as everything here: that of the other end may be another by its rounding.
         Some(bend) => {
             let turning = piece.turning().abs().min(PI);
             2.0 * bend.centre.length() * libm::sin(turning / 2.0)
         }
-        None => other.length(),
+        None => end.other(piece).length(),
     }
 }
 
@@ -289,25 +322,18 @@ fn round(a: &Piece, b: &Piece, radius: f64, turn: f64) -> Option<Cut> {
 fn touch(piece: &Piece, end: End, centre: V, offset: f64) -> Option<V> {
     let Some(Carrier::Circle { bend, .. }) = piece.carrier(V::default(), 0.0) else {
         let place = centre - piece.first().left() * offset;
-        let way = place.dot(match end {
-            End::First => piece.first(),
-            End::Last => -piece.first(),
-        });
-        let length = (piece.end - piece.start).length();
-        return (way >= -ROUNDED && way <= length + ROUNDED).then_some(place);
+        let way = place.dot(piece.first() * end.inwards());
+        let rest = (piece.end - piece.start).length() - way;
+        return end.leaves(piece, rest, place).filter(|_| way >= -ROUNDED);
     };
     let arm = -bend.centre;
     let radius = arm.length();
     let place = bend.centre + (centre - bend.centre).unit() * radius;
-    let inwards = match end {
-        End::First => 1.0,
-        End::Last => -1.0,
-    };
-    let angle = bend.hand() * inwards * arm.turn(place - bend.centre);
+    let angle = bend.hand() * end.inwards() * arm.turn(place - bend.centre);
     let angle = if angle * radius < -ROUNDED {
         angle + 2.0 * PI
     } else {
         angle
     };
-    (angle * radius <= piece.turning().abs() * radius + ROUNDED).then_some(place)
+    end.leaves(piece, (piece.turning().abs() - angle) * radius, place)
 }
