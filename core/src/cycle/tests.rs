@@ -260,15 +260,18 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
     assert!(told(&g78(MM, 42), &coarse).is_ok());
     // With timed edges the encoder suits the lead, and 280 counts a second are enough.
     assert!(told(&o0013(300), &with(1024, 1)).is_ok());
-    assert!(told(&g78(MM, 168), &with(100, 1)).is_ok());
+    assert!(told(&g78(MM, 168), &with(59, 1)).is_err());
+    assert!(told(&g78(MM, 285), &with(59, 1)).is_ok());
+    // From 60 counts a turn on, 80 a second are: the bandwidth follows them.
+    assert!(told(&g78(MM, 48), &with(100, 1)).is_ok());
     let figures = [
-        Arg::Rpm(Rpm::new(167)),
-        Arg::Int(278),
-        Arg::Int(168),
+        Arg::Rpm(Rpm::new(47)),
+        Arg::Int(78),
+        Arg::Int(48),
         Arg::None,
     ];
     let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
-    assert_eq!(told(&g78(MM, 167), &with(100, 1)).map(drop), refused);
+    assert_eq!(told(&g78(MM, 47), &with(100, 1)).map(drop), refused);
 }
 
 #[test]

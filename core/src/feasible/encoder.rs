@@ -5,7 +5,7 @@ use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::params::{Params, metres};
 use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed};
 
-/// Checks a lead that `axis` must follow at `rpm`. The cycle's G word stands at `span`.
+/// Checks a lead that `axis` must follow at `rpm`, which may not be below `slowest`. The cycle's G word stands at `span`.
 ///
 /// # Errors
 /// The noise exceeds the axis' acceleration ([`Code::LeadForEncoder`]); the spindle is so slow that the observer cannot
@@ -14,11 +14,11 @@ pub(crate) fn can_follow(
     lead: At<Lead>,
     axis: Axis,
     rpm: Rpm,
+    slowest: Rpm,
     span: Span,
     params: &Params,
 ) -> Result<(), Alarm> {
     let encoder = params.resolution();
-    let slowest = encoder.slowest();
     let rpm = Rpm::new(rpm.get().saturating_abs());
     // A spindle that stands is an alarm of its own.
     if rpm.get() != 0 && rpm.get() < slowest.get() {

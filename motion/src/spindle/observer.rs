@@ -19,12 +19,15 @@
 //! movement: the angle goes on as before for that tick, and the observer reports the counts that were lost or gained
 //! [D128].
 //!
+//! An encoder of few counts that moves seldom tells less, and the observer's bandwidth is then smaller: see `looks`.
+//!
 //! The tick is constant work on integers: no division of 64 bits, no loop. Angles have 32 bits after the point, speed and
 //! acceleration have 48. With these units no rounding error grows until a lead could show it. Products are rounded to the
 //! nearest; the operators of `fixed` round down, so the products are made of the bits.
 
 use fixed::types::{I16F48, I32F32, U1F63, U8F56, U32F32, U48F16};
 
+use super::looks;
 use crate::units::{Ticks, TurnRate, Turns};
 
 /// What the encoder hardware delivers once a tick.
@@ -74,6 +77,9 @@ const FASTEST: u64 = 2_000;
 /// count's boundary limits the extrapolation anyway.
 const OLDEST_EDGE_TICKS: u32 = 16;
 
+/// The same for an encoder of few counts. Below 256, for the eight bits of a number of ticks before their point.
+const OLDEST_EDGE_OF_FEW: u32 = 240;
+
 /// 2π, rounded to the nearest.
 const TWO_PI: U32F32 = U32F32::from_bits(26_986_075_409);
 
@@ -92,7 +98,11 @@ impl Gains {
         // θ = exp(−2π·f·T): the exponent is at most 63, and a million times as much is still in range.
         let cycles = (bandwidth as u64).wrapping_mul(tick_us as u64);
         let exponent = U32F32::from_bits(TWO_PI.wrapping_mul_int(cycles).to_bits() / 1_000_000);
-        let theta = exp_of_minus(exponent);
+        Self::of_theta(exp_of_minus(exponent))
+    }
+
+    /// The gains of a tracker with all poles at `theta`.
+    pub const fn of_theta(theta: U32F32) -> Self {
         let rest = U32F32::ONE.wrapping_sub(theta);
         let square = rest.wrapping_mul(rest);
         let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
@@ -103,6 +113,16 @@ impl Gains {
             gamma: signed(square.wrapping_mul(rest)),
         }
     }
+}
+
+/// An encoder of few counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Few {
+    /// The angle by which the poles turn in a tick, 2⁻³².
+    pole: u32,
+    /// Ticks since the counter has moved, and ticks between the two times before that it has.
+    ticks: u32,
+    apart: u32,
 }
 
 /// Angle, speed and acceleration of the spindle, one sample a tick.
@@ -119,6 +139,8 @@ pub struct Observer {
     oldest_edge_ns: u32,
     ticks_per_second: U48F16,
     gains: Gains,
+    /// An encoder of few counts is looked at where it moves, and not in each tick.
+    few: Option<Few>,
     /// Counts by which the movement of the counter may change from tick to tick.
     hardest: u32,
     /// The farthest way of a tick in turns.
@@ -158,9 +180,22 @@ impl Observer {
             scale: U1F63::from_bits(scale),
             width: I32F32::from_bits((scale >> 31) as i64),
             ticks_per_ns: U8F56::from_bits(divide(1 << 56, tick_ns as u64)),
-            oldest_edge_ns: tick_ns.wrapping_mul(OLDEST_EDGE_TICKS),
+            oldest_edge_ns: tick_ns.wrapping_mul(if counts < looks::FEW {
+                OLDEST_EDGE_OF_FEW
+            } else {
+                OLDEST_EDGE_TICKS
+            }),
             ticks_per_second: U48F16::from_bits(divide(1_000_000 << 16, tick_us as u64)),
             gains: Gains::new(bandwidth, tick_us),
+            few: if counts < looks::FEW {
+                Some(Few {
+                    pole: looks::pole(bandwidth, tick_us),
+                    ticks: 0,
+                    apart: 0,
+                })
+            } else {
+                None
+            },
             hardest: hardest(counts, tick_us, HARDEST),
             fastest: I32F32::from_bits(
                 ((FASTEST << 32) / 1_000_000).wrapping_mul(tick_us as u64) as i64
@@ -231,6 +266,10 @@ impl Observer {
             }
         };
 
+        let gains = match self.few {
+            None => self.gains,
+            Some(_) => self.gains_of_few(moved, sample.edge_age_ns.is_some()),
+        };
         // Predict one tick, measure, correct.
         let predicted = self
             .angle
@@ -243,7 +282,7 @@ impl Observer {
             return event;
         }
         let surprise = surprise.clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
-        let Gains { alpha, beta, gamma } = self.gains;
+        let Gains { alpha, beta, gamma } = gains;
         let by =
             |gain: I32F32, bits| rounded(gain.to_bits().wrapping_mul(surprise.to_bits()), bits);
         self.angle = predicted.wrapping_add(I32F32::from_bits(by(alpha, 32)));
@@ -251,7 +290,38 @@ impl Observer {
         self.acceleration = self
             .acceleration
             .wrapping_add(I16F48::from_bits(by(gamma, 16)));
+        if self.few.is_some() && moved == 0 {
+            self.slow_down();
+        }
         event
+    }
+
+    /// The gains of a tick in which an encoder of few counts has moved by `moved`.
+    #[cold]
+    #[inline(never)]
+    fn gains_of_few(&mut self, moved: i32, is_timed: bool) -> Gains {
+        let Some(few) = &mut self.few else {
+            return self.gains;
+        };
+        few.ticks = few.ticks.saturating_add(1);
+        if moved != 0 {
+            few.apart = core::mem::take(&mut few.ticks);
+        }
+        looks::gains(few.pole, few.apart.max(few.ticks), is_timed)
+    }
+
+    /// The counter stands, so the spindle has not made a whole count for some ticks: its speed is no higher than that.
+    #[cold]
+    #[inline(never)]
+    fn slow_down(&mut self) {
+        let ticks = self.few.map_or(0, |few| few.ticks);
+        let width = u32::try_from(self.width.to_bits()).unwrap_or(u32::MAX);
+        let most = width.checked_div(ticks).unwrap_or(u32::MAX);
+        let most = I16F48::from_bits(i64::from(most) << 16);
+        if self.speed.unsigned_abs() > most.unsigned_abs() {
+            self.speed = self.speed.min(most).max(most.wrapping_neg());
+            self.acceleration = I16F48::ZERO;
+        }
     }
 
     /// Takes the angle from the sample, and the speed from the counter's movement in this tick. This is for a spindle
@@ -409,7 +479,8 @@ impl Observer {
             return lower.wrapping_add(self.half_width());
         };
         let age = age.min(self.oldest_edge_ns);
-        // Ticks in 2⁻²⁴, at most 16 of them: 28 bits; the speed in 2⁻³² has as many again.
+        // Ticks in 2⁻²⁴, at most 16 of them: 28 bits; the speed in 2⁻³² has as many again. The older edges of few counts
+        // belong to slow spindles.
         let age = (self.ticks_per_ns.wrapping_mul_int(age.into()).to_bits() >> 32) as i64;
         let way = I32F32::from_bits((speed.to_bits() >> 16).wrapping_mul(age) >> 24);
         let within = if rising {

@@ -99,7 +99,8 @@ pub(crate) fn tap_can_begin(
             TapAxis::X => Axis::X,
             TapAxis::Z => Axis::Z,
         };
-        can_follow(call.lead, axis, whole(call.speed), span, params)?;
+        let slowest = params.resolution().slowest_of_tap();
+        can_follow(call.lead, axis, whole(call.speed), slowest, span, params)?;
     }
     Ok(spindle)
 }

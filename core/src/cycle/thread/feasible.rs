@@ -121,7 +121,14 @@ fn examine(
     }
     let long = if summary.long_x { Axis::X } else { Axis::Z };
     if speed != 0
-        && let Err(alarm) = &can_follow(largest(call), long, rpm, span, params)
+        && let Err(alarm) = &can_follow(
+            largest(call),
+            long,
+            rpm,
+            params.resolution().slowest(),
+            span,
+            params,
+        )
     {
         wrong(alarm);
     }
