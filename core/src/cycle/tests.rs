@@ -236,39 +236,42 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
         thread_report(call, Span::default(), params)
             .map_err(|alarm| (alarm.code, alarm.word, alarm.args))
     };
-    // 1024 counts: 0.81 m/s² for each millimetre of lead, and Z has 3.
-    let coarse = with(1024, 0);
+    // 100 counts a turn, 500 a second: 1.5 times the way of the axis in a tick of a millisecond, at a lead of 6 mm.
+    let coarse = with(100, 0);
     let figures = [
         Arg::Length(nm(6 * MM)),
-        Arg::Decimal(487, 2),
-        Arg::Decimal(300, 2),
-        Arg::Length(nm(3_694_000)),
+        Arg::Length(nm(60_000)),
+        Arg::Length(nm(50_000)),
+        Arg::Rpm(Rpm::new(400)),
     ];
-    let refused = Err((Code::LeadForEncoder, Some(b'F'), figures));
-    assert_eq!(told(&o0013(300), &coarse).map(drop), refused);
-    assert!(told(&g78(3_694_000, 300), &coarse).is_ok());
-    assert!(told(&g78(3_695_000, 300), &coarse).is_err());
-    // 700 counts a second: 41.02 rpm.
+    let refused = Err((Code::EncoderUncertain, Some(b'F'), figures));
+    assert_eq!(told(&o0013(400), &coarse).map(drop), refused);
+    assert_eq!(
+        told(&o0013(300), &coarse).map(|report| report.uncertainty),
+        Ok(Some(nm(45_000)))
+    );
+    // At a faster spindle a count is the smaller one.
+    let count = told(&g78(MM, 1200), &coarse).map(|report| report.uncertainty);
+    assert_eq!(count, Ok(Some(nm(15_000))));
+    // Eight counts a second: 4.8 rpm.
+    let figures = [Arg::Rpm(Rpm::new(4)), Arg::Int(6), Arg::Int(5), Arg::None];
+    let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
+    for timed in [0, 1] {
+        assert_eq!(told(&g78(MM, 4), &with(100, timed)).map(drop), refused);
+        assert!(told(&g78(MM, 5), &with(100, timed)).is_ok());
+    }
+    // With timed edges nothing is left; and many counts are not learned: eight a second for each hertz are needed.
+    let timed = told(&o0013(300), &with(100, 1)).map(|report| report.uncertainty);
+    assert_eq!(timed, Ok(None));
     let figures = [
-        Arg::Rpm(Rpm::new(41)),
-        Arg::Int(699),
-        Arg::Int(42),
+        Arg::Rpm(Rpm::new(16)),
+        Arg::Int(273),
+        Arg::Int(17),
         Arg::None,
     ];
     let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
-    assert_eq!(told(&g78(MM, 41), &coarse).map(drop), refused);
-    assert!(told(&g78(MM, 42), &coarse).is_ok());
-    // With timed edges the encoder suits the lead, and 280 counts a second are enough.
-    assert!(told(&o0013(300), &with(1024, 1)).is_ok());
-    assert!(told(&g78(MM, 168), &with(100, 1)).is_ok());
-    let figures = [
-        Arg::Rpm(Rpm::new(167)),
-        Arg::Int(278),
-        Arg::Int(168),
-        Arg::None,
-    ];
-    let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
-    assert_eq!(told(&g78(MM, 167), &with(100, 1)).map(drop), refused);
+    assert_eq!(told(&g78(MM, 16), &with(1024, 1)).map(drop), refused);
+    assert!(told(&g78(MM, 17), &with(1024, 1)).is_ok());
 }
 
 #[test]

@@ -20,7 +20,7 @@ use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
 use crate::alarm::{Alarm, Code, Span};
 use crate::call::Position;
-use crate::spindle::Observer;
+use crate::spindle::{Follower, Observer, Tracker};
 use crate::units::{Divisor, Length, Rpm, Ticks, TurnRate, Turns};
 pub use aside::Aside;
 use pass::{Stroke, Waited};
@@ -30,6 +30,8 @@ use pass::{Stroke, Waited};
 pub struct Conditions<'a> {
     /// The observer that tells the angle of the spindle.
     pub observer: &'a Observer,
+    /// What a pass on the lead follows instead, where the encoder has few counts.
+    pub tracker: Option<&'a Tracker>,
     /// Time from the sample to the instant at which an X setpoint takes effect.
     pub ahead_x: Ticks,
     /// The same for Z.
@@ -178,6 +180,9 @@ pub struct Executor {
     taken: bool,
     /// True when the tool has passed the end of a joined cut in this tick.
     crossed: bool,
+    /// What the long axis of a pass goes after, and the short one where its drive has another delay, if the spindle's angle
+    /// is learned.
+    followers: Option<[Follower; 2]>,
     run: Run,
 }
 
@@ -213,6 +218,7 @@ impl Executor {
             turned: false,
             taken: false,
             crossed: false,
+            followers: None,
         }
     }
 
@@ -231,6 +237,7 @@ impl Executor {
             turned,
             taken,
             crossed,
+            followers,
         } = self;
         run.begin_anew();
         *active = Active::Free;
@@ -240,6 +247,7 @@ impl Executor {
         *expected = arrival;
         (*aborting, *turned) = (false, false);
         (*taken, *crossed) = (false, false);
+        *followers = None;
     }
 
     /// Sets the position at which the machine stands. Has an effect only while nothing is under way.

@@ -380,6 +380,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x13C3_ED09),
     // Drives that get their setpoints in mode 7: 9076.
     (2, 0xD9B9_2B27),
+    // A spindle whose angle is learned: 9034, 9035.
+    (2, 0xF0DC_A2C4),
 ];
 
 #[test]

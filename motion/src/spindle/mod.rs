@@ -4,11 +4,15 @@
 //! follows the spindle asks for the angle at the instant at which its setpoint takes effect. This module knows nothing
 //! of programs, axes or the bus.
 
+#[cfg(test)]
+#[allow(clippy::float_arithmetic, clippy::arithmetic_side_effects)]
+mod few;
 mod observer;
 mod resolution;
 #[cfg(test)]
 #[allow(clippy::float_arithmetic, clippy::arithmetic_side_effects)]
 mod tests;
 
+pub use leadscrew_spindle::{Differences, Follower, Limits, Tracker};
 pub use observer::{EncoderSample, Observer, SpindleEvent};
 pub use resolution::Resolution;

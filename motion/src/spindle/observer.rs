@@ -19,6 +19,8 @@
 //! movement: the angle goes on as before for that tick, and the observer reports the counts that were lost or gained
 //! [D128].
 //!
+//! An encoder of few counts is taken in the ticks alone in which it moves: see `looks`.
+//!
 //! The tick is constant work on integers: no division of 64 bits, no loop. Angles have 32 bits after the point, speed and
 //! acceleration have 48. With these units no rounding error grows until a lead could show it. Products are rounded to the
 //! nearest; the operators of `fixed` round down, so the products are made of the bits.
@@ -26,6 +28,7 @@
 use fixed::types::{I16F48, I32F32, U1F63, U8F56, U32F32, U48F16};
 
 use crate::units::{Ticks, TurnRate, Turns};
+use leadscrew_spindle::{self as looks, Gains, Look};
 
 /// What the encoder hardware delivers once a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,32 +80,30 @@ const OLDEST_EDGE_TICKS: u32 = 16;
 /// 2π, rounded to the nearest.
 const TWO_PI: U32F32 = U32F32::from_bits(26_986_075_409);
 
-/// The shares of the difference between the measured and the predicted angle that the tracker adds to angle, speed and
-/// acceleration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Gains {
-    pub alpha: I32F32,
-    pub beta: I32F32,
-    pub gamma: I32F32,
+/// The gains of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
+pub(super) const fn steady(bandwidth: u32, tick_us: u32) -> Gains {
+    // θ = exp(−2π·f·T): the exponent is at most 63, and a million times as much is still in range.
+    let cycles = (bandwidth as u64).wrapping_mul(tick_us as u64);
+    let exponent = U32F32::from_bits(TWO_PI.wrapping_mul_int(cycles).to_bits() / 1_000_000);
+    let theta = exp_of_minus(exponent);
+    let rest = U32F32::ONE.wrapping_sub(theta);
+    let square = rest.wrapping_mul(rest);
+    let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
+    let beta = square.wrapping_mul(U32F32::ONE.wrapping_add(theta));
+    Gains {
+        alpha: signed(U32F32::ONE.wrapping_sub(cube)),
+        beta: signed(beta.wrapping_add(half(beta))),
+        gamma: signed(square.wrapping_mul(rest)),
+    }
 }
 
-impl Gains {
-    /// The gains of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
-    pub const fn new(bandwidth: u32, tick_us: u32) -> Self {
-        // θ = exp(−2π·f·T): the exponent is at most 63, and a million times as much is still in range.
-        let cycles = (bandwidth as u64).wrapping_mul(tick_us as u64);
-        let exponent = U32F32::from_bits(TWO_PI.wrapping_mul_int(cycles).to_bits() / 1_000_000);
-        let theta = exp_of_minus(exponent);
-        let rest = U32F32::ONE.wrapping_sub(theta);
-        let square = rest.wrapping_mul(rest);
-        let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
-        let beta = square.wrapping_mul(U32F32::ONE.wrapping_add(theta));
-        Self {
-            alpha: signed(U32F32::ONE.wrapping_sub(cube)),
-            beta: signed(beta.wrapping_add(half(beta))),
-            gamma: signed(square.wrapping_mul(rest)),
-        }
-    }
+/// An encoder of few counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Few {
+    /// The angle by which the poles turn in a tick, 2⁻³².
+    pole: u32,
+    /// Ticks since the counter has moved.
+    ticks: u32,
 }
 
 /// Angle, speed and acceleration of the spindle, one sample a tick.
@@ -119,6 +120,8 @@ pub struct Observer {
     oldest_edge_ns: u32,
     ticks_per_second: U48F16,
     gains: Gains,
+    /// An encoder of few counts is looked at where it moves, and not in each tick.
+    few: Option<Few>,
     /// Counts by which the movement of the counter may change from tick to tick.
     hardest: u32,
     /// The farthest way of a tick in turns.
@@ -160,7 +163,15 @@ impl Observer {
             ticks_per_ns: U8F56::from_bits(divide(1 << 56, tick_ns as u64)),
             oldest_edge_ns: tick_ns.wrapping_mul(OLDEST_EDGE_TICKS),
             ticks_per_second: U48F16::from_bits(divide(1_000_000 << 16, tick_us as u64)),
-            gains: Gains::new(bandwidth, tick_us),
+            gains: steady(bandwidth, tick_us),
+            few: if counts < looks::FEW {
+                Some(Few {
+                    pole: looks::pole(bandwidth, tick_us),
+                    ticks: 0,
+                })
+            } else {
+                None
+            },
             hardest: hardest(counts, tick_us, HARDEST),
             fastest: I32F32::from_bits(
                 ((FASTEST << 32) / 1_000_000).wrapping_mul(tick_us as u64) as i64
@@ -231,6 +242,10 @@ impl Observer {
             }
         };
 
+        if self.few.is_some() {
+            self.tick_of_few(moved, sample.edge_age_ns);
+            return event;
+        }
         // Predict one tick, measure, correct.
         let predicted = self
             .angle
@@ -239,11 +254,18 @@ impl Observer {
         let measured = self.measured(sample.edge_age_ns, speed);
         let surprise = measured.wrapping_sub(predicted);
         if surprise.unsigned_abs() > self.lost {
-            self.find(measured, moved);
+            self.find(measured, moved, 1);
             return event;
         }
         let surprise = surprise.clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
-        let Gains { alpha, beta, gamma } = self.gains;
+        self.correct(predicted, speed, surprise, self.gains);
+        event
+    }
+
+    /// Adds to what was predicted what the surprise says.
+    #[inline(always)]
+    fn correct(&mut self, predicted: I32F32, speed: I16F48, surprise: I32F32, gains: Gains) {
+        let Gains { alpha, beta, gamma } = gains;
         let by =
             |gain: I32F32, bits| rounded(gain.to_bits().wrapping_mul(surprise.to_bits()), bits);
         self.angle = predicted.wrapping_add(I32F32::from_bits(by(alpha, 32)));
@@ -251,23 +273,105 @@ impl Observer {
         self.acceleration = self
             .acceleration
             .wrapping_add(I16F48::from_bits(by(gamma, 16)));
-        event
     }
 
-    /// Takes the angle from the sample, and the speed from the counter's movement in this tick. This is for a spindle
+    /// A tick of an encoder of few counts.
+    #[cold]
+    #[inline(never)]
+    fn tick_of_few(&mut self, moved: i32, edge_age_ns: Option<u32>) {
+        let Some(few) = &mut self.few else {
+            return;
+        };
+        let ticks = few.ticks.saturating_add(1).min(looks::LONGEST);
+        few.ticks = if moved == 0 { ticks } else { 0 };
+        let pole = few.pole;
+        let predicted = self
+            .angle
+            .wrapping_add(nearest(self.speed.wrapping_add(half_of(self.acceleration))));
+        let speed = self.speed.wrapping_add(self.acceleration);
+        if moved == 0 {
+            self.stay(predicted, speed, ticks);
+            return;
+        }
+        let measured = self.at_look(edge_age_ns, speed);
+        let surprise = measured.wrapping_sub(predicted);
+        if surprise.unsigned_abs() > self.lost {
+            self.find(measured, moved, ticks);
+        } else {
+            let gains = looks::gains(pole, ticks, edge_age_ns.is_some());
+            self.correct(predicted, speed, surprise, gains);
+        }
+    }
+
+    /// The counter stands, for `ticks` by now: the spindle is still in its count, and has not made a whole one.
+    #[inline(never)]
+    fn stay(&mut self, predicted: I32F32, speed: I16F48, ticks: u32) {
+        let lower = self.boundary();
+        let upper = lower.wrapping_add(self.width);
+        self.angle = predicted.min(upper).max(lower);
+        self.speed = speed;
+        let width = u32::try_from(self.width.to_bits()).unwrap_or(u32::MAX);
+        let fastest = width.checked_div(ticks).unwrap_or(u32::MAX);
+        let fastest = I16F48::from_bits(i64::from(fastest) << 16);
+        if speed.unsigned_abs() > fastest.unsigned_abs() {
+            self.speed = if speed.is_negative() {
+                fastest.wrapping_neg()
+            } else {
+                fastest
+            };
+            self.acceleration = I16F48::ZERO;
+        }
+    }
+
+    /// The angle that the counter shows in a tick in which it has moved. Without the time of the edge, the edge was in
+    /// the middle of the tick.
+    #[inline(never)]
+    fn at_look(&self, edge_age_ns: Option<u32>, speed: I16F48) -> I32F32 {
+        if edge_age_ns.is_some() {
+            return self.measured(edge_age_ns, speed);
+        }
+        let lower = self.boundary();
+        let way = I32F32::from_bits((speed.to_bits() >> 17).abs()).min(self.half_width());
+        if self.rising == Some(false) {
+            lower.wrapping_add(self.width).wrapping_sub(way)
+        } else {
+            lower.wrapping_add(way)
+        }
+    }
+
+    /// Takes the angle from the sample, and the speed from the counter's movement in these `ticks`. This is for a spindle
     /// that is far from where the tracker expects it. A third-order tracker that follows such a leap in clipped steps
     /// swings farther each time and never finds the spindle again [D185].
     #[cold]
     #[inline(never)]
-    fn find(&mut self, measured: I32F32, moved: i32) {
+    fn find(&mut self, measured: I32F32, moved: i32, ticks: u32) {
         // At most 2³¹ counts of 2³² each; in 10 ms the fastest makes twenty turns.
         let way = self.width.wrapping_mul_int(moved.into());
+        let way = way.checked_div_int(ticks.into()).unwrap_or(way);
         self.angle = measured;
         self.speed = way
             .min(self.fastest)
             .max(self.fastest.wrapping_neg())
             .wrapping_to_num();
         self.acceleration = I16F48::ZERO;
+    }
+
+    /// What the tick's sample shows a [`Tracker`](super::Tracker).
+    #[must_use]
+    pub fn look(&self, edge_age_ns: Option<u32>) -> Look {
+        Look {
+            lower: self.boundary(),
+            width: self.width,
+            age: edge_age_ns.map(|age| self.age_in_ticks(age)),
+            angle: self.angle,
+            speed: self.speed,
+        }
+    }
+
+    /// The age of an edge in ticks, 2⁻²⁴: at most 16 of them, 28 bits.
+    fn age_in_ticks(&self, age_ns: u32) -> i64 {
+        let age = age_ns.min(self.oldest_edge_ns);
+        (self.ticks_per_ns.wrapping_mul_int(age.into()).to_bits() >> 32) as i64
     }
 
     /// The angle at the last sample.
@@ -408,9 +512,8 @@ impl Observer {
         let (Some(age), Some(rising)) = (edge_age_ns, self.rising) else {
             return lower.wrapping_add(self.half_width());
         };
-        let age = age.min(self.oldest_edge_ns);
-        // Ticks in 2⁻²⁴, at most 16 of them: 28 bits; the speed in 2⁻³² has as many again.
-        let age = (self.ticks_per_ns.wrapping_mul_int(age.into()).to_bits() >> 32) as i64;
+        // The speed in 2⁻³² has as many bits as the age again.
+        let age = self.age_in_ticks(age);
         let way = I32F32::from_bits((speed.to_bits() >> 16).wrapping_mul(age) >> 24);
         let within = if rising {
             way

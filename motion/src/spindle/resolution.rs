@@ -6,8 +6,9 @@
 //! loses the spindle, timed or not. This module computes both effects for checks before anything moves; the tick knows
 //! nothing of this module.
 
-use super::observer::Gains;
-use crate::units::{Acceleration, Lead, Rpm, Ticks, mul_div, signed};
+use super::observer::steady;
+use crate::units::{Acceleration, Lead, Length, Rpm, Ticks, mul_div, signed};
+use leadscrew_spindle::Gains;
 
 /// Counts a second for each hertz of the observer's bandwidth. The speed is then within 15 % at a steady spindle. With 12
 /// counts it is within 23 %, with 6 within 45 %; with one count it is four times too fast. (Simulated over all phases,
@@ -18,6 +19,18 @@ const UNTIMED: u32 = 20;
 /// or fewer the observer swings: 100 to 3000 µm beside the helix, hundreds of m/s². (Simulated at 54 to 608 rpm, bandwidths
 /// of 15, 35 and 60 Hz, without ripple and with 10 % at 5 Hz, 5 % at 20 Hz, 10 % once and 2 % twice a turn.)
 const TIMED: u32 = 8;
+
+/// An encoder of fewer counts is learned. With as many or more, the quick observer keeps an axis within its acceleration, and
+/// a swing that is not learned disturbs it less.
+const FEW_TIMED: u32 = 256;
+const FEW_UNTIMED: u32 = 1024;
+
+/// The same where the edges have no times and the frequency of the drive's swing is known: a count of a lead of 6 mm is
+/// 0.6 µm.
+const FEW_WITH_SWING: u32 = 10_000;
+
+/// Counts a second that a tracker needs: with fewer it learns for more than half a minute.
+const LEARNED: u32 = 8;
 
 /// A step has left the observer after this many time constants of its poles.
 const POLES: u32 = 24;
@@ -32,6 +45,8 @@ pub struct Resolution {
     pub counts: u32,
     /// The hardware captures the times of its edges.
     pub timed: bool,
+    /// The frequency with which the spindle's drive swings is known.
+    pub swing_known: bool,
     /// Bandwidth of the observer, 1…1000 Hz.
     pub bandwidth_hz: u32,
     /// Time between two samples, 250…10 000 µs.
@@ -39,6 +54,18 @@ pub struct Resolution {
 }
 
 impl Resolution {
+    /// True where a pass on the lead follows an angle that is learned: with few counts, and with counts that have no times,
+    /// where the swing of the spindle's drive is known.
+    #[must_use]
+    pub const fn is_learned(self) -> bool {
+        let few = match (self.timed, self.swing_known) {
+            (true, _) => FEW_TIMED,
+            (false, false) => FEW_UNTIMED,
+            (false, true) => FEW_WITH_SWING,
+        };
+        self.counts < few
+    }
+
     /// The largest acceleration that reading whole counts, without the times of edges, can give an axis on this lead. The
     /// axis's setpoints are predicted `ahead` of the sample.
     ///
@@ -58,7 +85,7 @@ impl Resolution {
         Acceleration::from_nm_per_s2(signed(mul_div(along, 1, turns)))
     }
 
-    /// The lowest spindle speed at which the observer keeps hold of the spindle, rounded up.
+    /// The lowest spindle speed at which the observer follows as quickly as its bandwidth says, rounded up.
     #[must_use]
     pub fn slowest(self) -> Rpm {
         let to_bandwidth = if self.timed { TIMED } else { UNTIMED };
@@ -70,9 +97,38 @@ impl Resolution {
         Rpm::new(i32::try_from(rpm).unwrap_or(i32::MAX))
     }
 
+    /// The lowest spindle speed at which a tracker learns the spindle, rounded up.
+    #[must_use]
+    pub fn slowest_learned(self) -> Rpm {
+        let rpm = (LEARNED * 60).div_ceil(self.counts.max(1));
+        Rpm::new(i32::try_from(rpm).unwrap_or(i32::MAX))
+    }
+
+    /// How far an axis on this lead may be beside the spindle's true angle, where the angle is learned: 1.5 times the way
+    /// in the smaller of a count and a tick. `None` where edges are timed: then it is less than the encoder's own error.
+    ///
+    /// Near a whole fraction of a count a tick, the edges come at the same places of their ticks for long, and no observer
+    /// takes this error away.
+    #[must_use]
+    pub fn uncertainty(self, lead: Lead, rpm: Rpm) -> Option<Length> {
+        if self.timed || !self.is_learned() {
+            return None;
+        }
+        let (nm, turns) = lead.parts();
+        let counts = u64::from(self.counts);
+        let by_count = mul_div(nm, 3, turns.saturating_mul(counts).saturating_mul(2));
+        let per_minute = mul_div(nm, u64::from(rpm.abs()), turns);
+        let by_tick = mul_div(
+            per_minute,
+            u64::from(self.tick_us).saturating_mul(3),
+            120_000_000,
+        );
+        Some(Length::from_nm(signed(by_count.min(by_tick))))
+    }
+
     /// The predicted angle's second differences after a single error of one: the sum of their magnitudes, in 2⁻³².
     fn second_difference(self, ahead: Ticks) -> u64 {
-        let Gains { alpha, beta, gamma } = Gains::new(self.bandwidth_hz, self.tick_us);
+        let Gains { alpha, beta, gamma } = steady(self.bandwidth_hz, self.tick_us);
         let (alpha, beta, gamma) = (alpha.to_bits(), beta.to_bits(), gamma.to_bits());
         let one = 1_i64 << 32;
         let ahead = i64::from(ahead.raw());

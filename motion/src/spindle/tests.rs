@@ -349,6 +349,7 @@ fn whole_counts_shake_an_axis_by_no_more_than_is_said_and_by_most_of_it() {
         for counts in [60, 100, 360, 1024, 4096] {
             let coarse = Resolution {
                 timed: false,
+                swing_known: false,
                 counts,
                 bandwidth_hz,
                 tick_us,
@@ -360,8 +361,10 @@ fn whole_counts_shake_an_axis_by_no_more_than_is_said_and_by_most_of_it() {
             let worst = (1..160)
                 .map(|n| shaken(coarse, 7.3 * f64::from(n), ahead).0)
                 .fold(0.0, f64::max);
+            // Fewer counts than a thousand are looked at where they move, which shakes less.
+            let least = if counts < 1000 { 0.1 } else { 0.5 };
             assert!(
-                worst <= said && worst > 0.5 * said,
+                worst <= said && worst > least * said,
                 "{coarse:?}: {worst} of {said} turns/s²"
             );
         }
@@ -369,10 +372,11 @@ fn whole_counts_shake_an_axis_by_no_more_than_is_said_and_by_most_of_it() {
 }
 
 #[test]
-fn the_slowest_speed_of_an_encoder_is_known_and_a_twentieth_of_it_is_not() {
+fn the_slowest_speed_of_an_encoder_is_known_and_a_twentieth_of_it_is_not_with_many_counts() {
     for (counts, bandwidth_hz) in [(60, 35), (360, 35), (1024, 20), (4096, 15)] {
         let coarse = Resolution {
             timed: false,
+            swing_known: false,
             counts,
             bandwidth_hz,
             tick_us: 1000,
@@ -381,7 +385,12 @@ fn the_slowest_speed_of_an_encoder_is_known_and_a_twentieth_of_it_is_not() {
         let wrong = |rpm: f64| shaken(coarse, rpm, Ticks::ONE).1;
         assert!(wrong(slowest) < 0.15, "{coarse:?}: {}", wrong(slowest));
         assert!(wrong(slowest * 1.07) < 0.15, "{coarse:?}");
-        assert!(wrong(slowest / 20.0) > 1.0, "{coarse:?}");
+        // Few counts are looked at where they move, so they are enough for the speed at any speed.
+        let far = wrong(slowest / 20.0);
+        assert!(
+            if counts < 1000 { far < 0.15 } else { far > 1.0 },
+            "{coarse:?}: {far}"
+        );
     }
 }
 

@@ -75,7 +75,7 @@ use crate::call::Position;
 use crate::journal::TapRecord;
 use crate::motion::{AxisTravel, Conditions, Epoch, Executor, Jog, Setpoint, Task};
 use crate::signals::Signals;
-use crate::spindle::{EncoderSample, Observer, SpindleEvent};
+use crate::spindle::{EncoderSample, Observer, SpindleEvent, Tracker};
 use crate::tick::Event;
 use crate::units::Length;
 
@@ -138,6 +138,8 @@ pub struct Ticker {
     operator: Operator,
     given: Given,
     observer: Observer,
+    /// What a pass on the lead follows, where the encoder has few counts.
+    tracker: Option<Tracker>,
     /// The position of the machine when the power went.
     remembered: Option<Position>,
     /// A message that the background has not read yet.
@@ -184,6 +186,7 @@ impl Ticker {
             operator: Operator::new(),
             given,
             observer: setup.observer,
+            tracker: setup.tracker,
             remembered,
             notice: None,
             journal: Journal::new(tap, given.second),
@@ -319,6 +322,7 @@ impl Ticker {
         };
         let conditions = Conditions {
             observer: &self.observer,
+            tracker: self.tracker.as_ref(),
             ahead_x: self.given.ahead_x,
             ahead_z: self.given.ahead_z,
             feed,
@@ -397,7 +401,11 @@ impl Ticker {
         }
         // For a slip during a tap that has ended since.
         self.begin_new_count();
-        if let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) {
+        let event = self.observer.tick(sample);
+        if let Some(tracker) = &mut self.tracker {
+            tracker.tick(&self.observer.look(sample.edge_age_ns), event.is_some());
+        }
+        if let Some(SpindleEvent::Slipped { counts }) = event {
             self.slip(counts, ends);
         }
     }

@@ -4,7 +4,8 @@ use super::{Active, Conditions, Executor, Motion, Setpoint};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::motion::segment::{Pass, Segment};
 use crate::motion::thread::{Phase, ThreadPlan, ThreadRun};
-use crate::units::TurnRate;
+use crate::spindle::{Follower, Tracker};
+use crate::units::{Axis, Ticks, TurnRate, Turns};
 
 /// The axes stand for this many ticks at the end of a pass before the next segment begins. Then no third difference
 /// spans the last setpoints of the pass and the first setpoints of the next segment, so their jerks do not add.
@@ -17,6 +18,8 @@ pub(super) struct Waited {
     speed: u32,
     /// Ticks of waiting for the index, at speed.
     index: u32,
+    /// Ticks of waiting until the spindle's swings are learned, at speed.
+    swings: u32,
 }
 
 /// A stroke under way.
@@ -28,6 +31,37 @@ pub(super) struct Stroke {
     astray: u32,
     /// Ticks since the axes came to rest.
     settled: u8,
+}
+
+impl Conditions<'_> {
+    /// Followers on the learned angle: for the long axis of a pass, and for the short one.
+    #[inline(never)]
+    fn followers(&self, plan: &ThreadPlan) -> Option<[Follower; 2]> {
+        let tracker = self.tracker?;
+        let on = |ahead: Ticks| {
+            let pole = tracker.pole_of_follower();
+            Follower::new(*plan.follower(), pole, &tracker.predict(ahead.raw()).1)
+        };
+        Some(if plan.long_x() {
+            [on(self.ahead_x), on(self.ahead_z)]
+        } else {
+            [on(self.ahead_z), on(self.ahead_x)]
+        })
+    }
+}
+
+/// The learned speed of the spindle.
+fn speed_of(tracker: &Tracker) -> TurnRate {
+    TurnRate::from_raw(tracker.speed())
+}
+
+/// The angle of the follower, and whether it has lost what it follows.
+fn follow(follower: &mut Follower, tracker: &Tracker, ahead: Ticks) -> (Turns, bool) {
+    let (angle, learned) = tracker.predict(ahead.raw());
+    let beside = follower.tick(&learned);
+    // Rounded to 2⁻³².
+    let beside = Turns::from_raw(beside.wrapping_add(1 << 15) >> 16);
+    (Turns::from_raw(angle) + beside, follower.is_lost())
 }
 
 impl Executor {
@@ -58,11 +92,30 @@ impl Executor {
                 self.active = Active::Free;
                 return Err(Alarm::new(Code::NoIndex, self.span));
             }
+        } else if let Some(tracker) = now.tracker
+            && !tracker.is_ready()
+        {
+            let patience = tracker.patience();
+            if self.waits_longer(|waited| &mut waited.swings) > patience {
+                self.active = Active::Free;
+                return Err(
+                    Alarm::new(Code::SpindleNotSteady, self.span).with([Arg::Rpm(speed.rpm())])
+                );
+            }
         } else if now.more {
             // Both axes must be in time, so the axis with the slower drive decides when the pass leaves.
             let ahead = now.ahead_x.max(now.ahead_z);
-            match ThreadRun::start(&pass.plan, now.observer.predict(ahead), speed) {
+            let begun = match now.tracker {
+                None => ThreadRun::start(&pass.plan, now.observer.predict(ahead), speed),
+                Some(tracker) => ThreadRun::start(
+                    &pass.plan,
+                    Turns::from_raw(tracker.predict(ahead.raw()).0),
+                    speed_of(tracker),
+                ),
+            };
+            match begun {
                 Ok(run) => {
+                    self.followers = now.followers(&pass.plan);
                     self.active = Active::Thread(Stroke {
                         run,
                         astray: 0,
@@ -142,9 +195,26 @@ impl Executor {
             self.tell(setpoint, Motion::Hold);
             return Ok(());
         }
-        let speed = now.observer.speed();
+        let speed = now.tracker.map_or_else(|| now.observer.speed(), speed_of);
         let turning = now.observer.is_turning();
         let backwards = turning && speed.is_negative() != plan.is_reverse();
+        let (long, short) = if plan.long_x() {
+            (now.ahead_x, now.ahead_z)
+        } else {
+            (now.ahead_z, now.ahead_x)
+        };
+        let (angle, beside, lost) = match (&mut self.followers, now.tracker) {
+            (Some(followers), Some(tracker)) => {
+                let [of_long, of_short] = followers;
+                let (angle, lost) = follow(of_long, tracker, long);
+                let beside = (long != short).then(|| follow(of_short, tracker, short).0);
+                (angle, beside, lost && run.phase() == Phase::Locked)
+            }
+            _ => {
+                let beside = (long != short).then(|| now.observer.predict(short));
+                (now.observer.predict(long), beside, false)
+            }
+        };
         let too_fast = speed.abs() > plan.speed_limit();
         let trouble = if !run.is_led() {
             None
@@ -154,6 +224,8 @@ impl Executor {
             Some((Code::SpindleStopped, 10))
         } else if !turning {
             Some((Code::SpindleStopped, 1))
+        } else if lost {
+            Some((Code::SpindleSwings, 300))
         } else {
             None
         };
@@ -162,21 +234,15 @@ impl Executor {
             // The axes must brake from this very tick on. A tick in which they stood would be a jolt.
             run.stop(plan);
         }
-        let (long, short) = if plan.long_x() {
-            (now.ahead_x, now.ahead_z)
-        } else {
-            (now.ahead_z, now.ahead_x)
-        };
-        let angle = now.observer.predict(long);
         let mut ahead = angle;
-        let point = if long == short {
-            run.tick(plan, angle)
-        } else {
-            let beside = now.observer.predict(short);
-            if short > long {
-                ahead = beside;
+        let point = match beside {
+            None => run.tick(plan, angle),
+            Some(beside) => {
+                if short > long {
+                    ahead = beside;
+                }
+                run.tick_apart(plan, angle, beside)
             }
-            run.tick_apart(plan, angle, beside)
         };
         self.crossed = run.is_over(plan, ahead);
         self.position = point.position;
@@ -194,6 +260,11 @@ impl Executor {
         match trouble {
             None => {}
             Some(Code::SpindleTooFast) => return Err(plan.too_fast(speed)),
+            Some(Code::SpindleSwings) => {
+                let axis = if plan.long_x() { Axis::X } else { Axis::Z };
+                let args = [Arg::Letter(axis.letter()), Arg::Rpm(speed.rpm())];
+                return Err(Alarm::new(Code::SpindleSwings, self.span).with(args));
+            }
             Some(code) => return Err(Alarm::new(code, self.span)),
         }
         self.tell(setpoint, motion);

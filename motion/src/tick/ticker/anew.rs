@@ -40,6 +40,7 @@ impl Ticker {
             operator,
             given,
             observer,
+            tracker,
             remembered,
             notice,
             journal,
@@ -73,6 +74,7 @@ impl Ticker {
         *operator = Operator::new();
         *given = setup.given;
         *observer = setup.observer;
+        *tracker = setup.tracker;
         *remembered = position;
         *notice = Some(Notice::Restart(position.unwrap_or_default(), epoch));
         journal.begin_anew(given.second);

@@ -9,7 +9,7 @@ use crate::operating::PressState;
 use crate::spindle::Observer;
 use crate::tick::machine::Interlocks;
 use crate::tick::operator::Operator;
-use crate::units::{Rpm, Turns};
+use crate::units::{Rpm, Ticks, Turns};
 
 /// The state of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,6 +137,24 @@ impl Ticker {
             self.given.ahead_z
         };
         self.observer.predict(ahead.less_one())
+    }
+
+    /// The same for a pass on the lead, which follows another angle where the encoder has few counts; and that angle at the
+    /// last sample.
+    #[must_use]
+    #[inline(never)]
+    pub fn angles_of_pass(&self, on_x: bool) -> (Turns, Turns) {
+        let Some(tracker) = &self.tracker else {
+            return (self.effective_angle(on_x), self.observer.angle());
+        };
+        let ahead = if on_x {
+            self.given.ahead_x
+        } else {
+            self.given.ahead_z
+        };
+        let [then, now] = [ahead.less_one(), Ticks::default()]
+            .map(|ahead| Turns::from_raw(tracker.predict(ahead.raw()).0));
+        (then, now)
     }
 
     /// Where the drive of X or Z says that it was at the last SYNC; `None` where its status did not come with this tick.
