@@ -1,6 +1,6 @@
 //! The page in headless Chromium: buttons and keys as somebody would use them, and what the machine does then.
 //!
-//! Chromium is driven over a pair of pipes. `cargo xtask page --check` runs this; without Chromium it fails. Whatever a page
+//! Chromium is driven over a pair of pipes. `cargo xtask page --check` runs this; without Chromium it fails. What a page
 //! writes to the console as an error or a warning fails its test, but for what the test expects.
 
 mod cut;
