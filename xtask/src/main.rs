@@ -72,7 +72,7 @@ usage: cargo xtask COMMAND
   renew      every page, picture and golden file that the program writes, anew; read the difference afterwards
   dist       what a release holds, in target/dist: programs for Linux, Debian packages, firmware, page, bills of materials,
              checksums (--check: takes it apart and runs it)
-  packages   what is published on crates.io: each crate says what it is, and builds from its own files
+  packages   what is published on crates.io: each crate says what it is; then `cargo publish` of all, without the upload
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
 

@@ -1,7 +1,9 @@
 //! What is published on crates.io can be: each crate says what it is, depends on published crates alone, and builds from
 //! its own files.
 //!
-//! Nothing is sent anywhere. Whether crates.io takes the names and categories, only it can say (`cargo publish --dry-run`).
+//! Nothing is sent anywhere. The test packs the crates without a network. `cargo xtask packages` does what publishing
+//! does, up to the upload: cargo itself chooses the crates and their order, asks the index whether a version is there
+//! already, and builds each from what was packed. Whether crates.io takes the names and categories, only it can say.
 
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -14,18 +16,26 @@ const LONGEST_WORD: usize = 20;
 
 /// Looks at what the crates say of themselves, and packs them.
 pub fn check() -> Result<()> {
-    pack(&["--no-verify"])
+    let names = good()?;
+    let mut args = vec!["package", "--offline", "--no-verify"];
+    for name in &names {
+        args.extend_from_slice(&["--package", name]);
+    }
+    let told = pack(&args)?;
+    same("packed", &names, &after(&told, "Packaging"))
 }
 
-/// The same, and builds each from what was packed.
+/// The same, and publishes them without the upload.
 pub fn build() -> Result<()> {
-    pack(&[])
+    let names = good()?;
+    let told = pack(&["publish", "--workspace", "--dry-run"])?;
+    same("published", &names, &after(&told, "Uploading"))
 }
 
-fn pack(how: &[&str]) -> Result<()> {
-    let root = run::root();
+/// The names of the crates that are published, where nothing is wrong with them.
+fn good() -> Result<Vec<String>> {
     let metadata = ["metadata", "--format-version", "1", "--no-deps"];
-    let text = run::read(run::cargo(&root, &metadata))?;
+    let text = run::read(run::cargo(&run::root(), &metadata))?;
     let metadata: Value = serde_json::from_str(&text).context("cargo metadata is not JSON")?;
     let empty = Vec::new();
     let all = metadata["packages"].as_array().unwrap_or(&empty);
@@ -33,19 +43,33 @@ fn pack(how: &[&str]) -> Result<()> {
     if !wrong.is_empty() {
         bail!("these crates cannot be published:\n{}", wrong.join("\n"));
     }
-    let names: Vec<&str> = published(all).filter_map(name).collect();
-    // The rest need not be clean: what is packed are the files as they are.
-    let mut args = vec!["package", "--quiet", "--locked", "--allow-dirty"];
-    args.extend_from_slice(how);
-    for name in &names {
-        args.extend_from_slice(&["--package", name]);
+    Ok(published(all).filter_map(name).map(str::to_owned).collect())
+}
+
+/// What cargo says of its work. Files need not be clean: what is packed are the files as they are.
+fn pack(args: &[&str]) -> Result<String> {
+    let args = [args, &["--locked", "--allow-dirty", "--color=never"]].concat();
+    run::told(run::cargo(&run::root(), &args))
+}
+
+/// The crates of which cargo says that it does this.
+fn after(told: &str, what: &str) -> Vec<String> {
+    let lines = told
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix(what));
+    let first = |line: &str| line.split_whitespace().next().map(str::to_owned);
+    lines.filter_map(first).collect()
+}
+
+/// All of them, and no other.
+fn same(done: &str, names: &[String], told: &[String]) -> Result<()> {
+    let [mut wanted, mut found] = [names, told].map(<[String]>::to_vec);
+    wanted.sort_unstable();
+    found.sort_unstable();
+    if wanted != found {
+        bail!("to be {done}: {wanted:?}; cargo has {done} {found:?}");
     }
-    run::read(run::cargo(&root, &args))?;
-    println!(
-        "{} crates can be published: {}",
-        names.len(),
-        names.join(", ")
-    );
+    println!("{} crates can be {done}: {}", told.len(), told.join(", "));
     Ok(())
 }
 
@@ -109,6 +133,16 @@ mod tests {
             package[key] = value.clone();
         }
         package
+    }
+
+    #[test]
+    fn what_cargo_has_done_is_all_that_is_published() {
+        let told = "    Updating crates.io index\n   Packaging one v0.1.0 (/one)\n   Packaging two v0.1.0 (/two)\n";
+        let found = after(told, "Packaging");
+        assert_eq!(found, ["one", "two"]);
+        let names = ["two", "one"].map(str::to_owned);
+        assert!(same("packed", &names, &found).is_ok());
+        assert!(same("packed", &names[..1], &found).is_err());
     }
 
     #[test]

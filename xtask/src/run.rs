@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
@@ -108,7 +108,19 @@ pub fn show(mut command: Command) -> Result<()> {
 }
 
 /// Runs a command to its end and keeps its output; shows it only where the command fails.
-pub fn read(mut command: Command) -> Result<String> {
+pub fn read(command: Command) -> Result<String> {
+    let line = line_of(&command);
+    let output = output(command)?;
+    String::from_utf8(output.stdout).with_context(|| format!("`{line}` printed what is not UTF-8"))
+}
+
+/// The same of what it says beside its output, as cargo does.
+pub fn told(command: Command) -> Result<String> {
+    let output = output(command)?;
+    Ok(String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+fn output(mut command: Command) -> Result<Output> {
     let line = line_of(&command);
     let output = command
         .stdin(Stdio::null())
@@ -122,7 +134,7 @@ pub fn read(mut command: Command) -> Result<String> {
             String::from_utf8_lossy(&output.stderr)
         );
     }
-    String::from_utf8(output.stdout).with_context(|| format!("`{line}` printed what is not UTF-8"))
+    Ok(output)
 }
 
 /// Runs a command to its end, shows its standard output line by line and passes each line to `seen`. True where the

@@ -53,6 +53,7 @@ pub(super) fn run(setup: &Setup, args: &Plot, format: PictureFormat) -> Outcome 
         series: Envelope::new(tick_us / 1e6),
         way: Way::new(tick_us / 1e6),
         spindle: None,
+        step: 0,
         features: &mut features.list,
     };
     execution.run(&args.drive, [None; 2], &mut watcher)?;
@@ -206,27 +207,52 @@ struct Watcher<'a> {
     way: Way,
     /// The spindle in the picture and its angle in the tick before.
     spindle: Option<(u8, i64)>,
+    /// The move of the tick before.
+    step: u64,
     features: &'a mut [Feature],
 }
 
 impl Watcher<'_> {
-    /// The distance from the helix belongs to the thread of its line.
+    /// The distance from the helix belongs to the thread of its line, or to the tap.
     fn phase(&mut self, point: &Setpoint) {
-        let threads = self.features.iter_mut();
-        let threads = threads.filter(|feature| matches!(feature.shape, Shape::Thread(_)));
-        let locked = point.error_nm.filter(|_| point.tap.is_none());
-        for thread in threads {
-            let is_here = (thread.lines.0..=thread.lines.1).contains(&point.line);
-            match (locked, is_here) {
-                (Some(nm), true) => {
-                    let phase = thread.phase.get_or_insert_default();
-                    phase.push(point.s1_urev, nm as f64 / 1e3);
-                }
-                _ => {
-                    if let Some(phase) = &mut thread.phase {
-                        phase.interrupt();
+        let micrometres = point.error_nm.map(|nm| nm as f64 / 1e3);
+        let urev = point.turning_spindle().1;
+        let step = std::mem::replace(&mut self.step, point.step);
+        for Feature {
+            lines,
+            shape,
+            phase,
+            ..
+        } in self.features.iter_mut()
+        {
+            let is_here = (lines.0..=lines.1).contains(&point.line);
+            let off = match shape {
+                Shape::Thread(_) => micrometres.filter(|_| is_here && point.tap.is_none()),
+                Shape::Tap(tap) => match point.tap.filter(|_| is_here) {
+                    Some(place) => {
+                        // Each stroke is a move, and counts while it moves.
+                        if step != point.step
+                            && let Some(phase) = phase
+                        {
+                            phase.interrupt();
+                        }
+                        let (mm, turns) = (place.depth_nm as f64, place.turned_urev as f64);
+                        if !tap.push(mm / 1e6, turns / 1e6) {
+                            continue;
+                        }
+                        micrometres
                     }
-                }
+                    None => {
+                        tap.leave();
+                        None
+                    }
+                },
+                Shape::Groove(_) | Shape::Contour(_) => continue,
+            };
+            match (off, phase) {
+                (Some(off), phase) => phase.get_or_insert_default().push(urev, off),
+                (None, Some(phase)) => phase.interrupt(),
+                (None, None) => {}
             }
         }
     }

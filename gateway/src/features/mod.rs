@@ -1,16 +1,21 @@
-//! What a program cuts, feature by feature: its threads with their passes, its grooves with their columns, and its turned
-//! contours. Made from the moves of a program that has been checked; must not know how they are drawn.
+//! What a program cuts, feature by feature: its threads with their passes, its grooves with their columns, its turned
+//! contours, and its tapped holes with their strokes. Made from the moves of a program that has been checked; must not know
+//! how they are drawn.
 
+mod tap;
 mod thread;
 mod width;
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Aux, Call, Position};
-use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag};
+use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
+use leadscrew_core::units::Length;
+use leadscrew_language::stock::Stock as Declared;
 use leadscrew_metrology::Mm;
 
 pub use self::width::Width;
 
+use self::tap::Holes;
 use self::thread::{Lathe, Threads};
 use crate::checking::Report;
 use crate::drawing::{self, mm};
@@ -66,6 +71,7 @@ enum Kind {
     Thread(usize),
     Groove(Groove),
     Contour(Contour),
+    Tap(Box<Holes>),
 }
 
 /// Collects them.
@@ -79,7 +85,8 @@ pub fn collect(
     tools: &Tools,
 ) -> Outcome<Features> {
     let mut walk = Walk::open(setup, source)?;
-    let stock = walk.stock().map(|stock| Stock {
+    let declared = walk.stock().copied();
+    let stock = declared.map(|stock| Stock {
         outside: mm(stock.outside),
         bore: mm(stock.bore),
         face: mm(stock.face),
@@ -94,6 +101,7 @@ pub fn collect(
     let rim = stock.map(|stock| stock.outside);
     let mut finder = Finder {
         tools,
+        stock: declared,
         threads: Threads::new(planned, rim),
         found: Vec::new(),
         at: setup.options().position,
@@ -111,6 +119,7 @@ pub fn collect(
 
 struct Finder<'a> {
     tools: &'a Tools,
+    stock: Option<Declared>,
     threads: Threads,
     found: Vec<Found>,
     at: Position,
@@ -127,7 +136,7 @@ impl Finder<'_> {
             (mm(z.nm()), mm(x.nm()))
         };
         let (from, to) = (of_work(&self.at), of_work(&step.to));
-        self.at = step.to;
+        let start = std::mem::replace(&mut self.at, step.to);
         let line = step.span.line;
         match step.kind {
             MoveKind::Aux(Aux::T(code)) => self.tool = tool_of(code.into()),
@@ -151,11 +160,11 @@ impl Finder<'_> {
                 let centre = (from.0 + mm(k.nm()), from.1 + mm(i.nm()));
                 self.piece(line, None, drawing::arc(from, to, centre, clockwise));
             }
-            MoveKind::Rapid
-            | MoveKind::Tap(_)
-            | MoveKind::Dwell(_)
-            | MoveKind::Spindle(_)
-            | MoveKind::Aux(_) => {}
+            MoveKind::Tap(tap) => {
+                let way = (tap.axis.of(start), tap.axis.of(step.to));
+                self.tap(&tap, step, way, tap.axis.of(call.origin));
+            }
+            MoveKind::Rapid | MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => {}
         }
     }
 
@@ -185,6 +194,29 @@ impl Finder<'_> {
         match same.next() {
             Some(found) => found.lines.1 = line,
             None => self.begin(cycle, line, Kind::Thread(number)),
+        }
+    }
+
+    fn tap(&mut self, tap: &TapMove, step: &Move, way: (Length, Length), zero: Length) {
+        let (line, cycle) = (step.span.line, step.tag.map(|tag| tag.cycle));
+        let is_alike =
+            |found: &Found| matches!(&found.shape, Kind::Tap(holes) if holes.is_alike(tap));
+        if !self.last(cycle).is_some_and(|last| is_alike(last)) {
+            let holes = Holes::new(tap, zero, self.stock.as_ref());
+            self.begin(cycle, line, Kind::Tap(Box::new(holes)));
+        }
+        let last = self.last(cycle).filter(|last| is_alike(last));
+        let Some(Found {
+            shape: Kind::Tap(holes),
+            lines,
+            ..
+        }) = last
+        else {
+            return;
+        };
+        lines.1 = line;
+        if !holes.push(tap, step.tag, line, way) {
+            self.left_out += 1;
         }
     }
 
@@ -277,6 +309,10 @@ impl Finder<'_> {
                 Kind::Thread(number) => threads.feature(number, lang),
                 Kind::Groove(groove) => (columns(&groove, found.tool, lang), Shape::Groove(groove)),
                 Kind::Contour(contour) => (Vec::new(), Shape::Contour(contour)),
+                Kind::Tap(holes) => {
+                    let (figures, tap) = holes.feature(lang);
+                    (figures, Shape::Tap(tap))
+                }
             };
             Feature {
                 name,

@@ -302,13 +302,13 @@ function views(svg) {
     }
     mark(found);
     const [a0, a1, b0, b1] = pane.values;
-    const value = {
-      [pane.names[0]]: a0 + ((x - pane.left) / (pane.right - pane.left)) * (a1 - a0),
-      [pane.names[1]]: b0 + ((pane.bottom - y) / (pane.bottom - pane.top)) * (b1 - b0),
-    };
+    const values = [
+      [pane.names[0], a0 + ((x - pane.left) / (pane.right - pane.left)) * (a1 - a0)],
+      [pane.names[1], b0 + ((pane.bottom - y) / (pane.bottom - pane.top)) * (b1 - b0)],
+    ].sort();
     const text = found ? block(Number(found.dataset.line)) : "";
     const of = found ? `${found.dataset.told}${text && `: ${text}`} · ` : "";
-    output.textContent = `${of}X ${value.X.toFixed(4)} · Z ${value.Z.toFixed(4)}`;
+    output.textContent = of + values.map(([name, value]) => `${name} ${value.toFixed(4)}`).join(" · ");
   };
   svg.addEventListener("click", (event) => {
     const pane = paneAt(...place(event));

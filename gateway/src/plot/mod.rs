@@ -9,7 +9,10 @@ mod series;
 mod thread;
 mod time;
 
-pub use cut::{Across, Column, Contour, Feature, Groove, Pass, Phase, Piece, Shape, Thread};
+pub use cut::{
+    Across, Column, Contour, Feature, Groove, Pass, Phase, Piece, Reversal, Shape, Tap, TapStroke,
+    Thread,
+};
 pub use path::{Kind, Mark, Stock, Stroke, View};
 pub use series::{Envelope, Sample};
 pub use thread::{Along, Chip, Course, Curve, Line, Sheet, svg};

@@ -406,3 +406,34 @@ fn a_number_that_is_none_is_told() {
     let output = leadscrew(&["explain", "4036"]);
     assert!(stdout(&output).starts_with("alarm 4036: there is no tool offset …\n"));
 }
+
+/// What is erased by hand is what the board keeps, and all of it.
+#[test]
+fn the_command_that_erases_the_storage_names_its_pages() {
+    let read = |path: &str| std::fs::read_to_string(root().join(path)).unwrap();
+    let source = read("firmware/nucleo-g474re/src/flash.rs");
+    let number = |name: &str| {
+        let (_, rest) = source.split_once(&format!("const {name}: ")).unwrap();
+        let (_, value) = rest.split_once(" = ").unwrap();
+        let value = value.split_once(';').unwrap().0.replace('_', "");
+        match value.strip_prefix("0x") {
+            Some(hex) => u32::from_str_radix(hex, 16).unwrap(),
+            None => value.parse().unwrap(),
+        }
+    };
+    assert!(source.contains("const PAGE: usize = 2 * CHIP_PAGE;"));
+    let long = 2 * number("CHIP_PAGE") * number("PAGES");
+    let from = 0x0800_0000 + number("BANK");
+    let range = format!("--range {from:#010x}..{:#010x}", from + long);
+    let page = read("docs/hardware.md");
+    assert!(page.contains(&range), "{range}");
+    assert!(page.contains(&format!("erase_address {from:#010x} {long:#x};")));
+    for lang in ["en", "zh"] {
+        let output = leadscrew(&["explain", "4312", "--lang", lang]);
+        let told = stdout(&output);
+        assert!(
+            told.contains(&range) && told.contains("docs/hardware.md"),
+            "{told}"
+        );
+    }
+}

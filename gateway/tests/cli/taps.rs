@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{Folder, code, leadscrew, stderr, stdout};
+use crate::{Folder, code, leadscrew, stderr, stdout, write};
 
 fn simulated(args: &[&str]) -> Value {
     let mut all = vec!["simulate", "--json"];
@@ -93,6 +93,94 @@ fn pictures_show_depth_and_spindle_angle() {
     leadscrew(&["plot", "examples/o0013-g76-m68x6.nc", "-o", &thread]);
     let svg = std::fs::read_to_string(&thread).unwrap();
     assert!(!svg.contains("line depth") && !svg.contains("line tap"));
+}
+
+/// Through a disc of 15 mm from R 2 mm before it, and two side taps that are alike.
+#[test]
+fn a_picture_has_each_hole_near_by() {
+    let folder = Folder::new("plot-holes");
+    let program = "(STOCK X50 L15 X0=6)\nG98\nG0 X0 Z5\nM29 S400\nG84 Z-20 R-3 Q6 F500\nG80\nG0 Z50\nX54\nZ-8\n\
+                   T0202\nM29 S-300\nG88 X30 R-1 F300\nZ-10\nG80\nM30\n";
+    let program = write(&folder, "holes.nc", program);
+    let page = folder.file("holes.html");
+    let plot = |more: &[&str]| {
+        let output = leadscrew(&[&["plot", &program, "-o", &page][..], more].concat());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        std::fs::read_to_string(&page).unwrap()
+    };
+    let english = plot(&[]);
+    for told in [
+        "G84 · line 5\n",
+        "rigid, right-hand · lead 1.25 mm along Z · R Z2, bottom Z-20: 17.6 turns · holes: 1\n",
+        "infeeds: 4 · longest chip 4.8 turns · back by 1 mm after each infeed: the tap stays in the hole\n",
+        "from R to the surface 2 mm · comes out 5 mm behind\n",
+        // Its chip begins at the surface, and there is none behind the disc.
+        "data-line=\"5\" data-told=\"hole 1, infeed 1 to 6 mm, chip of 3.2 turns, line 5\"",
+        "\n4: 22 / 0\n",
+        "G88 · T2 · line 12–13\n",
+        "rigid, left-hand · lead 1 mm along X · R X52, bottom X30: 11 turns · holes: 2\n",
+        "data-line=\"13\" data-told=\"hole 2, back to 0 mm, line 13\"",
+        "filled: all 8 strokes",
+        "filled: all 4 strokes",
+        "in position mode it turns exactly as commanded",
+        "data-names=\"turns depth\"",
+    ] {
+        assert!(english.contains(told), "{told}");
+    }
+    assert_eq!(english.matches("\novershoot 0 µm, 0°\n").count(), 2);
+    let deep = plot(&["--set", "5200.5=1", "--lang", "zh"]);
+    for told in [
+        "进给 4 次 · 最长切屑 4.8 转 · 每次进给后退出孔外",
+        "第 1 孔，再次进入至 5 mm，第 5 行",
+        "R 至工件表面 2 mm · 穿出 5 mm",
+    ] {
+        assert!(deep.contains(told), "{told}");
+    }
+}
+
+/// A floating holder follows the spindle that truly turns: how true the phase is, is seen over its angle.
+#[test]
+fn a_picture_of_an_ordinary_tap_has_its_phase() {
+    let folder = Folder::new("plot-floating");
+    let picture = folder.file("tap.svg");
+    let plot = |more: &[&str]| {
+        let program = "examples/g84-floating.nc";
+        let output = leadscrew(&[&["plot", program, "-o", &picture][..], more].concat());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        std::fs::read_to_string(&picture).unwrap()
+    };
+    let (ideal, ripple) = (plot(&[]), plot(&["--spindle-ripple=10@5"]));
+    let told = "ideal spindle: add `--spindle-ripple`";
+    assert!(ideal.contains(told) && !ripple.contains(told));
+    for told in [
+        "with a floating holder, right-hand · lead 1.25 mm along Z",
+        "which is assumed at Z0",
+        "Z minus its place in phase, over the spindle angle: from lowest to highest; filled: all 2 strokes",
+        "line turned",
+    ] {
+        assert!(ripple.contains(told), "{told}");
+    }
+}
+
+/// A hole that goes on after K198 goes on where it was cut.
+#[test]
+fn a_picture_of_a_hole_that_goes_on_has_both_bottoms() {
+    let folder = Folder::new("plot-on");
+    let program = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-20 R-3 F900 K198\nG84 Z-29 F900\nG80\nM30\n";
+    let program = write(&folder, "on.nc", program);
+    let page = folder.file("on.html");
+    let output = leadscrew(&["plot", &program, "-o", &page]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = std::fs::read_to_string(&page).unwrap();
+    for told in [
+        "bottom Z-20: 14.6667 turns · holes: 1",
+        "infeed 1 to 22 mm, chip of 13.3333 turns, line 4",
+        "bottom Z-29: 20.6667 turns · holes: 1",
+        "infeed 1 to 31 mm, chip of 6 turns, line 5",
+    ] {
+        assert!(page.contains(told), "{told}");
+    }
+    assert_eq!(page.matches("\novershoot 0 µm, 0°\n").count(), 2);
 }
 
 /// The axis follows the measured spindle: no commanded angle, and the error is that of the locked part.

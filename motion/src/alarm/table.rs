@@ -697,8 +697,8 @@ codes! {
     TapJournalNotWritten = 4311, "the tap journal could not be written: the hole is not begun", "check the board's storage, then reset",
         "攻丝记录写入失败：不开始攻丝", "请检查控制板的存储器，然后复位";
     /// The tap journal cannot be read at power-up.
-    TapJournalDamaged = 4312, "the tap journal is damaged: whether a tap is in a hole is not known", "look at the machine; if no tap is in a hole, erase the board's storage",
-        "攻丝记录已损坏：不知道孔内是否有丝锥", "请查看机床；若孔内没有丝锥，请擦除控制板的存储器";
+    TapJournalDamaged = 4312, "the tap journal is damaged: whether a tap is in a hole is not known", "look at the machine; if no tap is in a hole, erase the board's storage (docs/hardware.md)",
+        "攻丝记录已损坏：不知道孔内是否有丝锥", "请查看机床；若孔内没有丝锥，请擦除控制板的存储器（见 docs/hardware.md）";
 
     // 4330–4339: the board as a node.
     /// The heartbeat of the gateway has stayed away (9025 = 1).

@@ -1,16 +1,18 @@
-//! The view of the cut: each thread, groove and turned contour of a program near by, with its passes and its warnings.
-//! Turns numbers into a part of the picture; knows nothing of programs or machines.
+//! The view of the cut: each thread, groove, turned contour and tapped hole of a program near by, with its passes and its
+//! warnings. Turns numbers into a part of the picture; knows nothing of programs or machines.
 
 mod contour;
 mod groove;
 mod pane;
 mod phase;
+mod tap;
 mod thread;
 
 pub use contour::{Contour, Piece};
 pub use groove::{Column, Groove};
 pub use pane::Across;
 pub use phase::Phase;
+pub use tap::{Reversal, Stroke as TapStroke, Tap};
 pub use thread::{Pass, Thread};
 
 use leadscrew_core::alarm::Lang;
@@ -18,6 +20,7 @@ use svg::Node as _;
 use svg::node::element::{Group, Path};
 
 use self::pane::Area;
+use self::phase::Of;
 use super::frame::{LEFT, RIGHT, width};
 use super::{polyline, text};
 use crate::place::SourceLine;
@@ -48,6 +51,8 @@ pub enum Shape {
     Groove(Groove),
     /// A turned contour.
     Contour(Contour),
+    /// Tapped holes that are alike.
+    Tap(Tap),
 }
 
 /// Height of a view.
@@ -62,7 +67,7 @@ impl Shape {
     /// How much of a row its view takes.
     const fn share(&self) -> usize {
         match self {
-            Self::Thread(_) => ROW,
+            Self::Thread(_) | Self::Tap(_) => ROW,
             Self::Contour(_) => 2,
             Self::Groove(_) => 1,
         }
@@ -106,6 +111,7 @@ pub(super) fn draw(
                 Shape::Thread(thread) => thread::draw(document, area, thread, number, lang),
                 Shape::Groove(groove) => groove::draw(document, area, groove, number, lang),
                 Shape::Contour(contour) => contour::draw(document, area, contour, number, lang),
+                Shape::Tap(tap) => tap::draw(document, area, tap, number, lang),
             }
         }
         bottom = begin + VIEW + 18.0;
@@ -115,12 +121,16 @@ pub(super) fn draw(
             },
         ] = row
         {
-            let axis = match &row[0].shape {
-                Shape::Thread(thread) if thread.across == Across::Z => "X",
-                _ => "Z",
+            let of = match &row[0].shape {
+                Shape::Thread(thread) if thread.across == Across::Z => Of::Thread("X"),
+                Shape::Tap(tap) => Of::Tap {
+                    axis: tap.axis,
+                    is_rigid: tap.is_rigid,
+                },
+                _ => Of::Thread("Z"),
             };
             let top = bottom + 40.0;
-            bottom = phase::draw(document, (LEFT, RIGHT), top, phase, axis, ideal, lang);
+            bottom = phase::draw(document, (LEFT, RIGHT), top, phase, of, ideal, lang);
         }
         bottom += 38.0;
     }

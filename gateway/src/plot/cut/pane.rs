@@ -68,6 +68,34 @@ impl Across {
     }
 }
 
+/// What the axes of a box are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axes {
+    /// What is written for one, to the right and upwards.
+    pub(super) written: (f64, f64),
+    /// What stands at them, to the right and upwards.
+    pub(super) labels: (&'static str, &'static str),
+    /// What a page calls a place under the pointer.
+    pub(super) names: (&'static str, &'static str),
+    /// More is lower.
+    pub(super) is_down: bool,
+}
+
+impl From<Across> for Axes {
+    fn from(across: Across) -> Self {
+        let (labels, names) = match across {
+            Across::X => (("Z", "⌀"), ("Z", "X")),
+            Across::Z => (("⌀", "Z"), ("X", "Z")),
+        };
+        Self {
+            written: across.written(),
+            labels,
+            names,
+            is_down: false,
+        }
+    }
+}
+
 /// From the lowest to the highest value to the right and upwards, in millimetres: Z and radius where X is upwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Range {
@@ -103,11 +131,11 @@ impl Range {
     }
 }
 
-/// A box with its scales; X is labelled as a diameter.
+/// A box with its scales.
 #[derive(Debug)]
 pub(super) struct Pane {
     pub(super) area: Area,
-    across: Across,
+    axes: Axes,
     z: Scale,
     x: Scale,
     id: String,
@@ -131,20 +159,26 @@ impl Pane {
     }
 
     /// Each axis as large as the box allows.
-    pub(super) fn filled(area: Area, across: Across, range: Range, id: String) -> Self {
-        let (along, up) = across.written();
+    pub(super) fn filled(area: Area, axes: impl Into<Axes>, range: Range, id: String) -> Self {
+        let axes = axes.into();
+        let (along, up) = axes.written;
+        let (least, most) = if axes.is_down {
+            (area.top, area.bottom)
+        } else {
+            (area.bottom, area.top)
+        };
         Self {
             area,
-            across,
+            axes,
             z: Scale::new(along * range.z.0, along * range.z.1, area.left, area.right),
-            x: Scale::new(up * range.r.0, up * range.r.1, area.bottom, area.top),
+            x: Scale::new(up * range.r.0, up * range.r.1, least, most),
             id,
         }
     }
 
     /// The pixels of a point: to the right, upwards.
     pub(super) fn place(&self, (z, radius): (f64, f64)) -> (f64, f64) {
-        let (along, up) = self.across.written();
+        let (along, up) = self.axes.written;
         (self.z.px(along * z), self.x.px(up * radius))
     }
 
@@ -180,10 +214,7 @@ impl Pane {
             line(document, "grid", [(left, at), (right, at)]);
             document.append(text(left - 8.0, at + 4.5, "left", &label(tick, decimals)));
         }
-        let (right_name, up_name) = match self.across {
-            Across::X => ("Z", "⌀"),
-            Across::Z => ("⌀", "Z"),
-        };
+        let (right_name, up_name) = self.axes.labels;
         document.append(text(left - 8.0, top - 8.0, "left name", up_name));
         document.append(text(right + 8.0, bottom + 18.0, "right name", right_name));
         document.append(ClipPath::new().set("id", self.id.as_str()).add(self.edge()));
@@ -195,10 +226,7 @@ impl Pane {
             .set("data-pane", format!("{corners} {}", values.join(" ")))
             .set(
                 "data-names",
-                match self.across {
-                    Across::X => "Z X",
-                    Across::Z => "X Z",
-                },
+                format!("{} {}", self.axes.names.0, self.axes.names.1),
             )
     }
 

@@ -1,5 +1,5 @@
 //! How far Z is from the helix over the spindle's angle: all turns of all passes one upon the other, since the angle is
-//! taken modulo a turn and Z modulo the lead.
+//! taken modulo a turn and Z modulo the lead. For a tap the same, stroke by stroke.
 
 use leadscrew_core::alarm::Lang;
 use svg::Node as _;
@@ -79,13 +79,73 @@ impl Phase {
 
 const HEIGHT: f64 = 120.0;
 
+/// What the distances are of.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Of<'a> {
+    /// A thread with this long axis.
+    Thread(&'a str),
+    /// A tap along this axis; rigid, or with a floating holder.
+    Tap { axis: &'a str, is_rigid: bool },
+}
+
+impl Of<'_> {
+    /// What the panel shows, of so many passes or strokes.
+    fn words(self, passes: u32, lang: Lang) -> String {
+        match (self, lang) {
+            (Self::Thread(axis), Lang::En) => format!(
+                "{axis} modulo lead minus the helix, over the spindle angle: from lowest to highest; filled: all {passes} passes"
+            ),
+            (Self::Thread(axis), Lang::Zh) => format!(
+                "{axis}（对导程取模）与螺旋线之差，沿主轴角度，最低至最高；填充：全部 {passes} 次走刀"
+            ),
+            (Self::Tap { axis, .. }, Lang::En) => format!(
+                "{axis} minus its place in phase, over the spindle angle: from lowest to highest; filled: all {passes} strokes"
+            ),
+            (Self::Tap { axis, .. }, Lang::Zh) => {
+                format!("{axis} 与同步位置之差，沿主轴角度，最低至最高；填充：全部 {passes} 个行程")
+            }
+        }
+    }
+
+    /// The first and the last of them.
+    const fn ends(self, lang: Lang) -> [(&'static str, &'static str); 2] {
+        let (first, last) = match self {
+            Self::Thread(_) => (
+                pick(lang, "first pass", "第一刀"),
+                pick(lang, "last pass", "最后一刀"),
+            ),
+            Self::Tap { .. } => (
+                pick(lang, "first stroke", "第一行程"),
+                pick(lang, "last way out", "最后退出"),
+            ),
+        };
+        [("peck", first), ("error", last)]
+    }
+
+    /// What is told where the spindle has no ripple.
+    const fn ideal(self, lang: Lang) -> &'static str {
+        match self {
+            Self::Tap { is_rigid: true, .. } => pick(
+                lang,
+                "simulated spindle: in position mode it turns exactly as commanded",
+                "仿真主轴：位置模式下完全按指令转动",
+            ),
+            _ => pick(
+                lang,
+                "ideal spindle: add `--spindle-ripple`",
+                "理想主轴：请加 `--spindle-ripple`",
+            ),
+        }
+    }
+}
+
 /// Draws the panel between `left` and `right`; returns its lower edge with labels. `ideal`: the spindle has no ripple.
 pub(super) fn draw(
     document: &mut Group,
     (left, right): (f64, f64),
     top: f64,
     phase: &Phase,
-    axis: &str,
+    of: Of<'_>,
     ideal: bool,
     lang: Lang,
 ) -> f64 {
@@ -137,31 +197,14 @@ pub(super) fn draw(
     }
     document.append(text(left - 8.0, top - 8.0, "left name", "µm"));
     document.append(text(right + 14.0, bottom + 18.0, "right name", "°"));
-    let words = match lang {
-        Lang::En => format!(
-            "{axis} modulo lead minus the helix, over the spindle angle: from lowest to highest; filled: all {} passes",
-            phase.passes
-        ),
-        Lang::Zh => format!(
-            "{axis}（对导程取模）与螺旋线之差，沿主轴角度，最低至最高；填充：全部 {} 次走刀",
-            phase.passes
-        ),
-    };
+    let words = of.words(phase.passes, lang);
     document.append(text(left, top - 8.0, "key", &words));
     let mut at = left + frame::width(&words) + 24.0;
-    for (class, name) in [
-        ("peck", pick(lang, "first pass", "第一刀")),
-        ("error", pick(lang, "last pass", "最后一刀")),
-    ] {
+    for (class, name) in of.ends(lang) {
         at = frame::key(document, at, top - 8.0, class, name);
     }
-    if ideal {
-        let words = pick(
-            lang,
-            "ideal spindle: add `--spindle-ripple`",
-            "理想主轴：请加 `--spindle-ripple`",
-        );
-        document.append(text(left + 10.0, top + 18.0, "name", words));
+    if ideal || matches!(of, Of::Tap { is_rigid: true, .. }) {
+        document.append(text(left + 10.0, top + 18.0, "name", of.ideal(lang)));
     }
     bottom + 18.0
 }

@@ -1,7 +1,9 @@
 //! The page in headless Chromium: buttons and keys as somebody would use them, and what the machine does then.
 //!
-//! Chromium is driven over a pair of pipes. `cargo xtask page --check` runs this; without Chromium it fails.
+//! Chromium is driven over a pair of pipes. `cargo xtask page --check` runs this; without Chromium it fails. What a page
+//! writes to the console as an error or a warning fails its test, but for what the test expects.
 
+mod cut;
 mod long;
 mod shown;
 mod tables;
@@ -21,18 +23,40 @@ struct Browser {
     input: File,
     output: BufReader<File>,
     number: u64,
+    /// What pages wrote to the console.
+    complaints: Vec<String>,
+    /// Parts of what they may write.
+    expected: Vec<&'static str>,
+}
+
+/// What the browser's own protocol tells of the console that nobody wants to see there.
+fn complaint(event: &Value) -> Option<String> {
+    let params = &event["params"];
+    let is_bad = |level: &Value| matches!(level.as_str(), Some("error" | "warning" | "assert"));
+    let told = match event["method"].as_str()? {
+        "Runtime.exceptionThrown" => &params["exceptionDetails"],
+        "Runtime.consoleAPICalled" if is_bad(&params["type"]) => &params["args"],
+        "Log.entryAdded" if is_bad(&params["entry"]["level"]) => &params["entry"],
+        _ => return None,
+    };
+    Some(told.to_string())
 }
 
 impl Browser {
     fn start(user: &User) -> Self {
+        Self::with(user, "")
+    }
+
+    /// The same with an option of its own.
+    fn with(user: &User, more: &str) -> Self {
         let [input, output] = ["in", "out"].map(|name| user.0.join(name));
         let made = Command::new("mkfifo").args([&input, &output]).status();
         assert!(made.unwrap().success());
         let log = File::create(user.0.join("chromium.log")).unwrap();
         let child = Command::new("sh")
             .arg("-c")
-            .arg("exec chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run \
-                --disable-background-networking --lang=en --remote-debugging-pipe --user-data-dir=profile 3<in 4>out")
+            .arg(format!("exec chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run \
+                --disable-background-networking --lang=en --remote-debugging-pipe --user-data-dir=profile {more} 3<in 4>out"))
             .current_dir(&user.0)
             .stdout(log.try_clone().unwrap())
             .stderr(log)
@@ -43,7 +67,18 @@ impl Browser {
             input: OpenOptions::new().write(true).open(input).unwrap(),
             output: BufReader::new(File::open(output).unwrap()),
             number: 0,
+            complaints: Vec::new(),
+            // An order that is refused, which the page itself tells.
+            expected: vec!["the server responded with a status of 409 (Conflict)"],
         }
+    }
+
+    /// What was written to the console up to now and is not expected.
+    fn complained(&mut self) -> Vec<&String> {
+        self.asks(None, "Browser.getVersion", json!({}));
+        let expected = |one: &&String| self.expected.iter().any(|part| one.contains(part));
+        let all = self.complaints.iter();
+        all.filter(|one| !expected(one)).collect()
     }
 
     /// The result of a command of the browser's own protocol.
@@ -70,6 +105,7 @@ impl Browser {
             if answer["id"] == self.number {
                 return answer;
             }
+            self.complaints.extend(complaint(&answer));
         }
     }
 
@@ -85,6 +121,10 @@ impl Browser {
             session,
             target,
         };
+        // Each tells what was written before, too.
+        for domain in ["Runtime.enable", "Log.enable"] {
+            tab.asks(domain, json!({}));
+        }
         tab.wait("document.getElementById('mx')?.textContent > ''");
         tab
     }
@@ -92,6 +132,10 @@ impl Browser {
 
 impl Drop for Browser {
     fn drop(&mut self) {
+        if !std::thread::panicking() {
+            let complained = self.complained();
+            assert!(complained.is_empty(), "the console: {complained:#?}");
+        }
         // It may have ended by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
@@ -207,6 +251,25 @@ fn press(user: &User, tab: &mut Tab<'_>, far: f64) {
 }
 
 #[test]
+fn whatever_a_page_complains_of_on_the_console_is_found() {
+    let user = User::with_machine();
+    let page = Page::start(&user);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    tab.says("console.log('fine'); console.warn('bad-1'); console.error('bad-2'); setTimeout(() => { throw 'bad-3'; }); 1");
+    tab.awaits("fetch('nothing-4').then(() => new Promise((told) => setTimeout(told, 100)))");
+    let complained = browser.complained();
+    for (one, part) in complained
+        .iter()
+        .zip(["bad-1", "bad-2", "bad-3", "nothing-4"])
+    {
+        assert!(one.contains(part), "{complained:#?}");
+    }
+    assert_eq!(complained.len(), 4, "{complained:#?}");
+    browser.expected = vec!["bad-", "nothing-4"];
+}
+
+#[test]
 fn somebody_operates_the_machine_with_mouse_and_keys() {
     let user = User::with_machine();
     let page = Page::start(&user);
@@ -272,6 +335,8 @@ fn somebody_opens_a_program_changes_it_and_sees_it_run() {
     std::fs::write(folder.join("wrong.nc"), "G98 G1 X1 F100\nG1 Q\nM30\n").unwrap();
     let page = Page::with(&user, &["--programs", folder.to_str().unwrap()]);
     let mut browser = Browser::start(&user);
+    // This test reads the picture, the page does not.
+    browser.expected.push("getImageData");
     let mut tab = browser.tab(&page.link());
     tab.wait("document.querySelectorAll('#programs option').length === 3");
     let open = |name: &str| {

@@ -69,13 +69,12 @@ impl Press {
         );
         stream.write_all(head.as_bytes()).unwrap();
     }
+}
 
-    /// How far it may have gone: until its last echo is too old, by the board's own clock.
-    fn longest(&self) -> f64 {
-        let [first, last] = self.echoes;
-        let ms = (last + 65_536 - first) % 65_536;
-        FEED / 60_000.0 * (ms as f64 + DEAD_MAN) + BRAKES
-    }
+/// How far a press may go whose first and last frame had these beats: until the last is too old, by the board's own clock.
+pub(super) fn longest(first: u64, last: u64) -> f64 {
+    let ms = (last + 65_536 - first) % 65_536;
+    FEED / 60_000.0 * (ms as f64 + DEAD_MAN) + BRAKES
 }
 
 /// Where Z is once the press is over, and whether it has begun at all: on a busy computer all of its frames may come too
@@ -126,7 +125,7 @@ fn vanishing(presses: u32, seed: u64) -> f64 {
         }
         let (to, begun) = rest(&user, &one, &press);
         let gone = (to - from) * f64::from(way);
-        let longest = press.longest();
+        let longest = longest(press.echoes[0], press.echoes[1]);
         assert!((0.0..longest).contains(&gone), "{gone} of {longest}");
         moved += gone;
         if !begun {

@@ -68,6 +68,8 @@ fn threads_and_contacts_are_shown_and_nobody_is_kept_from_using_the_page() {
         tab.click(&format!("#{part} summary"));
     }
     tab.wait("/3 · ● on/.test(document.getElementById('inputs').textContent)");
+    // No machine function uses an output here, and that is said.
+    tab.wait("document.querySelectorAll('#outputs li').length === 1 && document.getElementById('outputs').textContent > ''");
     tab.wait("document.querySelectorAll('#tools input').length > 0");
     tab.wait("document.querySelectorAll('#param_rows input').length > 0");
     let script = Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -1,5 +1,7 @@
 //! Tables of the page as somebody types in them.
 
+use std::process::Command;
+
 use serde_json::json;
 
 use super::super::Page;
@@ -100,4 +102,42 @@ fn somebody_changes_tools_and_parameters_and_loses_nothing_of_what_was_typed() {
     tab.wait("document.querySelector('#param_rows tr:not([hidden]) th').textContent.includes('≠')");
     let set = user.json(&["params", "get", "1420.X"]);
     assert_eq!(set["params"][0]["value"], 11_000);
+}
+
+/// Sends the panel a signal.
+fn signal(page: &Page, name: &str) {
+    let pid = page.child.id().to_string();
+    let sent = Command::new("kill").args([name, &pid]).status().unwrap();
+    assert!(sent.success());
+}
+
+#[test]
+fn by_old_values_nothing_is_written_and_then_it_can_be_written_again() {
+    let user = User::with_machine();
+    let page = Page::start(&user);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    let answers =
+        |part: &str| format!("document.getElementById('answer').textContent.includes('{part}')");
+    let reviewed = "!document.querySelector('#tools [data-do=write]').hidden";
+    tab.operate();
+    tab.click("#tools summary");
+    tab.wait("document.querySelector('[data-key=\"T4.X\"]')?.value === '0'");
+    tab.says("document.querySelector('[data-key=\"T4.X\"]').select()");
+    tab.asks("Input.insertText", json!({"text": "3"}));
+    tab.until(reviewed, |tab| tab.click("#tools [data-do=check]"));
+    // The panel stands still: what the page shows grows old, and is not written by.
+    signal(&page, "-STOP");
+    tab.wait("document.body.classList.contains('old')");
+    tab.click("#tools [data-do=write]");
+    tab.wait(&answers("The values are old"));
+    signal(&page, "-CONT");
+    // Nothing was under way that is carried out now, and what was reviewed is still there to be ordered.
+    tab.wait("!document.body.classList.contains('old')");
+    tab.wait(reviewed);
+    let value = || user.json(&["tools", "get", "T4.X"])["values"][0]["value"].take();
+    assert_eq!(value(), 0);
+    let written = "document.querySelector('#tools .note').textContent.includes('✓')";
+    tab.until(written, |tab| write(tab, "tools"));
+    assert_eq!(value(), 3);
 }
