@@ -39,7 +39,7 @@ class BlockTest(Machine):
 
     def number(self):
         alarm = self.status()["alarm"]
-        return alarm and alarm["number"]
+        return alarm and alarm["no"]
 
     def test_a_block_as_it_was_delivered_works_after_a_push(self):
         block = Block(NODE)

@@ -86,8 +86,8 @@ fn a_code_without_a_row_says_how_to_add_one() {
         told.contains("4550") && told.contains("9401 to 9416"),
         "{told}"
     );
-    let told = bad(&user.does(&["sim", "input", "17", "on"]), 2);
-    assert!(told.contains("1..=16"), "{told}");
+    let told = bad(&user.does(&["sim", "input", "33", "on"]), 2);
+    assert!(told.contains("1..=32"), "{told}");
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn a_block_on_the_bus_has_its_names_and_is_missed() {
     user.wait_for("alarm");
     let status = user.json(&["status"]);
     assert_eq!(
-        (&status["alarm"]["number"], &status["outputs"]),
+        (&status["alarm"]["no"], &status["outputs"]),
         (&json!(4553), &json!("18"))
     );
     good(&user.does(&["sim", "block", "well"]));
