@@ -87,7 +87,7 @@ class BlockTest(Machine):
         told = self.does("params", "push", self.file(16), code=1)
         self.assertIn("4436", told)
         self.assertEqual((block.says(0x1017), block.told), (0, []))
-        self.assertIn("9461 = 0", self.does("params", "get", "9461"))
+        self.assertIn("9461 block_node = 0", self.does("params", "get", "9461"))
 
 
 if __name__ == "__main__":

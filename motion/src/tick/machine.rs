@@ -210,9 +210,13 @@ impl Machine {
         machine
     }
 
-    /// Another parameter set. Outputs stay as they are: what is clamped stays so.
+    /// Another parameter set. Outputs stay as they are: what is clamped stays so. Those of a block that is not there are
+    /// what the new set says of such a block.
     pub(super) fn begin_anew(&mut self, wiring: Wiring) {
         self.wiring = wiring;
+        if self.block.known == 0 {
+            self.outputs = self.outputs & OF_BOARD | wiring.safe;
+        }
         self.read();
     }
 
