@@ -14,12 +14,12 @@ const HYSTERESIS_NM: i64 = 20_000;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Around {
     /// Inputs that somebody has set, and their levels.
-    set: u16,
-    levels: u16,
+    set: u32,
+    levels: u32,
     /// The door is open.
     door_open: bool,
     /// What devices answer.
-    answers: u16,
+    answers: u32,
     /// The reference switches of X and Z that stand at an input are on.
     at_switch: [bool; 2],
     turret: Turret,
@@ -71,7 +71,7 @@ impl Around {
 
     /// The inputs that are on while these outputs are.
     #[must_use]
-    pub fn inputs(&mut self, params: &Params, outputs: u16) -> u16 {
+    pub fn inputs(&mut self, params: &Params, outputs: u32) -> u32 {
         for row in params.functions() {
             let Some(Answer { input, on }) = row.answer else {
                 continue;
@@ -120,7 +120,7 @@ impl Around {
 
     /// The same as levels at the board's inputs.
     #[must_use]
-    pub fn wires(&mut self, params: &Params, outputs: u16) -> u16 {
-        self.inputs(params, outputs) ^ params.inputs_inverted() as u16
+    pub fn wires(&mut self, params: &Params, outputs: u32) -> u32 {
+        self.inputs(params, outputs) ^ params.inputs_inverted()
     }
 }

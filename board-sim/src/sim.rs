@@ -463,6 +463,7 @@ impl Sim {
         let wheel = self.wheel.tick(self.tick_us);
         self.board.own_wheel(wheel);
         if self.board.device().has_joined() {
+            self.pass_block(wire);
             self.serve();
         } else {
             // Nobody asks for anything: the board only keeps its records.

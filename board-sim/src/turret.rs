@@ -44,7 +44,7 @@ impl Turret {
     }
 
     /// A tick: the inputs that it has on while these outputs are.
-    pub fn inputs(&mut self, params: &Params, outputs: u16) -> u16 {
+    pub fn inputs(&mut self, params: &Params, outputs: u32) -> u32 {
         let stations = params.turret_stations();
         if params.tool_changer() != 2 || stations == 0 {
             return 0;
@@ -66,7 +66,7 @@ impl Turret {
                 .checked_rem(stations)
                 .unwrap_or(0);
         }
-        let code = u16::from(self.station).wrapping_add(1);
+        let code = u32::from(self.station).wrapping_add(1);
         let shift = u32::from(params.turret_code_input().wrapping_sub(1));
         let locked = match open || self.fault == TurretFault::Loose {
             true => 0,

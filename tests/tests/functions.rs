@@ -164,7 +164,7 @@ fn an_answer_that_goes_while_it_is_demanded_is_an_alarm() {
 }
 
 /// The outputs in each tick, and the position then.
-fn outputs(text: &str, params: &Params) -> (Vec<u16>, Ran) {
+fn outputs(text: &str, params: &Params) -> (Vec<u32>, Ran) {
     let mut told = Vec::new();
     let ran = run(text, params, &PlantOptions::default(), |sim, _| {
         told.push(sim.board().ticker().machine_outputs());
@@ -594,7 +594,7 @@ fn the_chuck_opens_a_second_after_the_spindle_stands() {
     let text = "M10\nM3 S300\nG4 P500\nM5\nM11\nM30\n";
     let ran = run(text, &params, &PlantOptions::default(), |sim, tick| {
         let ticker = sim.board().ticker();
-        let closed = ticker.machine_outputs() & 0b100;
+        let closed = ticker.machine_outputs() as u16 & 0b100;
         let turns = ticker.observer().is_turning();
         sim.set_pins(inputs(WELL | closed << 1));
         if tick > 500 && closed == 0 && opened.is_none() {

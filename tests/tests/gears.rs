@@ -75,7 +75,7 @@ fn run(params: &Params, calls: Vec<Call>, late: Option<usize>) -> Seen {
         });
         seen.rows.extend(row);
         let ticker = sim.board().ticker();
-        outputs.push(ticker.machine_outputs());
+        outputs.push(ticker.machine_outputs() as u16);
         seen.gears.push(ticker.gear());
         seen.rpm.push(ticker.observer().speed().rpm().get());
         if let State::Alarm(alarm) = ticker.state() {

@@ -34,7 +34,7 @@ struct Bench {
     sim: Sim,
     params: Params,
     rows: Vec<Row>,
-    outputs: Vec<u16>,
+    outputs: Vec<u32>,
     warnings: Vec<Alarm>,
 }
 
@@ -100,7 +100,7 @@ impl Bench {
         panic!("{:?}", self.sim.board().ticker().state());
     }
 
-    fn changes(&self) -> Vec<u16> {
+    fn changes(&self) -> Vec<u32> {
         let mut outputs = self.outputs.clone();
         outputs.dedup();
         outputs

@@ -59,6 +59,11 @@ pub enum Request {
         /// How it is then.
         to: Turret,
     },
+    /// Spoils the block of inputs and outputs on the bus, or mends it.
+    Block {
+        /// How it is then.
+        to: Block,
+    },
     /// Spoils a drive, or mends it.
     Drive {
         /// Which one.
@@ -147,6 +152,25 @@ pub enum Turret {
     Slips,
     /// It never says that it is clamped.
     Loose,
+}
+
+/// A block of inputs and outputs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Block {
+    /// Nothing is wrong with it.
+    #[default]
+    Well,
+    /// It has no power.
+    Off,
+    /// Its wire is cut.
+    Silent,
+    /// It sends heartbeats and no inputs.
+    Mute,
+    /// Its supply drops for a moment, once.
+    Restart,
+    /// Somebody stops it on the network, once.
+    Stopped,
 }
 
 /// A drive.

@@ -107,7 +107,8 @@ pub fn carry_out(machine: &mut impl Handled, request: &Request) -> Answer {
             Turret::Slips => TurretFault::Slips,
             Turret::Loose => TurretFault::Loose,
         }),
-        Request::Drive { .. }
+        Request::Block { .. }
+        | Request::Drive { .. }
         | Request::Spindle { .. }
         | Request::Encoder { .. }
         | Request::Bus { .. }
@@ -138,7 +139,7 @@ pub fn carry_out(machine: &mut impl Handled, request: &Request) -> Answer {
 
 /// The contacts that are on, from 1 on.
 #[must_use]
-pub fn numbers(on: u16) -> Vec<u8> {
+pub fn numbers(on: u32) -> Vec<u8> {
     Input::of_bits(on).map(Input::number).collect()
 }
 
@@ -153,8 +154,8 @@ fn no_fault() -> Both {
 /// The words for an input that does not exist.
 fn wrong_input(number: u8) -> Both {
     both!(
-        "there is no input {number}: they are counted from 1 to 16",
-        "没有输入 {number}：编号为 1 至 16"
+        "there is no input {number}: they are counted from 1 to 32",
+        "没有输入 {number}：编号为 1 至 32"
     )
 }
 

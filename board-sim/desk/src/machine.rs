@@ -179,6 +179,11 @@ impl Machine {
         self.show_around();
     }
 
+    /// Something happens to the block of inputs and outputs.
+    pub fn spoil_block(&mut self, to: control::Block) {
+        self.spoilt.block(to, self.power.sim());
+    }
+
     /// Something happens to a drive.
     pub fn spoil_drive(&mut self, which: control::Drive, to: control::DriveFault) {
         let sim = self.power.sim().map(|sim| (sim, &self.made_with));
@@ -227,14 +232,11 @@ impl Machine {
 
     /// The inputs and the outputs that are on; none without power.
     #[must_use]
-    pub fn on(&self) -> [u16; 2] {
+    pub fn on(&self) -> [u32; 2] {
         match &self.power {
             Power::On(sim) => {
                 let ticker = sim.board().ticker();
-                [
-                    ticker.machine_inputs().unwrap_or(0),
-                    ticker.machine_outputs(),
-                ]
+                [ticker.machine_inputs(), ticker.machine_outputs()]
             }
             Power::Off(_) => [0, 0],
         }

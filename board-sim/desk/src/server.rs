@@ -254,6 +254,7 @@ impl Handled for Server {
 
     fn spoil(&mut self, request: &Request) -> bool {
         match *request {
+            Request::Block { to } => self.machine.spoil_block(to),
             Request::Drive { which, to } => self.machine.spoil_drive(which, to),
             Request::Spindle { percent } => self.machine.spoil_spindle(percent),
             Request::Encoder { to } => self.machine.spoil_encoder(to),

@@ -2,13 +2,13 @@
 //! of power too. It must not know who asks for it.
 
 use leadscrew_board_sim::line::{Faults, Intruder, Span};
-use leadscrew_board_sim::plant::{Drive, HomingOptions, Trouble};
+use leadscrew_board_sim::plant::{BlockFault, Drive, HomingOptions, IoBlock, Trouble};
 use leadscrew_board_sim::{Sim, switch};
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
-use crate::control::{Bus, Drive as Which, DriveFault, Encoder, Flash};
+use crate::control::{Block, Bus, Drive as Which, DriveFault, Encoder, Flash};
 
 /// Counts by which interference moves the encoder's counter.
 const SLIP: i32 = 40;
@@ -25,6 +25,7 @@ pub(crate) struct Spoilt {
     /// Speed of the spindle in hundredths of what it is told.
     spindle: i16,
     no_index: bool,
+    block: BlockFault,
     bus: Bus,
     worn: bool,
 }
@@ -36,6 +37,7 @@ impl Default for Spoilt {
             no_mark: [false; 3],
             spindle: 100,
             no_index: false,
+            block: BlockFault::None,
             bus: Bus::Well,
             worn: false,
         }
@@ -49,11 +51,30 @@ impl Spoilt {
             drive(sim, which).trouble(self.drives[which as usize]);
         }
         self.show_marks(sim, params);
+        if let Some(block) = sim.plant().block() {
+            block.spoil(self.block);
+        }
         sim.plant().spindle().disturb(self.spindle);
         sim.plant().encoder().break_index(self.no_index);
         sim.flash_mut().set_broken(self.worn);
         if self.bus != Bus::Well {
             self.show_bus(sim, params);
+        }
+    }
+
+    /// Something happens to the block of inputs and outputs.
+    pub(crate) fn block(&mut self, to: Block, sim: Option<&mut Sim>) {
+        let block = sim.and_then(|sim| sim.plant().block());
+        self.block = match to {
+            Block::Well => BlockFault::None,
+            Block::Off => BlockFault::Off,
+            Block::Silent => BlockFault::CutOff,
+            Block::Mute => BlockFault::Mute,
+            Block::Restart => return block.into_iter().for_each(IoBlock::restart),
+            Block::Stopped => return block.into_iter().for_each(IoBlock::stop),
+        };
+        if let Some(block) = block {
+            block.spoil(self.block);
         }
     }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
-use leadscrew_board_sim::plant::{self, DriveOptions, PlantOptions, ServoOptions};
+use leadscrew_board_sim::plant::{self, BlockOptions, DriveOptions, PlantOptions, ServoOptions};
 use leadscrew_can::{Address, MachineName};
 use leadscrew_common::diagnostics;
 use leadscrew_common::failure::{Failure, Outcome};
@@ -112,6 +112,10 @@ pub struct Board {
     /// Where the axis drives are: `here`, `elsewhere` on the bus, or the axes whose drives are here (`X,Z`)
     #[arg(long, value_name = "here|elsewhere|AXES", default_value = "here")]
     pub drives: Here,
+    /// Where the block of inputs and outputs (9461) is: `here`, here and as delivered (`fresh`), `elsewhere` on the bus, or
+    /// here at another node than the parameters say
+    #[arg(long, value_name = "here|fresh|elsewhere|NODE", default_value = "here", value_parser = block)]
+    pub block: BlockOptions,
     /// Speed ripple of the spindle: a sine of PERCENT of the commanded speed, as `10@5`
     #[arg(long, value_name = "PERCENT@HZ")]
     pub spindle_ripple: Option<Ripple>,
@@ -164,6 +168,23 @@ fn board_node(text: &str) -> Result<NodeId, String> {
         ));
     }
     Ok(node)
+}
+
+/// How the block of inputs and outputs is.
+fn block(text: &str) -> Result<BlockOptions, String> {
+    let here = BlockOptions::default();
+    Ok(match text {
+        "here" => here,
+        "fresh" => BlockOptions {
+            fresh: true,
+            ..here
+        },
+        "elsewhere" => BlockOptions { away: true, ..here },
+        node => BlockOptions {
+            node: Some(board_node(node)?),
+            ..here
+        },
+    })
 }
 
 /// A key of eight hexadecimal digits.
@@ -294,6 +315,7 @@ impl Board {
             ripple,
             away: here.map(|here| !here),
             board: Some(self.node),
+            block: self.block,
             ..self.common.plant()
         })
     }

@@ -392,6 +392,7 @@ impl Machine {
     fn wait_for_power(&mut self) -> Outcome<bool> {
         if !self.unplugged {
             self.plant.advance();
+            self.pass_block()?;
         }
         self.ticks += 1;
         self.waiting.clear();
@@ -450,6 +451,7 @@ impl Machine {
         }
         self.out.clear();
         while let Some(frame) = self.board.transmit() {
+            self.plant.hear_board(&frame, |_| ());
             self.out.push(match &mut self.claim {
                 Some(claim) => claim.pass(frame),
                 None => frame,
@@ -498,6 +500,7 @@ impl Machine {
             self.tell(&event);
         }
         self.board.own_wheel(self.wheel.tick(self.tick_us));
+        self.pass_block()?;
         self.serve()
     }
 
@@ -514,6 +517,21 @@ impl Machine {
         let mut sent = Ok(());
         line.pass_together(Way::Out, &frame, |frame| sent = wire.send_fd(frame));
         sent
+    }
+
+    /// A SYNC period of the block on the bus, where it is here.
+    fn pass_block(&mut self) -> Outcome {
+        let has_power = self.has_power();
+        let (plant, board, out) = (&mut self.plant, &mut self.board, &mut self.out);
+        out.clear();
+        plant.elapse_block(|frame| {
+            out.push(frame);
+            if has_power {
+                // It is no frame of a drive.
+                let _ = board.receive(&frame);
+            }
+        });
+        self.send()
     }
 
     /// Passes the board's frames to the drives that are here; their answers go to the wire too.

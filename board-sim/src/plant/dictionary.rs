@@ -6,10 +6,11 @@
 //! (1010h:01h) keeps it beyond that.
 
 use super::homing::{Homing, Speeds};
+use super::numbers::Numbers;
 use super::servo::Following;
 use leadscrew_core::bus::{
     Abort, AxisMode, AxisReport, CobId, DriveCommand, DriveStatus, Frame, Mapped, Mode, NodeId,
-    Object, Objects, Service, Setpoints, SpindleCommand,
+    Object, Service, Setpoints, SpindleCommand,
 };
 
 /// `save`, the value that 1010h:01h takes.
@@ -461,12 +462,10 @@ pub(super) struct Dictionary<'a> {
     pub(super) settings: &'a mut Settings,
     /// The settings for the next start.
     pub(super) kept: &'a mut Settings,
-    /// The value of the current transfer.
-    pub(super) value: &'a mut [u8; 4],
     pub(super) now: Now,
 }
 
-impl Dictionary<'_> {
+impl Numbers for Dictionary<'_> {
     /// Length in bytes and value of an object.
     fn get(&self, object: Object) -> Result<(u8, u32), Abort> {
         let settings = &self.settings;
@@ -617,55 +616,4 @@ fn within(value: u32, low: u32, high: u32) -> Result<u32, Abort> {
     } else {
         Ok(value)
     }
-}
-
-impl Objects for Dictionary<'_> {
-    fn size(&mut self, object: Object) -> Result<u32, Abort> {
-        let (length, value) = self.get(object)?;
-        *self.value = value.to_le_bytes();
-        Ok(u32::from(length))
-    }
-
-    fn read(&mut self, object: Object, offset: u32, into: &mut [u8]) -> Result<usize, Abort> {
-        let (length, _) = self.get(object)?;
-        let start = usize::try_from(offset).unwrap_or(usize::MAX);
-        let bytes = self.value.get(start..usize::from(length)).unwrap_or(&[]);
-        for (place, &byte) in into.iter_mut().zip(bytes) {
-            *place = byte;
-        }
-        Ok(bytes.len().min(into.len()))
-    }
-
-    fn begin_write(&mut self, object: Object, size: Option<u32>) -> Result<(), Abort> {
-        let (length, _) = self.get(object)?;
-        *self.value = [0; 4];
-        match size.map(|size| size.cmp(&u32::from(length))) {
-            Some(core::cmp::Ordering::Less) => Err(Abort::TooShort),
-            Some(core::cmp::Ordering::Greater) => Err(Abort::TooLong),
-            _ => Ok(()),
-        }
-    }
-
-    fn write(&mut self, _object: Object, offset: u32, bytes: &[u8]) -> Result<(), Abort> {
-        let start = usize::try_from(offset).unwrap_or(usize::MAX);
-        let place = self
-            .value
-            .get_mut(start..start.saturating_add(bytes.len()))
-            .ok_or(Abort::TooLong)?;
-        for (place, &byte) in place.iter_mut().zip(bytes) {
-            *place = byte;
-        }
-        Ok(())
-    }
-
-    fn end_write(&mut self, object: Object, length: u32) -> Result<(), Abort> {
-        let (expected, _) = self.get(object)?;
-        match length.cmp(&u32::from(expected)) {
-            core::cmp::Ordering::Less => Err(Abort::TooShort),
-            core::cmp::Ordering::Greater => Err(Abort::TooLong),
-            core::cmp::Ordering::Equal => self.set(object, u32::from_le_bytes(*self.value)),
-        }
-    }
-
-    fn abandon(&mut self, _object: Object) {}
 }

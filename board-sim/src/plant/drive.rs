@@ -7,6 +7,7 @@
 use super::dictionary::{Commanded, Dictionary, Now, Settings, StopOption, TooShort};
 use super::follower::Follower;
 use super::homing::{Homing, HomingOptions};
+use super::numbers::Transfer;
 use super::power::Power;
 use super::servo::{Following, Servo};
 use leadscrew_core::bus::{
@@ -415,15 +416,18 @@ impl Drive {
         if silent {
             return;
         }
-        let mut server = self.server;
-        let mut dictionary = self.dictionary();
+        let (mut server, mut value) = (self.server, self.value);
+        let mut dictionary = Transfer {
+            numbers: self.dictionary(),
+            value: &mut value,
+        };
         if let Some(answer) = server.receive(frame, &mut dictionary) {
             send(answer);
         }
         while let Some(segment) = server.poll(&mut dictionary) {
             send(segment);
         }
-        self.server = server;
+        (self.server, self.value) = (server, value);
     }
 
     fn dictionary(&mut self) -> Dictionary<'_> {
@@ -449,7 +453,6 @@ impl Drive {
         Dictionary {
             settings: &mut self.settings,
             kept: &mut self.kept,
-            value: &mut self.value,
             now,
         }
     }
@@ -511,11 +514,15 @@ impl Drive {
             self.power = Power::Disabled;
             send(NmtState::BootUp.frame(self.node));
         }
-        let mut server = self.server;
-        if let Some(abort) = server.elapse(Periods::new(1), &mut self.dictionary()) {
+        let (mut server, mut value) = (self.server, self.value);
+        let mut objects = Transfer {
+            numbers: self.dictionary(),
+            value: &mut value,
+        };
+        if let Some(abort) = server.elapse(Periods::new(1), &mut objects) {
             send(abort);
         }
-        self.server = server;
+        (self.server, self.value) = (server, value);
         if let Some(code) = self.tells_length.take() {
             let emcy = Emcy {
                 code,

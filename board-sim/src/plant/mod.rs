@@ -25,12 +25,14 @@
 )]
 #![cfg_attr(test, allow(clippy::arithmetic_side_effects, clippy::float_arithmetic))]
 
+mod block;
 mod dictionary;
 mod drive;
 mod encoder;
 mod flash;
 mod follower;
 mod homing;
+mod numbers;
 mod power;
 mod servo;
 mod sine;
@@ -39,6 +41,7 @@ mod tapper;
 #[cfg(test)]
 mod tests;
 
+pub use block::{BlockFault, BlockOptions, IoBlock};
 pub use drive::{Drive, DriveOptions, Trouble};
 pub use encoder::Encoder;
 pub use flash::{Flash, FlashError, ImageError, Order, Tear};
@@ -77,6 +80,8 @@ pub struct PlantOptions {
     pub servos: [Option<ServoOptions>; 2],
     /// Axes whose drives are elsewhere on the bus, in the order of [`Axis::ALL`]: this plant does not answer for them.
     pub away: [bool; 3],
+    /// The block of inputs and outputs.
+    pub block: BlockOptions,
     /// The board's node number, where it is not [`NodeId::BOARD`].
     pub board: Option<NodeId>,
 }
@@ -137,6 +142,7 @@ pub struct Plant {
     tappers: [Tapper; 3],
     present: usize,
     positioning: bool,
+    block: Option<IoBlock>,
 }
 
 impl Plant {
@@ -185,6 +191,11 @@ impl Plant {
             gear: None,
             position,
             positioning: false,
+            block: IoBlock::new(
+                params,
+                &options.block,
+                options.board.unwrap_or(NodeId::BOARD),
+            ),
         })
     }
 
@@ -310,6 +321,9 @@ impl Plant {
 
     /// Takes a frame of another node: NMT commands and SDO requests reach the drives, whose answers go to `to_bus`.
     pub fn hear(&mut self, frame: &Frame, mut to_bus: impl FnMut(Frame)) {
+        if let Some(block) = &mut self.block {
+            block.hear(frame, &mut to_bus);
+        }
         let managed = NmtCommand::decode(frame).is_some();
         let asked = matches!(frame.id().service(), Some((Service::SdoRequest, _)));
         if !managed && !asked {
@@ -334,6 +348,25 @@ impl Plant {
             }
         }
         self.tell_spindle();
+    }
+
+    /// A frame of the board as a node: the block hears it.
+    pub fn hear_board(&mut self, frame: &Frame, mut to_bus: impl FnMut(Frame)) {
+        if let Some(block) = &mut self.block {
+            block.hear(frame, &mut to_bus);
+        }
+    }
+
+    /// A SYNC period of the block; its frames go to `to_bus`.
+    pub fn elapse_block(&mut self, mut to_bus: impl FnMut(Frame)) {
+        if let Some(block) = &mut self.block {
+            block.elapse(&mut to_bus);
+        }
+    }
+
+    /// The block of inputs and outputs, where it is here.
+    pub const fn block(&mut self) -> Option<&mut IoBlock> {
+        self.block.as_mut()
     }
 
     fn axes_here(&mut self) -> impl Iterator<Item = &mut Drive> {

@@ -3,7 +3,7 @@
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::bus::{FdFrame, Frame, NodeId};
 
-use super::Sim;
+use super::{Direction, Sim};
 use crate::line::Way;
 
 impl Sim {
@@ -56,7 +56,22 @@ impl Sim {
     }
 
     pub(super) fn next_out(&mut self) -> Option<Frame> {
-        self.to_others.pop_front().or_else(|| self.board.transmit())
+        if let Some(answer) = self.to_others.pop_front() {
+            return Some(answer);
+        }
+        let frame = self.board.transmit()?;
+        // Nobody asks a block for anything by these.
+        self.plant.hear_board(&frame, |_| ());
+        Some(frame)
+    }
+
+    /// A SYNC period of the block on the bus.
+    pub(super) fn pass_block(&mut self, wire: &mut dyn FnMut(Direction, &Frame)) {
+        let board = &mut self.board;
+        self.plant.elapse_block(|frame| {
+            wire(Direction::ToBoard, &frame);
+            let _ = board.receive(&frame);
+        });
     }
 
     /// Does all work of the background, and lets no time pass.

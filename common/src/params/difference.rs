@@ -34,10 +34,13 @@ pub fn changes(old: &Params, new: &Params) -> Vec<Change> {
         .collect()
 }
 
-/// An object of a drive that differs from the wanted one.
+/// The name of the block of inputs and outputs among drives.
+pub const BLOCK: &str = "IO";
+
+/// An object of a drive, or of the block of inputs and outputs, that differs from the wanted one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DriveChange {
-    /// `X`.
+    /// `X`; [`BLOCK`].
     pub drive: &'static str,
     /// `607Fh:00h max_profile_velocity`.
     pub object: String,
@@ -65,7 +68,10 @@ pub fn text(changes: &[Change], drives: &[DriveChange], lang: Lang) -> String {
     });
     let of_drives = drives.iter().map(|change| {
         [
-            format!("{} {}", pick(lang, "drive", "驱动器"), change.drive),
+            match change.drive {
+                BLOCK => pick(lang, "I/O block", "输入输出模块").to_owned(),
+                drive => format!("{} {drive}", pick(lang, "drive", "驱动器")),
+            },
             change.object.clone(),
             change.old.clone(),
             change.new.clone(),

@@ -334,6 +334,8 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::GearUnusable => &[
             3772, 9013, 9431, 9432, 9433, 9434, 9436, 9437, 9438, 9439, 9441, 9442, 9443, 9444,
         ],
+        Code::BlockNodeTaken => &[9461, 9014, 9015, 9016],
+        Code::BlockMissing => &[9461],
         Code::DriveNodeTwice => &[9014, 9015, 9016],
         _ => &[],
     }

@@ -34,9 +34,10 @@ mod store;
 mod whole;
 
 pub use crate::tick::{
-    BackgroundEnds, BusTrouble, Command, Contacts, DriveNodes, Event, Events, FRAMES, Found,
-    Inputs, Interlocks, Intrusion, Operator, Outcome, Output, Queues, Segments, Setup, Snapshot,
-    State, StoreError, Switching, Tick, TickEnds, TickSide, Ticker, Victim, overridden,
+    BackgroundEnds, BlockInputs, BlockLoss, BusTrouble, Command, Contacts, DriveNodes, Event,
+    Events, FRAMES, Found, Inputs, Interlocks, Intrusion, Operator, Outcome, Output, Queues,
+    Segments, Setup, Snapshot, State, StoreError, Switching, Tick, TickEnds, TickSide, Ticker,
+    Victim, overridden,
 };
 pub use background::{Background, BackgroundSide};
 pub use device::Device;

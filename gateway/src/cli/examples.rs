@@ -398,6 +398,11 @@ Examples:
   leadscrew sim turret stuck     it does not turn: 4570 at the next T
   leadscrew sim turret well";
 
+pub(super) const SIM_BLOCK: &str = "\
+Examples:
+  leadscrew sim block silent     4553, and both sides take the outputs of 9463
+  leadscrew sim block well";
+
 pub(super) const SIM_OUTPUTS: &str = "\
 Example:
   leadscrew sim outputs";

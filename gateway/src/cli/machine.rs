@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use leadscrew_can::MachineName;
 use leadscrew_desk::control::{
-    Bus, Contact, Door, Drive, DriveFault, Encoder, Flash, Level, Power, Turret,
+    Block, Bus, Contact, Door, Drive, DriveFault, Encoder, Flash, Level, Power, Turret,
 };
 
 use super::{Drives, examples};
@@ -145,7 +145,7 @@ pub enum SimCommand {
     #[command(after_help = examples::SIM_INPUT)]
     Input {
         /// Its number
-        #[arg(value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
+        #[arg(value_name = "N", value_parser = clap::value_parser!(u8).range(1..=32))]
         number: u8,
         /// How it is then; `auto`: as the simulated devices have it
         #[arg(value_enum)]
@@ -164,6 +164,13 @@ pub enum SimCommand {
         /// How it is then
         #[arg(value_enum)]
         to: Turret,
+    },
+    /// Spoil the block of inputs and outputs on the bus (9461), or mend it
+    #[command(after_help = examples::SIM_BLOCK)]
+    Block {
+        /// How it is then
+        #[arg(value_enum)]
+        to: Block,
     },
     /// Spoil a drive, or mend it
     #[command(after_help = examples::SIM_DRIVE)]

@@ -6,11 +6,11 @@ use leadscrew_core::board::Interlocks;
 use leadscrew_core::board::device::DROP;
 use leadscrew_core::board::device::PRODUCT;
 use leadscrew_core::board::device::objects::{
-    CERTIFICATES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION, MACHINE_INPUTS, MACHINE_OUTPUTS,
-    NEWEST_EVENT, PRODUCT_CODE, SERIAL_NUMBER, SET_CHECKSUM, SIGNALS, SOFTWARE_VERSION,
-    STATUS_RECORD, TAP_DISCARD, TAP_RECORD, THREADS_TAKEN,
+    BLOCK_INPUTS, BLOCK_OUTPUTS, CERTIFICATES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION,
+    MACHINE_INPUTS, MACHINE_OUTPUTS, NEWEST_EVENT, PRODUCT_CODE, SERIAL_NUMBER, SET_CHECKSUM,
+    SIGNALS, SOFTWARE_VERSION, STATUS_RECORD, TAP_DISCARD, TAP_RECORD, THREADS_TAKEN,
 };
-use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, Order};
+use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, Object, Order};
 use leadscrew_core::link::{
     Certificate, EventReader, ImageReader, Logged, Status, ThreadCertificate, ThreadReader,
     VERSION, Version, identity,
@@ -409,12 +409,25 @@ impl Link {
         let outputs = self.read_number(MACHINE_OUTPUTS)?;
         let [out_low, out_high, _, gear, ..] = outputs.to_le_bytes();
         let [low, high, told, interlocks, ..] = read.to_le_bytes();
+        let [block_low, block_high, known_low, known_high, ..] =
+            self.read_of_block(BLOCK_INPUTS)?.to_le_bytes();
+        let [block_out_low, block_out_high, ..] = self.read_of_block(BLOCK_OUTPUTS)?.to_le_bytes();
+        let own = if told & 1 != 0 { u8::MAX } else { 0 };
         Ok(MachineContacts {
-            inputs: (told & 1 != 0).then_some(u16::from_le_bytes([low, high])),
-            outputs: u16::from_le_bytes([out_low, out_high]),
+            inputs: u32::from_le_bytes([low, high, block_low, block_high]),
+            known: u32::from_le_bytes([own, own, known_low, known_high]),
+            outputs: u32::from_le_bytes([out_low, out_high, block_out_low, block_out_high]),
             gear,
             interlocks: Interlocks::from_bits(interlocks),
         })
+    }
+
+    /// A number that tells of the block; 0 where the board is older than that.
+    fn read_of_block(&mut self, object: Object) -> LinkResult<u64> {
+        match self.read_number(object) {
+            Err(trouble) if trouble.refusal().is_some() => Ok(0),
+            read => read,
+        }
     }
 
     /// The inputs, without the mirrored bits after them.
@@ -439,10 +452,12 @@ impl Link {
 /// Inputs and outputs of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MachineContacts {
-    /// The inputs that are on; `None` where nobody has told them.
-    pub inputs: Option<u16>,
+    /// The inputs that are on, as far as they have been told; bit 0 is input 1, bit 16 the block's first.
+    pub inputs: u32,
+    /// Those that have been told.
+    pub known: u32,
     /// The outputs that are on.
-    pub outputs: u16,
+    pub outputs: u32,
     /// The gear that is in, from 1; 0: nobody knows, or there is none.
     pub gear: u8,
     /// What is open, or has no pressure.

@@ -163,7 +163,7 @@ fn object_name(object: Object) -> Both {
         0x5040 => both!("event log", "事件日志"),
         0x5041 | 0x5042 => both!("certificate", "精度证书"),
         0x5060 => both!("signals", "信号"),
-        0x5061 | 0x5062 => both!("inputs and outputs", "输入和输出"),
+        0x5061..=0x5064 => both!("inputs and outputs", "输入和输出"),
         _ => both!("object", "对象"),
     }
 }

@@ -86,8 +86,8 @@ fn a_code_without_a_row_says_how_to_add_one() {
         told.contains("4550") && told.contains("9401 to 9416"),
         "{told}"
     );
-    let told = bad(&user.does(&["sim", "input", "17", "on"]), 2);
-    assert!(told.contains("1..=16"), "{told}");
+    let told = bad(&user.does(&["sim", "input", "33", "on"]), 2);
+    assert!(told.contains("1..=32"), "{told}");
 }
 
 #[test]
@@ -177,4 +177,45 @@ fn gears_and_the_turret_are_those_of_the_board() {
     // A new power-up knows no gear.
     good(&user.does(&["sim", "power", "cycle"]));
     assert_eq!(user.json(&["status"])["gear"], json!(null));
+}
+
+#[test]
+fn a_block_on_the_bus_has_its_names_and_is_missed() {
+    let user = User::new();
+    let file = user.0.join("block.toml");
+    let text = "door_input = \"door\"\n[io.door]\nat = \"401:5:in0\"\n[io.coolant]\nat = \"401:5:out15\"\n\
+        [io.clamp]\nat = \"401:5:out1\"\nsafe = true\n[m.8]\nset = \"coolant\"\nanswer = \"401:5:in1=1\"\nwithin = \"2 s\"\n";
+    std::fs::write(&file, text).unwrap();
+    good(&user.does(&["up", "--machine", "block.toml"]));
+    let named = ["--params", "block.toml"];
+    good(&user.does(&[&["io", "wait", "door=1", "--timeout", "20"], &named[..]].concat()));
+    good(&user.does(&["mdi", "M8"]));
+    let list = good(&user.does(&[&["io", "list"], &named[..]].concat()));
+    let rows: Vec<Vec<&str>> = list
+        .lines()
+        .map(|row| row.split_whitespace().collect())
+        .collect();
+    for row in [
+        "input:17 on door door",
+        "input:18 on M8 answers",
+        "output:18 on clamp",
+        "output:32 on coolant M8 on",
+    ] {
+        let row: Vec<_> = row.split(' ').collect();
+        assert!(rows.contains(&row), "{row:?}: {list}");
+    }
+    assert_eq!(user.json(&["status"])["outputs"], "18 32");
+    good(&user.does(&["sim", "block", "silent"]));
+    user.wait_for("alarm");
+    let status = user.json(&["status"]);
+    assert_eq!(
+        (&status["alarm"]["no"], &status["outputs"]),
+        (&json!(4553), &json!("18"))
+    );
+    good(&user.does(&["sim", "block", "well"]));
+    good(&user.does(&[&["io", "wait", "door=1", "--timeout", "20"], &named[..]].concat()));
+    good(&user.does(&["reset"]));
+    // As it is set up here, a push finds nothing to change.
+    let told = good(&user.does(&["params", "push", "block.toml"]));
+    assert!(told.contains("nothing to change"), "{told}");
 }

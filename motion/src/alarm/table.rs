@@ -635,11 +635,17 @@ codes! {
     GainTooLow = 4434, "a position loop with a gain of {1} times 0.1 /s ({0}) is too slow to be made up for", "write the gain of the drive, 50 (5 /s) or more, or 0 where nothing is to be taken off",
         "位置环增益 {1} × 0.1 /s（{0}）过低，无法补偿", "请填写驱动器的增益（至少 50，即 5 /s），不补偿时填 0";
     /// An axis that homes by a switch at the board, and no input is that switch.
-    HomeSwitchNone = 4435, "axis {0} homes by a switch at the board (9050.{0} = 2), and no input is its switch", "set 9051.{0} to the input of the machine to which the switch is wired, 1 to 16",
-        "{0} 轴用接在控制板上的开关回零（9050.{0} = 2），但未指定开关的输入", "请将 9051.{0} 设为开关所接的机床输入（1 至 16）";
+    HomeSwitchNone = 4435, "axis {0} homes by a switch at the board (9050.{0} = 2), and no input is its switch", "set 9051.{0} to the input of the machine to which the switch is wired, 1 to 32",
+        "{0} 轴用接在控制板上的开关回零（9050.{0} = 2），但未指定开关的输入", "请将 9051.{0} 设为开关所接的机床输入（1 至 32）";
+    /// The node of the input and output block is that of a drive, or the board's own.
+    BlockNodeTaken = 4436, "the input and output block (9461) cannot have node {0}: a drive has it, or the board itself", "set the switch of the block to a node that is free, and 9461 to the same; drives are 9015 and 9016",
+        "输入输出模块（9461）不能使用节点号 {0}：已由驱动器或控制板占用", "请将模块的节点开关和 9461 设为同一个空闲节点号；驱动器的节点号见 9015 和 9016";
+    /// An input or output of a block that there is not; its number.
+    BlockMissing = 4437, "input or output {0} is one of a block on the bus (17 to 32), and 9461 names none", "set 9461 to the node of the block (CiA 401), or use an input or output of the board, 1 to 16",
+        "输入或输出 {0} 属于总线上的模块（17 至 32），但 9461 未指定模块", "请将 9461 设为模块（CiA 401）的节点号，或改用控制板的输入输出（1 至 16）";
     /// A turret whose inputs and outputs are missing, or do not fit.
-    TurretUnusable = 4433, "the turret (9451 = 2) cannot work", "set its stations (9452: 2 or more), the output that turns it (9454), the first input of its code (9455; the code needs inputs up to 16 at most) and the input of its clamp (9456)",
-        "刀塔（9451 = 2）不能工作", "请设定工位数（9452，不少于 2）、转位输出（9454）、工位码的第一个输入（9455，全部码位不超过输入 16）和锁紧输入（9456）";
+    TurretUnusable = 4433, "the turret (9451 = 2) cannot work", "set its stations (9452: 2 or more), the output that turns it (9454), the first input of its code (9455; the code needs inputs up to 32 at most) and the input of its clamp (9456)",
+        "刀塔（9451 = 2）不能工作", "请设定工位数（9452，不少于 2）、转位输出（9454）、工位码的第一个输入（9455，全部码位不超过输入 32）和锁紧输入（9456）";
     /// A gear that is set in part, or that no drive can follow; {0} is its number.
     GearUnusable = 4432, "gear {0} cannot work", "set all three, 9430 + {0}, 9435 + {0} and 9440 + {0}, or none; at most 15 turns of the motor for one of the spindle, increments of the drive (9013) for a turn of the spindle that are a whole number, and a speed of at most 3772",
         "第 {0} 档不能工作", "9430 + {0}、9435 + {0}、9440 + {0} 应全部设定或全部为 0；电机与主轴圈数之比不超过 15，主轴每转的驱动脉冲数（9013）须为整数，转速不超过 3772";
@@ -1150,6 +1156,18 @@ codes! {
     /// The answer of a function that is switched on has gone: input, output.
     AnswerLost = 4552, "input {0}, which answered for output {1}, has gone while that is on", "look at what the output switches, and at its input; then reset",
         "输出 {1} 接通期间，其应答输入 {0} 消失", "请检查该输出控制的装置及其输入，然后复位";
+    /// Nothing is heard of the input and output block; its node, and the longest silence in ms.
+    BlockSilent = 4553, "the input and output block, node {0}, is silent: no heartbeat for {1} ms", "look at its supply, its wire and its node and bit rate (9461, 9020), and whether it was set up (`params push`); then reset",
+        "输入输出模块（节点 {0}）无响应：{1} ms 内没有心跳", "请检查其电源、接线、节点号和波特率（9461、9020），以及是否已配置（`params push`）；然后复位";
+    /// The block has restarted; its node.
+    BlockRestarted = 4560, "the input and output block, node {0}, has restarted: its outputs went off", "look at its supply; then reset, and switch on again what is needed (its outputs are as 9463 says)",
+        "输入输出模块（节点 {0}）已重新启动：其输出曾断开", "请检查其电源；然后复位，并重新接通所需的输出（当前输出按 9463）";
+    /// The block is not operational; its node.
+    BlockStopped = 4561, "the input and output block, node {0}, is not operational", "look whether another program or master has stopped it, and at its own display; then reset",
+        "输入输出模块（节点 {0}）不在运行状态", "请检查是否有其他程序或主站将其停止，并查看模块的显示；然后复位";
+    /// The block sends heartbeats and no inputs; its node, and the longest silence in ms.
+    BlockMute = 4562, "the input and output block, node {0}, sends heartbeats and no inputs (its TPDO1) for {1} ms", "set it up (`params push`: TPDO1 on change and every 100 ms), and look whether node {0} is such a block; then reset",
+        "输入输出模块（节点 {0}）有心跳，但 {1} ms 内没有输入报文（TPDO1）", "请配置模块（`params push`：TPDO1 变化时及每 100 ms 发送），并确认节点 {0} 是此类模块；然后复位";
     /// The turret has not come to its station in its time; {0} is the station, {1} its code now, {2} the time in ms.
     TurretLate = 4570, "the turret has not come to station {0} within {2} ms: its code is {1}", "look at what keeps it, and at its output and code; then reset, and T again",
         "刀塔在 {2} ms 内未到达工位 {0}：当前工位码为 {1}", "请检查卡阻、输出和工位码；然后复位并重新执行 T";

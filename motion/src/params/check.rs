@@ -266,6 +266,11 @@ impl Params {
                 reasons.add(Code::FunctionUnusable, &[Arg::Int(value)]);
             }
         }
+        if self.block_node() == 0
+            && let Some(contact) = self.contact_of_block()
+        {
+            reasons.add(Code::BlockMissing, &[count(contact.into())]);
+        }
         if !self.has_usable_turret() {
             reasons.add(Code::TurretUnusable, &[]);
         }
@@ -317,6 +322,12 @@ impl Params {
                 let figures = [letter(one), other, count(node.into())];
                 reasons.add(Code::DriveNodeTwice, &figures);
             }
+        }
+        let block = self.block_node();
+        let taken = Axis::ALL.iter().any(|axis| self.drive_node(*axis) == block)
+            || block.wrapping_sub(self.spindle_node()) < self.tap_spindles();
+        if block != 0 && taken {
+            reasons.add(Code::BlockNodeTaken, &[count(block.into())]);
         }
     }
 }

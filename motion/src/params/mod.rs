@@ -8,6 +8,7 @@
 //! X: travel, speeds, accelerations and limits are those of the slide, on the radius. Offsets are written as diameters,
 //! as they are programmed, and handed out as radii.
 
+mod block;
 mod check;
 mod entry;
 mod gear;
@@ -22,7 +23,9 @@ pub use check::{BY_DRIVE, BY_SWITCH, PROFILE_TICKS, metres};
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};
 pub use gear::{GEARS, Gear, gear_of_code};
-pub use row::{Action as FunctionAction, Answer, CONTACTS, Contact, FunctionRow, ROWS};
+pub use row::{
+    Action as FunctionAction, Answer, CONTACTS, Contact, FIRST_OF_BLOCK, FunctionRow, ROWS,
+};
 pub use set::SetError;
 pub use unit::{Unit, ValueError, Writing};
 

@@ -9,7 +9,10 @@ use super::Params;
 pub const ROWS: u8 = 16;
 
 /// The most outputs, and the most inputs.
-pub const CONTACTS: u8 = 16;
+pub const CONTACTS: u8 = 32;
+
+/// The first input, and the first output, of a block on the bus (9461); those before it are the board's own.
+pub const FIRST_OF_BLOCK: u8 = 17;
 
 /// An input or output, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,13 +34,13 @@ impl Contact {
     }
 
     /// Those whose [bits](Self::bit) are set.
-    pub fn of_bits(bits: u16) -> impl Iterator<Item = Self> {
+    pub fn of_bits(bits: u32) -> impl Iterator<Item = Self> {
         Self::all().filter(move |contact| bits & contact.bit() != 0)
     }
 
     /// The bit of the contact with this number; 0 for a number that none has.
     #[must_use]
-    pub fn bit_of(number: u8) -> u16 {
+    pub fn bit_of(number: u8) -> u32 {
         Self::new(number).map_or(0, Self::bit)
     }
 
@@ -47,10 +50,16 @@ impl Contact {
         self.0
     }
 
+    /// True where it is the block's.
+    #[must_use]
+    pub const fn is_of_block(self) -> bool {
+        self.0 >= FIRST_OF_BLOCK
+    }
+
     /// Its bit.
     #[must_use]
-    pub const fn bit(self) -> u16 {
-        1_u16.wrapping_shl(self.0.wrapping_sub(1) as u32)
+    pub const fn bit(self) -> u32 {
+        1_u32.wrapping_shl(self.0.wrapping_sub(1) as u32)
     }
 }
 
@@ -226,12 +235,12 @@ mod tests {
                 },
             ),
             (
-                999_8_16_2_16_9999,
+                999_8_32_2_32_9999,
                 FunctionRow {
                     code: 999,
-                    switches: Some((output(16), Action::Pulse)),
+                    switches: Some((output(32), Action::Pulse)),
                     answer: Some(Answer {
-                        input: output(16),
+                        input: output(32),
                         on: false,
                     }),
                     time_ms: 99_990,
@@ -265,12 +274,12 @@ mod tests {
             // No code; an output that does nothing; one too high; one without a number.
             1_01_1_01_0200,
             8_0_01_1_01_0200,
-            8_1_17_1_01_0200,
+            8_1_33_1_01_0200,
             8_1_00_1_01_0200,
             // An answer without input, an input without answer, one too high, no such level.
             8_1_01_1_00_0200,
             8_1_01_0_01_0200,
-            8_1_01_1_17_0200,
+            8_1_01_1_33_0200,
             8_1_01_3_01_0200,
             // A wait without time, a pulse without time, a time for nothing.
             8_1_01_1_01_0000,
@@ -289,11 +298,16 @@ mod tests {
     #[test]
     fn each_contact_has_a_bit_of_its_own() {
         let bits = (1..=CONTACTS).map(|number| Contact::new(number).unwrap().bit());
-        assert_eq!(bits.fold(0, |all, bit| all + u32::from(bit)), 0xFFFF);
-        assert_eq!(Contact::all().count(), 16);
+        assert_eq!(bits.sum::<u32>(), u32::MAX);
+        assert_eq!(Contact::all().count(), 32);
         assert!(Contact::of_bits(0x8001).map(Contact::number).eq([1, 16]));
-        assert_eq!([0, 1, 16, 17].map(Contact::bit_of), [0, 1, 0x8000, 0]);
+        assert_eq!(
+            [0, 1, 16, 32, 33].map(Contact::bit_of),
+            [0, 1, 0x8000, 1 << 31, 0]
+        );
         assert_eq!(Contact::new(0), None);
-        assert_eq!(Contact::new(17), None);
+        assert_eq!(Contact::new(33), None);
+        let of_block = Contact::all().filter(|contact| contact.is_of_block());
+        assert!(of_block.map(Contact::number).eq(17..=32));
     }
 }

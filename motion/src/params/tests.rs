@@ -380,6 +380,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x13C3_ED09),
     // Drives that get their setpoints in mode 7: 9076.
     (2, 0xD9B9_2B27),
+    // A block of inputs and outputs on the bus: 9461 to 9463, and inputs and outputs up to 32.
+    (2, 0xBCF5_5FED),
 ];
 
 #[test]

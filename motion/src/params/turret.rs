@@ -5,11 +5,21 @@ use super::{CONTACTS, Params};
 impl Params {
     /// The code of the turret, as many bits as its last station needs.
     #[must_use]
-    pub const fn turret_code_mask(&self) -> u16 {
+    pub const fn turret_code_mask(&self) -> u32 {
         match self.turret_stations() {
             0 => 0,
-            stations => (u8::MAX >> stations.leading_zeros()) as u16,
+            stations => (u8::MAX >> stations.leading_zeros()) as u32,
         }
+    }
+
+    /// The last input of its code; 0: there is no turret.
+    pub(super) fn turret_code_end(&self) -> u8 {
+        let bits = self.turret_code_mask().count_ones() as u8;
+        let last = self
+            .turret_code_input()
+            .saturating_add(bits)
+            .saturating_sub(1);
+        if self.tool_changer() == 2 { last } else { 0 }
     }
 
     /// False for a turret that lacks something.
@@ -42,12 +52,12 @@ mod tests {
             params.has_usable_turret()
         };
         assert!(usable([8, 2, 5, 9]));
-        assert!(usable([7, 2, 14, 9]));
+        assert!(usable([7, 2, 30, 9]));
         for values in [
             [1, 2, 5, 9],
             [8, 0, 5, 9],
             [8, 2, 0, 9],
-            [8, 2, 14, 9],
+            [8, 2, 30, 9],
             [8, 2, 5, 0],
         ] {
             assert!(!usable(values), "{values:?}");

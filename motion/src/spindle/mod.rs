@@ -4,9 +4,6 @@
 //! follows the spindle asks for the angle at the instant at which its setpoint takes effect. This module knows nothing
 //! of programs, axes or the bus.
 
-#[cfg(test)]
-#[allow(clippy::float_arithmetic, clippy::arithmetic_side_effects)]
-mod few;
 mod looks;
 mod observer;
 mod resolution;

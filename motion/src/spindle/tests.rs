@@ -1,5 +1,7 @@
 //! The observer on an ideal encoder: angles, index, slip, counts that are not a power of two, standstill.
 
+mod few;
+
 extern crate std;
 
 use std::vec::Vec;

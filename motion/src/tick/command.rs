@@ -1,5 +1,6 @@
 //! What an operator orders of the board, and what a tick asks of the switches, as data.
 
+use super::machine::{BlockInputs, BlockLoss};
 use super::trouble::BusTrouble;
 use crate::alarm::Code;
 use crate::call::Aux;
@@ -57,6 +58,10 @@ pub enum Command {
     Release,
     /// The next program follows a handwheel, or does not.
     ByWheel(bool),
+    /// The inputs of the block on the bus.
+    Block(BlockInputs),
+    /// The block on the bus is lost.
+    BlockLost(BlockLoss),
     /// A handwheel that leads a program has been turned by this way along its path.
     Turned(Length),
 }

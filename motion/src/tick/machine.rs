@@ -1,24 +1,63 @@
 //! The machine's inputs and outputs: which are on, what they mean for people, and what answers for what.
 //!
-//! Inputs mean what the parameters say; an input that nobody has told counts as the worse value [D271]. Must not know what
-//! follows from it: the ticker does.
+//! Inputs mean what the parameters say; an input that nobody has told counts as the worse value [D271]. The first sixteen
+//! are the board's pins, the others those of a block on the bus [D422]. Must not know what follows from it: the ticker
+//! does.
 
 use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::bus::NodeId;
 use crate::operating::Interlock;
-use crate::params::{Answer, Contact, FunctionAction, FunctionRow, Params};
+use crate::params::{Answer, Contact, FIRST_OF_BLOCK, FunctionAction, FunctionRow, Params};
+
+/// The place of the block's first contact in a word of all of them.
+const BLOCK: u32 = FIRST_OF_BLOCK as u32 - 1;
+
+/// The contacts of the board.
+const OF_BOARD: u32 = (1 << BLOCK) - 1;
+
+/// The inputs of the block as it has told them; bit 0 is input 17.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BlockInputs {
+    /// Their levels.
+    pub levels: u16,
+    /// Those that it has told. None: it is lost, or has not been heard yet.
+    pub known: u16,
+}
+
+/// The block is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockLoss {
+    /// How.
+    pub code: Code,
+    /// Its node.
+    pub node: NodeId,
+    /// The longest silence in milliseconds.
+    pub ms: u32,
+}
+
+impl BlockLoss {
+    pub(super) fn alarm(self) -> Alarm {
+        Alarm::of(
+            self.code,
+            &[Arg::Int(self.node.get().into()), Arg::Int(self.ms.into())],
+        )
+    }
+}
 
 /// What a parameter set says about inputs and outputs; a bit each, 0 for none.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wiring {
-    inverted: u16,
+    inverted: u32,
     /// Outputs that a reset switches off.
-    reset: u16,
-    door: u16,
-    chuck: u16,
-    chuck_pressure: u16,
-    tailstock_pressure: u16,
-    tailstock_output: u16,
-    enable: u16,
+    reset: u32,
+    /// Outputs of the block that are on while it is lost.
+    safe: u32,
+    door: u32,
+    chuck: u32,
+    chuck_pressure: u32,
+    tailstock_pressure: u32,
+    tailstock_output: u32,
+    enable: u32,
     /// The M code that opens the chuck; 0: none.
     pub chuck_open_code: u16,
 }
@@ -27,8 +66,9 @@ impl Wiring {
     pub(super) fn of(params: &Params) -> Self {
         let bit = Contact::bit_of;
         Self {
-            inverted: params.inputs_inverted() as u16,
-            reset: params.reset_outputs() as u16,
+            inverted: params.inputs_inverted(),
+            reset: params.reset_outputs(),
+            safe: params.block_safe_outputs() << BLOCK,
             door: bit(params.door_input()),
             chuck: bit(params.chuck_input()),
             chuck_pressure: bit(params.chuck_pressure_input()),
@@ -132,11 +172,16 @@ pub(super) struct Change {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Machine {
     wiring: Wiring,
-    /// The inputs as they were told; `None`: nobody has.
+    /// The board's inputs as they were told; `None`: nobody has.
     told: Option<u16>,
-    /// Those that are on; none of them where nobody has told.
-    on: u16,
-    outputs: u16,
+    block: BlockInputs,
+    /// The inputs that somebody has told.
+    known: u32,
+    /// Those of them that are on.
+    on: u32,
+    outputs: u32,
+    /// The block is lost, and nobody has looked at it.
+    loss: Option<BlockLoss>,
     interlocks: Interlocks,
     /// What is demanded while an output is on.
     demanded: [Option<Answer>; CONTACTS],
@@ -152,8 +197,11 @@ impl Machine {
         let mut machine = Self {
             wiring,
             told: None,
+            block: BlockInputs::default(),
+            known: 0,
             on: 0,
-            outputs: 0,
+            outputs: wiring.safe,
+            loss: None,
             interlocks: Interlocks(0),
             demanded: [None; CONTACTS],
             change: None,
@@ -162,9 +210,13 @@ impl Machine {
         machine
     }
 
-    /// Another parameter set. Outputs stay as they are: what is clamped stays so.
+    /// Another parameter set. Outputs stay as they are: what is clamped stays so. Those of a block that is not there are
+    /// what the new set says of such a block.
     pub(super) fn begin_anew(&mut self, wiring: Wiring) {
         self.wiring = wiring;
+        if self.block.known == 0 {
+            self.outputs = self.outputs & OF_BOARD | wiring.safe;
+        }
         self.read();
     }
 
@@ -175,6 +227,31 @@ impl Machine {
             self.told = told;
             self.read();
         }
+    }
+
+    /// Takes the inputs of the block.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn hear_block(&mut self, block: BlockInputs) {
+        self.block = block;
+        self.read();
+    }
+
+    /// The block is lost: nobody knows its inputs, and its outputs are where it puts them by itself.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn lose_block(&mut self, loss: BlockLoss) {
+        self.loss = Some(loss);
+        self.outputs = self.outputs & OF_BOARD | self.wiring.safe;
+        for output in Contact::of_bits(!OF_BOARD) {
+            self.demand(output, None);
+        }
+        self.hear_block(BlockInputs::default());
+    }
+
+    /// The loss of the block, once.
+    pub(super) const fn takes_loss(&mut self) -> Option<BlockLoss> {
+        self.loss.take()
     }
 
     /// What has changed, once.
@@ -188,16 +265,26 @@ impl Machine {
         self.change.is_some()
     }
 
-    /// The inputs that are on; `None` where nobody has told them.
-    pub(super) const fn inputs(&self) -> Option<u16> {
-        match self.told {
-            Some(_) => Some(self.on),
-            None => None,
+    /// The inputs that are on; `None` where nobody has told one of those `needed`.
+    pub(super) const fn inputs(&self, needed: u32) -> Option<u32> {
+        match self.known & needed == needed {
+            true => Some(self.on),
+            false => None,
         }
     }
 
+    /// The inputs that are on, as far as somebody has told them.
+    pub(super) const fn on(&self) -> u32 {
+        self.on
+    }
+
+    /// The inputs that somebody has told.
+    pub(super) const fn known(&self) -> u32 {
+        self.known
+    }
+
     /// The outputs that are on.
-    pub(super) const fn outputs(&self) -> u16 {
+    pub(super) const fn outputs(&self) -> u32 {
         self.outputs
     }
 
@@ -221,7 +308,8 @@ impl Machine {
 
     /// True where the answer of a function is there. A level that nobody has told is none.
     pub(super) const fn has_answered(&self, answer: Answer) -> bool {
-        self.told.is_some() && (self.on & answer.input.bit() != 0) == answer.on
+        let bit = answer.input.bit();
+        self.known & bit != 0 && (self.on & bit != 0) == answer.on
     }
 
     /// A function has been answered, or needs no answer.
@@ -241,7 +329,7 @@ impl Machine {
     }
 
     /// Switches outputs that no row has.
-    pub(super) fn drive(&mut self, outputs: u16, on: bool) {
+    pub(super) fn drive(&mut self, outputs: u32, on: bool) {
         match on {
             true => self.outputs |= outputs,
             false => self.outputs &= !outputs,
@@ -286,9 +374,12 @@ impl Machine {
     #[inline(never)]
     fn read(&mut self) {
         let wiring = &self.wiring;
-        self.on = self.told.map_or(0, |told| told ^ wiring.inverted);
+        let pins = self.told.map_or(0, |_| OF_BOARD);
+        self.known = u32::from(self.block.known) << BLOCK | pins;
+        let levels = u32::from(self.block.levels) << BLOCK | u32::from(self.told.unwrap_or(0));
+        self.on = (levels ^ wiring.inverted) & self.known;
         let on = self.on;
-        let fails = |input: u16| on & input != input;
+        let fails = |input: u32| on & input != input;
         let tailstock = wiring.tailstock_output;
         let demanded = tailstock == 0 || self.outputs & tailstock != 0;
         let before = self.interlocks;
@@ -352,7 +443,7 @@ mod tests {
             names(&machine),
             ["door", "chuck", "chuck_pressure", "enable"]
         );
-        assert_eq!(machine.inputs(), None);
+        assert_eq!(machine.known(), 0);
         machine.hear(Some(0b10_1110));
         assert_eq!(names(&machine), ["door"]);
     }
@@ -361,7 +452,7 @@ mod tests {
     fn an_inverted_input_that_nobody_has_told_is_off_too() {
         let mut machine = machine(&[(9421, 1), (9423, 1)]);
         machine.hear(Some(0));
-        assert_eq!((names(&machine).len(), machine.inputs()), (0, Some(1)));
+        assert_eq!((names(&machine).len(), machine.inputs(1)), (0, Some(1)));
         machine.hear(None);
         assert_eq!(names(&machine), ["door"]);
     }

@@ -33,7 +33,7 @@ pub use command::{Command, Switching};
 pub use detour::Route;
 pub use drives::FRAMES;
 pub use event::Event;
-pub use machine::{Interlocks, interlocked};
+pub use machine::{BlockInputs, BlockLoss, Interlocks, interlocked};
 pub use message::{Order, Report};
 pub use nodes::DriveNodes;
 pub use operator::{Operator, overridden};

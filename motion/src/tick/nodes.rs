@@ -18,6 +18,8 @@ pub struct DriveNodes {
     first: u8,
     /// Number of spindles, 1–4.
     spindles: u8,
+    /// Node of the input and output block, which is no drive; 0: none.
+    block: u8,
 }
 
 impl DriveNodes {
@@ -31,6 +33,7 @@ impl DriveNodes {
             c: params.drive_node(Axis::C),
             first: params.spindle_node(),
             spindles: params.tap_spindles(),
+            block: params.block_node(),
         }
     }
 
@@ -81,11 +84,23 @@ impl DriveNodes {
         }
     }
 
+    /// The node of the input and output block (9461).
+    #[must_use]
+    pub const fn block(&self) -> Option<NodeId> {
+        NodeId::new(self.block)
+    }
+
     /// Checks that a board with this number can be the master of the drives.
     ///
     /// # Errors
-    /// [`Code::DriveNodeOfBoard`] where a drive has this number.
+    /// [`Code::DriveNodeOfBoard`] where a drive has this number, [`Code::BlockNodeTaken`] where the block has.
     pub fn spare(&self, board: NodeId) -> Result<(), Alarm> {
+        if self.block() == Some(board) {
+            return Err(Alarm::of(
+                Code::BlockNodeTaken,
+                &[Arg::Int(board.get().into())],
+            ));
+        }
         let Some(letter) = self.letter(board) else {
             return Ok(());
         };

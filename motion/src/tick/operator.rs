@@ -85,8 +85,12 @@ impl Operator {
             Command::FeedOverride(percent) => self.feed = Override::of(clamp(percent, 0, 150)),
             Command::RapidOverride(percent) => self.rapid = Override::of(clamp(percent, 0, 100)),
             Command::SpindleOverride(percent) => self.spindle = clamp(percent, 50, 120),
-            // Presses and the handwheel are the ticker's.
-            Command::Release | Command::ByWheel(_) | Command::Turned(_) => {}
+            // Presses, the handwheel and the block are the ticker's.
+            Command::Release
+            | Command::ByWheel(_)
+            | Command::Turned(_)
+            | Command::Block(_)
+            | Command::BlockLost(_) => {}
         }
     }
 

@@ -53,10 +53,12 @@ pub struct Snapshot {
     pub referenced: Axes,
     /// The axes without a reference that a program needs.
     pub unreferenced: Axes,
-    /// The machine's inputs that are on; `None` where nobody has told them.
-    pub machine_inputs: Option<u16>,
+    /// The machine's inputs that are on, as far as they have been told.
+    pub machine_inputs: u32,
+    /// Those that have been told.
+    pub machine_known: u32,
     /// Its outputs that are on.
-    pub machine_outputs: u16,
+    pub machine_outputs: u32,
     /// The gear of spindle 1 that is in, from 1; 0: nobody knows.
     pub gear: u8,
     /// What is open, or has no pressure.
@@ -91,6 +93,7 @@ impl Snapshot {
             referenced: ticker.referenced(),
             unreferenced: ticker.unreferenced(),
             machine_inputs: ticker.machine_inputs(),
+            machine_known: ticker.machine_known(),
             machine_outputs: ticker.machine_outputs(),
             gear: ticker.gear(),
             interlocks: ticker.interlocks(),
@@ -154,21 +157,24 @@ impl Snapshot {
         bits
     }
 
-    /// Object 5061h: the machine's inputs that are on; bit 16 where they have been told; from bit 24 on its
+    /// Object 5061h: the board's own inputs that are on; bit 16 where they have been told; from bit 24 on its
     /// [interlocks](crate::operating::Interlock), each at the place of its number.
     #[must_use]
     pub fn machine(&self) -> u32 {
-        let inputs = match self.machine_inputs {
-            Some(on) => u32::from(on) | 1 << 16,
-            None => 0,
-        };
-        inputs | u32::from(self.interlocks.bits()) << 24
+        let told = (self.machine_known & 1) << 16;
+        u32::from(self.machine_inputs as u16) | told | u32::from(self.interlocks.bits()) << 24
     }
 
-    /// 5062h: the outputs that are on, and from bit 24 on the gear.
+    /// 5062h: its outputs that are on, and from bit 24 on the gear.
     #[must_use]
     pub fn machine_out(&self) -> u32 {
-        u32::from(self.machine_outputs) | u32::from(self.gear) << 24
+        u32::from(self.machine_outputs as u16) | u32::from(self.gear) << 24
+    }
+
+    /// 5063h: the inputs of the block that are on, and from bit 16 on those that it has told.
+    #[must_use]
+    pub fn block(&self) -> u32 {
+        self.machine_inputs >> 16 | self.machine_known & 0xFFFF_0000
     }
 
     /// Nothing moves or is about to move: parameters may change.

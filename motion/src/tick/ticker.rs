@@ -99,7 +99,7 @@ pub struct Output {
     pub journal: Option<TapRecord>,
     /// What the board's switches have to do.
     pub switching: Switching,
-    /// The machine's outputs that are on; bit 0 is output 1.
+    /// The board's own outputs that are on; bit 0 is output 1.
     pub outputs: u16,
     /// The setpoints of all drives in one frame of CAN FD (9031). This frame follows the other frames of the period.
     pub together: Option<Setpoints>,
@@ -222,8 +222,10 @@ impl Ticker {
     /// Takes an operator's command; it acts in the next tick.
     // Called in many places.
     #[inline(never)]
-    pub const fn command(&mut self, command: Command) {
+    pub fn command(&mut self, command: Command) {
         match command {
+            Command::Block(inputs) => self.machine.hear_block(inputs),
+            Command::BlockLost(loss) => self.machine.lose_block(loss),
             Command::Release => {
                 self.jog.release();
                 self.stay_away();
@@ -287,7 +289,7 @@ impl Ticker {
         self.settle(motion, moved, ends);
         self.keep_journal(ends, output);
         output.switching = core::mem::take(&mut self.switching);
-        output.outputs = self.machine.outputs();
+        output.outputs = self.machine.outputs() as u16;
         output.frames.clear();
         self.send(&mut output.frames, ends);
         let together = self.drives.together();

@@ -22,12 +22,12 @@ pub(super) struct Changer {
     pub kind: ToolChange,
     pub stations: u8,
     /// Outputs; a bit each.
-    pub unclamp: u16,
-    pub index: u16,
+    pub unclamp: u32,
+    pub index: u32,
     /// The first input of the code, and the inputs that it has.
     first: u8,
-    mask: u16,
-    locked: u16,
+    mask: u32,
+    locked: u32,
     pub time_ms: u32,
     /// A turret turns where neither axis is below this.
     clear: [Length; 2],
@@ -53,14 +53,19 @@ impl Changer {
         }
     }
 
+    /// All inputs that it has.
+    pub(super) const fn inputs(&self) -> u32 {
+        self.mask.wrapping_shl(self.first.wrapping_sub(1) as u32) | self.locked
+    }
+
     /// The station that these inputs tell.
-    pub(super) const fn station(&self, on: u16) -> u8 {
+    pub(super) const fn station(&self, on: u32) -> u8 {
         let code = on.wrapping_shr(self.first.wrapping_sub(1) as u32) & self.mask;
         code as u8
     }
 
     /// True where the turret says that it is clamped.
-    pub(super) const fn is_locked(&self, on: u16) -> bool {
+    pub(super) const fn is_locked(&self, on: u32) -> bool {
         on & self.locked == self.locked
     }
 

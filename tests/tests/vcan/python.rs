@@ -43,3 +43,8 @@ fn an_axis_homes_with_a_drive_of_other_making() {
 fn a_drive_of_other_making_is_set_up_by_its_profile() {
     passes("profile_on_a_bus", 2);
 }
+
+#[test]
+fn a_block_of_other_making_is_set_up_by_a_push() {
+    passes("block_on_a_bus", 2);
+}

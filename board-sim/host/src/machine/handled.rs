@@ -111,10 +111,7 @@ impl Handled for Machine {
         let ticker = self.board.ticker();
         let [inputs, outputs] = match self.unplugged {
             true => [0, 0],
-            false => [
-                ticker.machine_inputs().unwrap_or(0),
-                ticker.machine_outputs(),
-            ],
+            false => [ticker.machine_inputs(), ticker.machine_outputs()],
         };
         View {
             name: self

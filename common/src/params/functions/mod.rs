@@ -2,7 +2,7 @@
 //!
 //! ```toml
 //! [io.coolant]
-//! at = "output:1"          # or "pin:PB11"
+//! at = "output:1"          # or "pin:PB11", or "401:5:out0" at the block of inputs and outputs with node 5
 //! reset_off = true         # an input instead: invert = true
 //! [m.8]
 //! set = "coolant"          # or clear; pulse = "200 ms" beside set
@@ -39,9 +39,11 @@ pub(super) const M: &str = "m";
 /// The number of the first row.
 const FIRST_ROW: u16 = 9401;
 
-/// 9421 and 9422.
+/// 9421, 9422, 9461 and 9463.
 const INVERTED: u16 = 9421;
 const RESET_OFF: u16 = 9422;
+const BLOCK_NODE: u16 = 9461;
+const SAFE: u16 = 9463;
 
 /// An input or output of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

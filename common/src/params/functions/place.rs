@@ -1,6 +1,7 @@
-//! Places of inputs and outputs as a machine file writes them: `input:3`, `output:1`, `pin:PC4`.
+//! Places of inputs and outputs as a machine file writes them: `input:3`, `output:1`, `pin:PC4`, and of the block at node 5
+//! `401:5:in0`, `401:5:out15`.
 
-use leadscrew_core::params::Contact;
+use leadscrew_core::params::{Contact, FIRST_OF_BLOCK};
 
 use super::Io;
 
@@ -46,11 +47,33 @@ impl Io {
                     (None, output) => (Side::Output, output?),
                 }
             }
+            "401" => {
+                let (_, side, bit) = at_block(number)?;
+                (side, FIRST_OF_BLOCK + bit)
+            }
             _ => return None,
         };
         let contact = Contact::new(contact)?;
         Some(Self { side, contact })
     }
+
+    /// The node that a place names, where it is at a block.
+    pub(super) fn node_at(place: &str) -> Option<u8> {
+        let (node, ..) = at_block(place.strip_prefix("401:")?)?;
+        Some(node)
+    }
+}
+
+/// Node, side and bit of `5:in0`.
+fn at_block(place: &str) -> Option<(u8, Side, u8)> {
+    let (node, contact) = place.split_once(':')?;
+    let (side, bit) = match (contact.strip_prefix("in"), contact.strip_prefix("out")) {
+        (Some(bit), _) => (Side::Input, bit),
+        (None, bit) => (Side::Output, bit?),
+    };
+    let node = node.parse().ok().filter(|node| (1..=126).contains(node))?;
+    let bit = bit.parse().ok().filter(|bit| *bit < 16)?;
+    Some((node, side, bit))
 }
 
 #[cfg(test)]
@@ -67,8 +90,16 @@ mod tests {
             ("pin:PB11", Some("output:1")),
             ("pin:PB15", Some("output:5")),
             ("pin:PA0", None),
+            ("401:5:in0", Some("input:17")),
+            ("401:126:out15", Some("output:32")),
+            ("401:5:in16", None),
+            ("401:0:in0", None),
+            ("401:127:in0", None),
+            ("401:5:3", None),
+            ("401:in0", None),
+            ("input:32", Some("input:32")),
             ("input:0", None),
-            ("input:17", None),
+            ("input:33", None),
             ("output:", None),
             ("output", None),
             ("3", None),

@@ -3,12 +3,14 @@
 use std::ops::Range;
 
 use leadscrew_core::alarm::Code;
-use leadscrew_core::params::{Answer, Contact, Entry, FunctionAction, FunctionRow, ROWS};
+use leadscrew_core::params::{
+    Answer, Contact, Entry, FIRST_OF_BLOCK, FunctionAction, FunctionRow, ROWS,
+};
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::place::Side;
-use super::{INVERTED, IO, Io, M, Named, RESET_OFF, Table, entry};
+use super::{BLOCK_NODE, INVERTED, IO, Io, M, Named, RESET_OFF, SAFE, Table, entry};
 use crate::diagnostics::Place;
 use crate::params::file::{Source, in_order};
 use crate::params::{Loader, key, mistake};
@@ -17,7 +19,7 @@ type Key<'a, 'i> = &'a Spanned<DeString<'i>>;
 type Value<'a, 'i> = &'a Spanned<DeValue<'i>>;
 
 /// What the two tables may have.
-const IO_KEYS: [&str; 3] = ["at", "invert", "reset_off"];
+const IO_KEYS: [&str; 4] = ["at", "invert", "reset_off", "safe"];
 const M_KEYS: [&str; 7] = ["set", "clear", "pulse", "answer", "within", "when", "row"];
 
 /// The longest time of a row in milliseconds, and its step.
@@ -34,6 +36,7 @@ pub fn names(loader: &mut Loader, source: &Source, head: Key, value: Value) {
         return not_a_table(loader, source, IO, "[io.coolant]", head);
     };
     let (mut inverted, mut reset_off) = (Bits::default(), Bits::default());
+    let mut safe = Bits::default();
     for (name, value) in in_order(all) {
         let text = name.get_ref().as_ref();
         let head = format!("[io.{}]", mistake::shown(text));
@@ -57,18 +60,24 @@ pub fn names(loader: &mut Loader, source: &Source, head: Key, value: Value) {
             fields.wrong(
                 "at",
                 &span,
-                "`\"input:1\"` … `\"input:16\"` / `\"output:1\"` … `\"output:16\"` / `\"pin:PC4\"`",
+                "`\"input:1\"` … `\"input:16\"` / `\"output:1\"` … `\"output:16\"` / `\"pin:PC4\"` / `\"401:5:in0\"`",
             );
             continue;
         };
+        if let Some(node) = Io::node_at(&place) {
+            fields.block(node, &span);
+        }
         for (key, side, bits) in [
             ("invert", Side::Input, &mut inverted),
             ("reset_off", Side::Output, &mut reset_off),
+            ("safe", Side::Output, &mut safe),
         ] {
             let Some((on, span)) = fields.flag(key) else {
                 continue;
             };
-            if io.side == side {
+            // What the board itself switches is off without it.
+            let has_it = key != "safe" || io.contact.is_of_block();
+            if io.side == side && has_it {
                 bits.take(io.contact, on, fields.source.place(&span));
             } else {
                 fields.idle(key, &format!("at = \"{place}\""), &span);
@@ -82,15 +91,16 @@ pub fn names(loader: &mut Loader, source: &Source, head: Key, value: Value) {
         known.retain(|other| other.name != named.name);
         known.push(named);
     }
-    inverted.put(loader, INVERTED);
-    reset_off.put(loader, RESET_OFF);
+    inverted.put(loader, INVERTED, 0);
+    reset_off.put(loader, RESET_OFF, 0);
+    safe.put(loader, SAFE, FIRST_OF_BLOCK - 1);
 }
 
 /// Bits of a number of inputs or outputs that names set.
 #[derive(Default)]
 struct Bits {
-    named: u16,
-    on: u16,
+    named: u32,
+    on: u32,
     place: Option<Place>,
 }
 
@@ -101,13 +111,14 @@ impl Bits {
         self.place.get_or_insert(place);
     }
 
-    /// The bits that are not named stay.
-    fn put(self, loader: &mut Loader, number: u16) {
+    /// The bits that are not named stay. `skipped` contacts have no bit.
+    fn put(self, loader: &mut Loader, number: u16, skipped: u8) {
         let (Some(place), Ok(entry)) = (self.place, Entry::find(number, None)) else {
             return;
         };
         let before = loader.loaded.params.get(entry);
-        let raw = (before & !i64::from(self.named)) | i64::from(self.on);
+        let [named, on] = [self.named, self.on].map(|bits| i64::from(bits >> skipped));
+        let raw = (before & !named) | on;
         loader.put(entry, raw, &place);
     }
 }
@@ -270,6 +281,23 @@ impl Fields<'_, '_, '_, '_> {
             let figures = [self.head.clone(), mistake::shown(name), choice.join(" / ")];
             let place = self.source.place(&key.span());
             self.loader.report(Code::FieldUnknown, &figures, &place);
+        }
+    }
+
+    /// A place at the block with this node. There is one block.
+    fn block(&mut self, node: u8, span: &Range<usize>) {
+        let Ok(entry) = Entry::find(BLOCK_NODE, None) else {
+            return;
+        };
+        let loaded = &self.loader.loaded;
+        let source = loaded.sources.get(&key(entry));
+        let other = loaded.params.get(entry);
+        if source.is_none_or(|source| source.layer != self.loader.layer) {
+            let place = self.source.place(span);
+            self.loader.put(entry, node.into(), &place);
+        } else if other != i64::from(node) {
+            let expected = format!("`\"401:{other}:in0\"` … `\"401:{other}:out15\"`");
+            self.wrong("at", span, &expected);
         }
     }
 

@@ -172,7 +172,7 @@ fn every_mistake_has_its_place_its_cause_and_its_remedy() {
         ),
         (
             "set = \"a\"\n[io.e]\nat = \"pin:PA0\"",
-            "8:6-15 4443 [io.e]: `at` cannot be `\"pin:PA0\"` / write `\"input:1\"` … `\"input:16\"` / `\"output:1\"` … `\"output:16\"` / `\"pin:PC4\"`",
+            "8:6-15 4443 [io.e]: `at` cannot be `\"pin:PA0\"` / write `\"input:1\"` … `\"input:16\"` / `\"output:1\"` … `\"output:16\"` / `\"pin:PC4\"` / `\"401:5:in0\"`",
         ),
         (
             "set = \"a\"\n[io.e]\ninvert = true",

@@ -23,6 +23,7 @@
 
 mod accessors;
 mod actual;
+mod block;
 mod change;
 pub mod dictionary;
 mod health;
@@ -56,6 +57,7 @@ pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 use crate::tick::{Command, DriveNodes, Found, Intrusion, Measured, Snapshot, StoreError};
 use heapless::Deque;
 
+use self::block::Block;
 pub use self::operating::Asked;
 use self::served::Served;
 use self::values::{ObjectValues, Told};
@@ -109,6 +111,7 @@ pub struct Device {
     lateness: (u32, Periods),
     urgent: Deque<Frame, URGENT>,
     answers: Deque<Frame, ANSWERS>,
+    block: Block,
     values: ObjectValues,
 }
 
@@ -133,6 +136,7 @@ impl Device {
             told: None,
             restarts: false,
             controller: Controller::default(),
+            block: Block::default(),
             lateness: (0, Periods::new(0)),
         }
     }
@@ -279,6 +283,7 @@ impl Device {
             self.resist(intrusion);
         }
         if frame.id() == CobId::NMT {
+            self.block.manage(frame, params);
             if let Some(event) = self.nmt.receive(frame) {
                 self.obey(event, params);
             }
@@ -287,6 +292,10 @@ impl Device {
         let Some((service, node)) = frame.id().service() else {
             return false;
         };
+        if self.block.is_at(node) {
+            self.block.hear(service, frame);
+            return true;
+        }
         if node == NodeId::GATEWAY && service == Service::Heartbeat
             || node == self.node() && service == Service::SdoRequest
         {
@@ -407,6 +416,7 @@ impl Device {
         self.tell_alarms();
         self.transfer(elapsed, params);
         self.heartbeat(elapsed, params);
+        self.serve_block(elapsed, params);
         self.tell_status(elapsed, params);
         worked
     }

@@ -348,6 +348,10 @@ objects! {
         get |values, _| values.snapshot.machine();
     MACHINE_OUTPUTS = item(0x5062, 0, "Machine outputs", U32, Read),
         get |values, _| values.snapshot.machine_out();
+    BLOCK_INPUTS = item(0x5063, 0, "Inputs of the block", U32, Read),
+        get |values, _| values.snapshot.block();
+    BLOCK_OUTPUTS = item(0x5064, 0, "Outputs of the block", U16, Read),
+        get |values, _| (values.snapshot.machine_outputs >> 16) as u16;
 }
 
 const _: () = assert!(PROGRAM_BYTES <= u16::MAX as usize, "the credit has 16 bits");

@@ -84,7 +84,11 @@ impl ObjectValues {
     /// What its switches choose, where the machine is in a mode for it.
     fn chosen(&self, params: &Params) -> Option<(Led, WheelFactor)> {
         let first = params.wheel_inputs().checked_sub(1)?;
-        let switches = self.snapshot.machine_inputs?.checked_shr(first)?;
+        let known = self.snapshot.machine_known.checked_shr(first)?;
+        let switches = self.snapshot.machine_inputs.checked_shr(first)?;
+        if known & 0b1111 != 0b1111 {
+            return None;
+        }
         let axis = match switches & 0b11 {
             0b01 => Led::X,
             0b10 => Led::Z,

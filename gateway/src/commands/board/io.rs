@@ -66,13 +66,11 @@ fn level<'a>(text: &'a str, names: &[Named]) -> Outcome<(&'a str, Io, bool)> {
 
 /// True where it is on; `None` where nobody has told.
 const fn is_on(contacts: &MachineContacts, io: Io) -> Option<bool> {
-    let bits = match io.side {
-        Side::Input => contacts.inputs,
-        Side::Output => Some(contacts.outputs),
-    };
-    match bits {
-        Some(bits) => Some(bits & io.contact.bit() != 0),
-        None => None,
+    let bit = io.contact.bit();
+    match io.side {
+        Side::Input if contacts.known & bit == 0 => None,
+        Side::Input => Some(contacts.inputs & bit != 0),
+        Side::Output => Some(contacts.outputs & bit != 0),
     }
 }
 

@@ -82,9 +82,9 @@ pub fn status(global: &Global) -> Outcome {
             json.integer("late", i64::from(status.late));
             json.integer("credit", i64::from(status.credit));
             json.integer("signals", i64::from(status.signals & Signals::BITS));
-            match contacts.inputs {
-                Some(on) => json.text("inputs", &numbers(on)),
-                None => json.null("inputs"),
+            match contacts.known {
+                0 => json.null("inputs"),
+                _ => json.text("inputs", &numbers(contacts.inputs)),
             }
             json.text("outputs", &numbers(contacts.outputs));
             match contacts.gear {
@@ -116,7 +116,7 @@ pub fn status(global: &Global) -> Outcome {
 }
 
 /// The numbers of the contacts that are on, from 1 on.
-fn numbers(on: u16) -> String {
+fn numbers(on: u32) -> String {
     contact_numbers(Contact::of_bits(on).map(Contact::number))
 }
 
@@ -128,7 +128,7 @@ fn names_of(interlocks: Interlocks) -> String {
 /// What is on, where anything is, and what keeps the machine from starting.
 fn contact_words(contacts: &MachineContacts, lang: Lang) -> String {
     let mut text = String::new();
-    let on = contacts.inputs.unwrap_or_default();
+    let on = contacts.inputs;
     if on != 0 || contacts.outputs != 0 {
         let list = |on| or_none(numbers(on), lang);
         let (inputs, outputs) = (list(on), list(contacts.outputs));

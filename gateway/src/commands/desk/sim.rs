@@ -28,6 +28,7 @@ pub fn sim(global: &Global, named: Option<&MachineName>, command: SimCommand) ->
         }
         SimCommand::Wheel { counts } => Request::Wheel { counts },
         SimCommand::Turret { to } => Request::Turret { to },
+        SimCommand::Block { to } => Request::Block { to },
         SimCommand::Drive { which, to } => Request::Drive { which, to },
         SimCommand::Spindle { percent } => Request::Spindle { percent },
         SimCommand::Encoder { to } => Request::Encoder { to },

@@ -4,6 +4,7 @@ use leadscrew_can::Address;
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::params::Params;
 
+use super::block;
 use super::drive::{self, Found, Pending};
 use crate::cli::Global;
 use crate::commands::board::Machine;
@@ -68,7 +69,11 @@ impl Home {
             Self::Board(machine) => {
                 let nodes = DriveNodes::of(wanted);
                 let pending = drive::pending(&mut machine.link, settings, &nodes)?;
-                Ok(pending.iter().map(drive::Pending::change).collect())
+                let of_block = block::pending(&mut machine.link, wanted)?;
+                let all = pending.iter().map(drive::Pending::change);
+                Ok(all
+                    .chain(of_block.iter().map(block::Pending::change))
+                    .collect())
             }
         }
     }

@@ -1,5 +1,6 @@
 //! `params`: one file a verb, and what they share: a value as text and as JSON.
 
+mod block;
 mod diff;
 mod docs;
 mod drive;

@@ -21,7 +21,7 @@ use leadscrew_core::bus::Order;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, PASSWORD, PASSWORD_KEPT, Params};
 
-use super::drive;
+use super::{block, drive};
 use crate::cli::{Global, Push};
 use crate::commands::board::{Greeted, Machine};
 use crate::commands::ending;
@@ -94,7 +94,13 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
     let mut greeted = Greeted::meet(global)?;
     let whole = wish.built_in || alone.names_all();
     let mut told = None;
-    if whole && alone.drives.is_empty() && !new_password(&alone.params) && !global.dry_run {
+    let has_block = alone.params.block_node() != 0;
+    if whole
+        && alone.drives.is_empty()
+        && !has_block
+        && !new_password(&alone.params)
+        && !global.dry_run
+    {
         let wanted = told_good(global, alone)?;
         interrupt::defer(UnderWay::Machine);
         let done = replace(&mut greeted.link, &wanted.params, wish.password);
@@ -184,9 +190,16 @@ pub fn carry_out(
     let old = machine.params.clone();
     let link = &mut machine.link;
     let pending = drive::pending(link, &wanted.drives, &DriveNodes::of(&wanted.params))?;
+    // The block of a board that is simulated for this command alone is set up.
+    let of_block = match global.state {
+        None => block::pending(link, &wanted.params)?,
+        Some(_) => Vec::new(),
+    };
+    let all = pending.iter().map(drive::Pending::change);
+    let all = all.chain(of_block.iter().map(block::Pending::change));
     let mut done = Done {
         changes: changes(&old, &wanted.params),
-        drives: pending.iter().map(drive::Pending::change).collect(),
+        drives: all.collect(),
         identity: identity(&wanted.params),
         ..Done::default()
     };
@@ -207,7 +220,7 @@ pub fn carry_out(
     if let Some(password) = password {
         link.open_parameters(password)?;
     }
-    let steps = pending.len() + usize::from(!done.changes.is_empty());
+    let steps = pending.len() + usize::from(!done.changes.is_empty()) + of_block.len().min(1);
     let bar = progress(global, steps);
     // The write enable is taken where a whole set is not; no drive is touched where that is not.
     let switch = match done.changes[..] {
@@ -234,6 +247,10 @@ pub fn carry_out(
         return Err(drive::with_drives(link, &pending, trouble, !alarmed));
     }
     bar.inc(1);
+    if !of_block.is_empty() {
+        done.notes.extend(block::apply(link, &of_block)?);
+        bar.inc(1);
+    }
     // The board has noticed that the drives were silent; there may be an alarm of its own that nobody has seen.
     if done.changes.is_empty() && !alarmed {
         let reset = link.order(Order::Reset);

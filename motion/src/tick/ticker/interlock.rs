@@ -36,6 +36,10 @@ impl Ticker {
         let Some(change) = self.machine.takes_change() else {
             return self.await_spindle(ends);
         };
+        // Before what follows from its inputs: it says why.
+        if let Some(loss) = self.machine.takes_loss() {
+            self.retreat(&loss.alarm(), ends);
+        }
         if change.opened {
             self.open_door(ends);
         } else if change.released {

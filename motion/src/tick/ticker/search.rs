@@ -164,7 +164,7 @@ impl Ticker {
             over: Length::ZERO,
         });
         // Inputs that nobody tells are an alarm in the next tick.
-        if let Some(on) = self.machine.inputs() {
+        if let Some(on) = self.machine.inputs(switch.input.bit()) {
             let first = match on & switch.input.bit() {
                 0 => Stage::Approach,
                 _ => Stage::Clear,
@@ -181,7 +181,8 @@ impl Ticker {
         let Some(switch) = self.switch(axis) else {
             return Searched::Goes;
         };
-        let (Some(on), Some(mut search)) = (self.machine.inputs(), self.home.search) else {
+        let on = self.machine.inputs(switch.input.bit());
+        let (Some(on), Some(mut search)) = (on, self.home.search) else {
             return Searched::Failed(Code::HomeSwitchStuck);
         };
         let on = on & switch.input.bit() != 0;

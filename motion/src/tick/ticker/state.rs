@@ -183,15 +183,21 @@ impl Ticker {
         self.course.in_program()
     }
 
-    /// The machine's inputs that are on; `None` where nobody has told them.
+    /// The machine's inputs that are on, as far as they have been told.
     #[must_use]
-    pub const fn machine_inputs(&self) -> Option<u16> {
-        self.machine.inputs()
+    pub const fn machine_inputs(&self) -> u32 {
+        self.machine.on()
+    }
+
+    /// The machine's inputs that have been told.
+    #[must_use]
+    pub const fn machine_known(&self) -> u32 {
+        self.machine.known()
     }
 
     /// The machine's outputs that are on.
     #[must_use]
-    pub const fn machine_outputs(&self) -> u16 {
+    pub const fn machine_outputs(&self) -> u32 {
         self.machine.outputs()
     }
 

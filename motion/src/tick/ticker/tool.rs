@@ -119,8 +119,8 @@ impl Ticker {
 
     /// Station and clamp by the inputs; `None` where nobody has told them.
     fn turret_tells(&self) -> Option<(u8, bool)> {
-        let on = self.machine.inputs()?;
         let changer = &self.given.changer;
+        let on = self.machine.inputs(changer.inputs())?;
         Some((changer.station(on), changer.is_locked(on)))
     }
 

@@ -4,7 +4,7 @@ extern crate std;
 
 use std::f64::consts::TAU;
 
-use super::*;
+use super::super::*;
 use crate::units::Ticks;
 
 /// A spindle with a swing, on an encoder whose edges are timed.

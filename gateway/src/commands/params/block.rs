@@ -1,0 +1,313 @@
+//! The block of inputs and outputs on the bus (CiA 401, parameters 9461 to 9463): its objects, read and set.
+//!
+//! It needs a heartbeat of its own, watches the board's, tells its inputs by TPDO1 on change and every 100 ms, takes its
+//! outputs by RPDO1, and puts them at 9463 where the board is lost. All of that follows from the set, so no section of a
+//! file says it [D424].
+
+use leadscrew_core::bus::{CobId, Mapped, NmtCommand, NodeId, Object, SdoError, Service};
+use leadscrew_core::params::Params;
+
+use crate::failure::{Failure, Outcome};
+use crate::link::{Link, LinkResult, Trouble};
+use crate::params::difference::{BLOCK, DriveChange};
+use crate::params::drives::{Kind, NO_REMOTE, object_text};
+use crate::words::{Both, both};
+
+/// The profile in 1000h.
+const PROFILE: i64 = 401;
+const DEVICE_TYPE: Object = Object::new(0x1000, 0);
+/// How many bytes of inputs and of outputs it has.
+const INPUTS: Object = Object::new(0x6000, 0);
+const OUTPUTS: Object = Object::new(0x6200, 0);
+/// It has a heartbeat so often, and says its inputs so often, in milliseconds.
+const EVERY_MS: i64 = 100;
+/// What is carried on change.
+const ON_CHANGE: i64 = 255;
+/// COB-ID bit 31: the PDO is not used.
+const INVALID: u32 = 1 << 31;
+/// Bytes of inputs, and of outputs, that the board uses.
+const BYTES: u8 = 2;
+/// A byte of a PDO that nothing is in.
+const DUMMY: Mapped = Mapped::new(0x0005, 0, 8);
+const STORE: Object = Object::new(0x1010, 1);
+const SAVE: [u8; 4] = *b"save";
+
+/// A number of the block that is another one than wanted.
+#[derive(Clone, Debug)]
+pub struct Pending {
+    node: NodeId,
+    object: Object,
+    kind: Kind,
+    found: i64,
+    wanted: i64,
+}
+
+impl Pending {
+    /// In words.
+    pub fn change(&self) -> DriveChange {
+        let text = |value: i64| match self.kind {
+            Kind::U32 => format!("{value:08X}h"),
+            _ => value.to_string(),
+        };
+        DriveChange {
+            drive: BLOCK,
+            object: object_text(self.object),
+            old: text(self.found),
+            new: text(self.wanted),
+        }
+    }
+}
+
+/// Everything of the block that is not as the set of the board `board` needs it; nothing where the set names no block.
+///
+/// # Errors
+/// The block does not answer, or is none.
+pub fn pending(link: &mut Link, params: &Params) -> Outcome<Vec<Pending>> {
+    let Some(node) = NodeId::new(params.block_node()) else {
+        return Ok(Vec::new());
+    };
+    if params.block_watch_ms() == 0 {
+        return Err(Failure::WrongBecause(both!(
+            "the block of inputs and outputs cannot watch a board without heartbeat: set 9023 to 1 ms or more (500), or 9461 to 0",
+            "输入输出模块无法监视没有心跳的控制板：请将 9023 设为不小于 1 ms（如 500），或将 9461 设为 0"
+        )));
+    }
+    let profile = number(link, node, DEVICE_TYPE, Kind::U32)?.unwrap_or(0);
+    if profile & 0xFFFF != PROFILE {
+        return Err(Failure::WrongBecause(both!(
+            "node {node} (9461) is no block of inputs and outputs (CiA 401): its 1000h is {profile:08X}h. Write the node of the \
+             block into 9461; nothing has been changed",
+            "节点 {node}（9461）不是输入输出模块（CiA 401）：其 1000h 为 {profile:08X}h。请将 9461 设为模块的节点号；未作任何改动",
+            node = node.get()
+        )));
+    }
+    let mut bytes = |object| -> Outcome<u8> {
+        let count = number(link, node, object, Kind::U8)?.unwrap_or(0);
+        Ok(u8::try_from(count).unwrap_or(0).min(BYTES))
+    };
+    let (inputs, outputs) = (bytes(INPUTS)?, bytes(OUTPUTS)?);
+    if inputs == 0 {
+        return Err(Failure::WrongBecause(both!(
+            "the block, node {node} (9461), has no digital inputs (6000h): the board knows by them that it works; take one that has",
+            "模块（节点 {node}，9461）没有数字输入（6000h）：控制板靠输入报文判断其工作；请选用带输入的模块",
+            node = node.get()
+        )));
+    }
+    let mut pending = Vec::new();
+    for (object, kind, wanted) in wanted(params, link.node(), node, inputs, outputs) {
+        let Some(found) = number(link, node, object, kind)? else {
+            // A block without this switch always says what changes.
+            if object.index == 0x6005 {
+                continue;
+            }
+            return Err(lacks(node, object));
+        };
+        let same = match (object.index, object.sub) {
+            (0x1400 | 0x1800, 1) => (found ^ wanted) & !i64::from(NO_REMOTE) == 0,
+            (0x1400 | 0x1800, 2) => found >= ON_CHANGE - 1,
+            _ => found == wanted,
+        };
+        if !same {
+            pending.push(Pending {
+                node,
+                object,
+                kind,
+                found,
+                wanted,
+            });
+        }
+    }
+    Ok(pending)
+}
+
+/// What the board needs, in the order in which it is written.
+fn wanted(
+    params: &Params,
+    board: NodeId,
+    node: NodeId,
+    inputs: u8,
+    outputs: u8,
+) -> Vec<(Object, Kind, i64)> {
+    let id = |service| i64::from(CobId::of(service, node).get());
+    let of = |index, sub, kind, value| (Object::new(index, sub), kind, value);
+    let watched = i64::from(board.get()) << 16 | i64::from(params.block_watch_ms());
+    let mut all = vec![
+        of(0x1017, 0, Kind::U16, EVERY_MS),
+        of(0x1016, 1, Kind::U32, watched),
+        of(0x1800, 2, Kind::U8, ON_CHANGE),
+        of(0x1800, 5, Kind::U16, EVERY_MS),
+        of(0x6005, 0, Kind::U8, 1),
+    ];
+    let mapped = |index: u16, at: u8, has: u8| match at <= has {
+        true => Mapped::new(index, at, 8),
+        false => DUMMY,
+    };
+    let mut map = |mapping: u16, communication: u16, entries: Vec<Mapped>, service| {
+        all.push(of(mapping, 0, Kind::U8, entries.len() as i64));
+        for (sub, entry) in (1..).zip(&entries) {
+            all.push(of(mapping, sub, Kind::U32, entry.raw().into()));
+        }
+        all.push(of(communication, 1, Kind::U32, id(service)));
+    };
+    let told = (1..=inputs).map(|at| mapped(0x6000, at, inputs)).collect();
+    map(0x1A00, 0x1800, told, Service::Tpdo1);
+    if outputs == 0 {
+        return all;
+    }
+    let taken = (1..=BYTES).map(|at| mapped(0x6200, at, outputs)).collect();
+    map(0x1600, 0x1400, taken, Service::Rpdo1);
+    all.push(of(0x1400, 2, Kind::U8, ON_CHANGE));
+    let safe = params.block_safe_outputs().to_le_bytes();
+    for (at, safe) in (1..=outputs).zip(safe) {
+        all.push(of(0x6206, at, Kind::U8, 0xFF));
+        all.push(of(0x6207, at, Kind::U8, safe.into()));
+    }
+    all
+}
+
+/// Sets the block up, in pre-operational; the board's set is in force. Notes what there is to say.
+///
+/// # Errors
+/// The block refuses, or does not answer; the board's set is in force then.
+pub fn apply(link: &mut Link, pending: &[Pending]) -> Outcome<Vec<Both>> {
+    let Some(node) = pending.first().map(|pending| pending.node) else {
+        return Ok(Vec::new());
+    };
+    link.send(&[NmtCommand::PreOperational.frame(Some(node))])?;
+    let done = write_all(link, node, pending);
+    // Whatever has come of it: the board goes on with the block as it is.
+    let started = link.send(&[NmtCommand::Start.frame(Some(node))]);
+    let notes = done?;
+    started?;
+    Ok(notes)
+}
+
+fn write_all(link: &mut Link, node: NodeId, pending: &[Pending]) -> Outcome<Vec<Both>> {
+    for (mapping, communication) in [(0x1A00, 0x1800), (0x1600, 0x1400)] {
+        let remapped = pending
+            .iter()
+            .any(|pending| pending.object.index == mapping);
+        if remapped {
+            remap(link, pending, mapping, communication)
+                .map_err(|trouble| refused(node, &trouble))?;
+        }
+    }
+    for pending in pending {
+        let Object { index, sub } = pending.object;
+        let written = match (index, sub) {
+            (0x1600 | 0x1A00, _) => continue,
+            // An identifier changes only while its PDO is not used.
+            (0x1400 | 0x1800, 1) => {
+                let off = (pending.wanted as u32) | INVALID;
+                link.write_of(node, pending.object, &off.to_le_bytes())
+                    .and_then(|()| put(link, pending))
+            }
+            _ => put(link, pending),
+        };
+        written.map_err(|trouble| refused(node, &trouble))?;
+    }
+    match link.write_of(node, STORE, &SAVE) {
+        Ok(()) => Ok(Vec::new()),
+        Err(trouble) if trouble.refusal().is_some() => Ok(vec![both!(
+            "note: the block of inputs and outputs does not keep this by itself (1010h): after it was switched off it has to be \
+             pushed again",
+            "注意：输入输出模块自身不保存这些值（1010h）：断电后需要重新写入"
+        )]),
+        Err(trouble) => Err(refused(node, &trouble)),
+    }
+}
+
+fn put(link: &mut Link, pending: &Pending) -> LinkResult {
+    let bytes = pending.kind.encode(pending.wanted);
+    link.write_of(pending.node, pending.object, &bytes)
+}
+
+/// Writes a mapping as CiA 301 has it: the PDO off, no entries, the entries, their number, the PDO on. Entries that are
+/// right already are written again: a block may forget them with their number.
+fn remap(link: &mut Link, pending: &[Pending], mapping: u16, communication: u16) -> LinkResult {
+    let Some(node) = pending.first().map(|pending| pending.node) else {
+        return Ok(());
+    };
+    let wanted = |object| {
+        let of = pending.iter().find(|pending| pending.object == object);
+        of.map(|pending| pending.wanted as u32)
+    };
+    let read = |link: &mut Link, object| -> LinkResult<u32> {
+        let mut raw = [0; 4];
+        for (place, byte) in raw.iter_mut().zip(link.read_of(node, object)?) {
+            *place = byte;
+        }
+        Ok(u32::from_le_bytes(raw))
+    };
+    let (identifier, count) = (Object::new(communication, 1), Object::new(mapping, 0));
+    let on = match wanted(identifier) {
+        Some(on) => on,
+        None => read(link, identifier)? & !INVALID,
+    };
+    let entries = match wanted(count) {
+        Some(entries) => entries,
+        None => read(link, count)?,
+    };
+    let mut all = Vec::new();
+    for sub in (1..=BYTES).take_while(|sub| u32::from(*sub) <= entries) {
+        let object = Object::new(mapping, sub);
+        let entry = match wanted(object) {
+            Some(entry) => entry,
+            None => read(link, object)?,
+        };
+        all.push((object, entry));
+    }
+    link.write_of(node, identifier, &(on | INVALID).to_le_bytes())?;
+    link.write_of(node, count, &[0])?;
+    for (object, entry) in all {
+        link.write_of(node, object, &entry.to_le_bytes())?;
+    }
+    link.write_of(node, count, &[entries as u8])?;
+    link.write_of(node, identifier, &on.to_le_bytes())
+}
+
+/// A number; `None` where the block does not have it.
+fn number(link: &mut Link, node: NodeId, object: Object, kind: Kind) -> Outcome<Option<i64>> {
+    match link.read_of(node, object) {
+        Ok(bytes) => Ok(kind.decode(&bytes)),
+        Err(trouble) if trouble.refusal().is_some() => Ok(None),
+        Err(trouble) => Err(refused(node, &trouble)),
+    }
+}
+
+fn lacks(node: NodeId, object: Object) -> Failure {
+    Failure::WrongBecause(both!(
+        "the block, node {node} (9461), has no {object}: the board needs it; take a block that has it. Nothing has been changed",
+        "模块（节点 {node}，9461）没有 {object}：控制板需要该对象；请选用具有该对象的模块。未作任何改动",
+        node = node.get(),
+        object = object_text(object)
+    ))
+}
+
+fn refused(node: NodeId, trouble: &Trouble) -> Failure {
+    let Both { en, zh } = trouble.words();
+    let silent = matches!(
+        trouble,
+        Trouble::Transfer {
+            error: SdoError::TimedOut,
+            ..
+        }
+    );
+    let words = match silent {
+        true => both!(
+            "the block of inputs and outputs, node {node} (9461), does not answer: is it on, is {node} the number of its switch, and \
+             has it the bit rate of the bus?",
+            "输入输出模块（节点 {node}，9461）没有应答：它通电了吗？节点开关是 {node} 吗？波特率与总线一致吗？",
+            node = node.get()
+        ),
+        false => both!(
+            "the block of inputs and outputs, node {node} (9461): {en}; push again once it takes that",
+            "输入输出模块（节点 {node}，9461）：{zh}；解决后请重新写入",
+            node = node.get()
+        ),
+    };
+    match trouble.refusal() {
+        Some(_) => Failure::WrongBecause(words),
+        None => Failure::Bus(words),
+    }
+}
