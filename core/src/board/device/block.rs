@@ -14,7 +14,7 @@ use crate::bus::{CobId, Frame, NmtCommand, NmtState, NodeId, Periods, Service};
 use crate::params::Params;
 use crate::tick::{BlockInputs, BlockLoss, Command, DriveNodes};
 
-/// An input counts when the block has told it unchanged for so long.
+/// An input counts when it has not changed for so long; one that never rests does not keep the others back.
 const FILTER_MS: u32 = 10;
 
 /// RPDO1 comes at least so often.
@@ -39,10 +39,12 @@ pub(super) struct Block {
     is_up: bool,
     /// Why it counts as lost.
     loss: Option<Code>,
-    /// Its inputs as they came last, for how long they have been so, and as they count.
+    /// Its inputs as they came last, and as they count.
     seen: BlockInputs,
-    steady: Periods,
     told: BlockInputs,
+    /// The time since inputs were last counted, and those that have changed in it.
+    steady: Periods,
+    changed: u16,
     /// The outputs that it was sent last, and the time since.
     sent: u16,
     since: Periods,
@@ -107,11 +109,19 @@ impl Block {
             [low, high, ..] => (u16::from_le_bytes([low, high]), 0xFFFF),
         };
         self.mute = Periods::new(0);
-        let seen = BlockInputs { levels, known };
-        if seen != self.seen {
-            self.seen = seen;
-            self.steady = Periods::new(0);
-        }
+        self.changed |= (levels ^ self.seen.levels) | (known & !self.seen.known);
+        self.seen = BlockInputs { levels, known };
+    }
+
+    /// Counts the inputs that have not changed lately.
+    fn count(&mut self) {
+        let changed = core::mem::take(&mut self.changed);
+        self.steady = Periods::new(0);
+        let (seen, told) = (self.seen, self.told);
+        self.told = BlockInputs {
+            levels: (seen.levels & !changed) | (told.levels & changed),
+            known: seen.known & (told.known | !changed),
+        };
     }
 
     fn lose(&mut self, code: Code) {
@@ -160,7 +170,9 @@ impl Block {
         let works = self.state == Some(NmtState::Operational);
         if works && self.seen.known != 0 && self.mute <= of(silence) {
             if self.steady >= of(FILTER_MS) {
-                self.told = self.seen;
+                self.count();
+            }
+            if self.told.known != 0 {
                 self.is_up = true;
                 self.loss = None;
             }
