@@ -319,8 +319,10 @@ impl<'a> Side<'a> {
         self.typed.is_some() || self.sent.is_some()
     }
 
-    /// A line and a program may take long: who has begun it is told of its end as everybody else is.
+    /// A line and a program may take long: who has begun it is told of its end as everybody else is. Whoever hears of it may
+    /// write the program, or order the next one, at once: so all that it has kept is let go before.
     fn end_own(&mut self) {
+        let mut ends = [None, None];
         if let Some((words, tone)) = self.typed.as_ref().and_then(Typed::answer) {
             self.typed = None;
             let done = if tone == Tone::Good {
@@ -328,18 +330,20 @@ impl<'a> Side<'a> {
             } else {
                 Err(words)
             };
-            self.feed
-                .tell("line", object(|json| sent::end(json, &done)));
+            ends[0] = Some(("line", object(|json| sent::end(json, &done))));
         }
         if let Some(sent) = &self.sent
             && let Some(done) = sent.ended()
         {
-            self.feed.tell("program", sent.told(Some(&done)));
+            ends[1] = Some(("program", sent.told(Some(&done))));
             self.sent = None;
             self.views.begin(None);
         }
         if !self.is_busy() {
             self.desk.note_ended();
+        }
+        for (event, told) in ends.into_iter().flatten() {
+            self.feed.tell(event, told);
         }
     }
 
