@@ -319,8 +319,8 @@ impl<'a> Side<'a> {
         self.typed.is_some() || self.sent.is_some()
     }
 
-    /// A line and a program may take long: who has begun it is told of its end as everybody else is. Whoever hears of it may
-    /// write the program, or order the next one, at once: so all that it has kept is let go before.
+    /// A line and a program may take long: who has begun it is told of its end as everybody else is. Whoever hears of it
+    /// may write the program, or order the next one, at once: so all that it has kept is let go before.
     fn end_own(&mut self) {
         let mut ends = [None, None];
         if let Some((words, tone)) = self.typed.as_ref().and_then(Typed::answer) {
