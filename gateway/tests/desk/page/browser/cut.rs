@@ -197,7 +197,7 @@ fn a_network_that_fails_in_a_press_leaves_the_axis_at_rest() {
     // What the browser itself says of a network that is not there.
     browser.expected.push("net::ERR_");
     let mut tab = browser.tab(&page.link());
-    let count = leadscrew_seed::amount(3, 100);
+    let count = leadscrew_seed::amount(3, 20);
     leadscrew_seed::only_fresh(|seed| {
         let mut random = seed;
         let mut below = |limit: u64| {
