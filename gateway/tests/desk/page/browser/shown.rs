@@ -66,9 +66,12 @@ fn threads_and_contacts_are_shown_and_nobody_is_kept_from_using_the_page() {
     // Closed parts are looked at, too.
     for part in ["io", "tools", "params"] {
         // What has just been opened may move the next one away from under the mouse.
-        tab.until(&format!("document.querySelector('#{part} details').open"), |tab| {
-            tab.click(&format!("#{part} summary"));
-        });
+        tab.until(
+            &format!("document.querySelector('#{part} details').open"),
+            |tab| {
+                tab.click(&format!("#{part} summary"));
+            },
+        );
     }
     tab.wait("/3 · ● on/.test(document.getElementById('inputs').textContent)");
     // No machine function uses an output here, and that is said.
