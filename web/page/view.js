@@ -74,6 +74,8 @@ export class View {
     const ratio = devicePixelRatio;
     const { canvas } = this;
     const [wide, tall] = [Math.round(width * ratio), Math.round(height * ratio)];
+    // Not laid out yet: it is painted again when it has a size.
+    if (!wide || !tall) return;
     if (canvas.width !== wide || canvas.height !== tall) [canvas.width, canvas.height] = [wide, tall];
     const context = canvas.getContext("2d");
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
