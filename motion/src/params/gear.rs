@@ -103,15 +103,7 @@ impl Params {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::Entry;
-
-    fn with(values: &[(&str, i64)]) -> Params {
-        let mut params = Params::slant_bed();
-        for (key, value) in values {
-            params.set(Entry::find_text(key).unwrap(), *value).unwrap();
-        }
-        params
-    }
+    use crate::params::tests::slant_bed_with as with;
 
     #[test]
     fn a_gear_has_a_ratio_and_a_highest_speed() {

@@ -8,6 +8,15 @@ use std::vec::Vec;
 
 use super::*;
 
+/// The built-in machine with these values.
+pub(super) fn slant_bed_with(values: &[(&str, i64)]) -> Params {
+    let mut params = Params::slant_bed();
+    for (key, value) in values {
+        params.set(Entry::find_text(key).unwrap(), *value).unwrap();
+    }
+    params
+}
+
 /// Defaults of the sheets' numbers, as text; the alias must lead to the same record.
 const SHEETS: &[(&str, Option<&str>, &str)] = &[
     ("019", Some("5130"), "5 × 0.1 lead"),

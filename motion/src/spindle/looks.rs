@@ -12,9 +12,6 @@ use super::observer::Gains;
 /// Encoders of fewer counts a turn. With as many, a spindle of 60 rpm moves the counter in each tick of a millisecond.
 pub(super) const FEW: u32 = 1000;
 
-/// 2π in 2⁻²⁸.
-const TWO_PI: u64 = 1_686_629_713;
-
 /// The greatest angle of the poles from edge to edge, 2⁻³²: 2π/8 where edges are timed, 2π/20 where they are not.
 const TIMED: u32 = 3_373_259_426;
 const UNTIMED: u32 = 1_349_303_771;
@@ -22,22 +19,12 @@ const UNTIMED: u32 = 1_349_303_771;
 /// The gains of a tick where edges are `apart` (ticks) and the poles turn by at most `pole` (2⁻³²) in a tick.
 pub(super) fn gains(pole: u32, apart: u32, is_timed: bool) -> Gains {
     let most = if is_timed { TIMED } else { UNTIMED };
-    let most = most.checked_div(apart).unwrap_or(u32::MAX);
+    let most = most.checked_div(apart).unwrap_or(most);
     Gains::of_theta(exp_of_minus(pole.min(most)))
 }
 
-/// The angle by which poles of `bandwidth` (Hz, up to 1000) turn in a tick of `tick_us` (up to 10 000), 2⁻³²; at most 1.
-pub(super) const fn pole(bandwidth: u32, tick_us: u32) -> u32 {
-    let cycles = (bandwidth as u64).wrapping_mul(tick_us as u64);
-    let angle = (TWO_PI.wrapping_mul(cycles) / 1_000_000) << 4;
-    if angle > u32::MAX as u64 {
-        u32::MAX
-    } else {
-        angle as u32
-    }
-}
-
-/// exp(−x) for x ≤ 1, 2⁻³²: the sum of its series up to the fifth power, within 1.3·10⁻³, and within 7·10⁻⁵ below 0.6.
+/// exp(−x) for x below 0.8 (2⁻³²), within 4·10⁻⁴: its series up to the fifth power. The one for all x divides 64 bits,
+/// which the tick does not.
 const fn exp_of_minus(x: u32) -> U32F32 {
     const ONE: u64 = 1 << 32;
     let x = x as u64;

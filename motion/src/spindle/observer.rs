@@ -95,10 +95,7 @@ pub(super) struct Gains {
 impl Gains {
     /// The gains of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
     pub const fn new(bandwidth: u32, tick_us: u32) -> Self {
-        // θ = exp(−2π·f·T): the exponent is at most 63, and a million times as much is still in range.
-        let cycles = (bandwidth as u64).wrapping_mul(tick_us as u64);
-        let exponent = U32F32::from_bits(TWO_PI.wrapping_mul_int(cycles).to_bits() / 1_000_000);
-        Self::of_theta(exp_of_minus(exponent))
+        Self::of_theta(exp_of_minus(pole(bandwidth, tick_us)))
     }
 
     /// The gains of a tracker with all poles at `theta`.
@@ -115,13 +112,31 @@ impl Gains {
     }
 }
 
+/// 2π·f·T, the angle by which the poles of a bandwidth turn in a tick: at most 63, and a million times as much is still
+/// in range. The poles lie at θ = exp(−2π·f·T).
+const fn pole(bandwidth: u32, tick_us: u32) -> U32F32 {
+    let cycles = (bandwidth as u64).wrapping_mul(tick_us as u64);
+    U32F32::from_bits(TWO_PI.wrapping_mul_int(cycles).to_bits() / 1_000_000)
+}
+
+/// What is below one, in 2⁻³²; the largest for what is not.
+const fn short(value: U32F32) -> u32 {
+    let bits = value.to_bits();
+    if bits > u32::MAX as u64 {
+        u32::MAX
+    } else {
+        bits as u32
+    }
+}
+
 /// An encoder of few counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Few {
-    /// The angle by which the poles turn in a tick, 2⁻³².
+    /// The angle by which the poles turn in a tick where edges come often, 2⁻³²; one at most.
     pole: u32,
-    /// Ticks since the counter has moved, and ticks between the two times before that it has.
+    /// Ticks since the counter moved last.
     ticks: u32,
+    /// Ticks from its movement before that to the last one.
     apart: u32,
 }
 
@@ -189,7 +204,7 @@ impl Observer {
             gains: Gains::new(bandwidth, tick_us),
             few: if counts < looks::FEW {
                 Some(Few {
-                    pole: looks::pole(bandwidth, tick_us),
+                    pole: short(pole(bandwidth, tick_us)),
                     ticks: 0,
                     apart: 0,
                 })
