@@ -79,6 +79,17 @@ pub(super) fn key(document: &mut Group, x: f64, y: f64, class: &str, name: &str)
     x + 33.0 + width(name) + 24.0
 }
 
+/// Samples of lines with their names, one after the other; returns where the next one starts.
+pub(super) fn keys<'a>(
+    document: &mut Group,
+    x: f64,
+    y: f64,
+    keys: impl IntoIterator<Item = (&'a str, &'a str)>,
+) -> f64 {
+    keys.into_iter()
+        .fold(x, |x, (class, name)| key(document, x, y, class, name))
+}
+
 /// About how wide a text is; there is no font to ask.
 pub(super) fn width(text: &str) -> f64 {
     text.chars()

@@ -318,13 +318,15 @@ fn chips(body: &mut Group, top: f64, chips: &[Chip], lang: Lang) -> f64 {
         "right name",
         pick(lang, "pass", "走刀"),
     ));
-    let mut at = LEFT + 4.0;
-    for (class, name) in [
-        ("minus", pick(lang, "chip towards -Z", "-Z 侧切屑")),
-        ("plus", pick(lang, "chip towards +Z", "+Z 侧切屑")),
-    ] {
-        at = frame::key(body, at, top - 8.0, class, name);
-    }
+    frame::keys(
+        body,
+        LEFT + 4.0,
+        top - 8.0,
+        [
+            ("minus", pick(lang, "chip towards -Z", "-Z 侧切屑")),
+            ("plus", pick(lang, "chip towards +Z", "+Z 侧切屑")),
+        ],
+    );
     bottom
 }
 

@@ -72,14 +72,16 @@ fn speeds(document: &mut Group, top: f64, series: &Envelope, last: bool, lang: L
         "right name",
         pick(lang, "rpm", "r/min"),
     ));
-    let mut x = LEFT + 4.0;
-    for (class, name) in [
-        ("x", pick(lang, "X speed", "X 轴速度")),
-        ("z", pick(lang, "Z speed", "Z 轴速度")),
-        ("rpm", pick(lang, "spindle speed", "主轴转速")),
-    ] {
-        x = frame::key(document, x, top - 8.0, class, name);
-    }
+    frame::keys(
+        document,
+        LEFT + 4.0,
+        top - 8.0,
+        [
+            ("x", pick(lang, "X speed", "X 轴速度")),
+            ("z", pick(lang, "Z speed", "Z 轴速度")),
+            ("rpm", pick(lang, "spindle speed", "主轴转速")),
+        ],
+    );
     bottom
 }
 
@@ -134,19 +136,21 @@ fn holes(document: &mut Group, top: f64, series: &Envelope, last: bool, lang: La
         "right name",
         pick(lang, "turns", "转"),
     ));
-    let mut x = LEFT + 4.0;
-    for (class, name) in [
-        (
-            "depth",
-            pick(lang, "depth of the tap below R", "丝锥在 R 平面以下的深度"),
-        ),
-        (
-            "turned",
-            pick(lang, "spindle angle since R", "自 R 平面起的主轴转角"),
-        ),
-    ] {
-        x = frame::key(document, x, top - 8.0, class, name);
-    }
+    frame::keys(
+        document,
+        LEFT + 4.0,
+        top - 8.0,
+        [
+            (
+                "depth",
+                pick(lang, "depth of the tap below R", "丝锥在 R 平面以下的深度"),
+            ),
+            (
+                "turned",
+                pick(lang, "spindle angle since R", "自 R 平面起的主轴转角"),
+            ),
+        ],
+    );
     bottom
 }
 

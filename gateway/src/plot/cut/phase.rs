@@ -199,10 +199,12 @@ pub(super) fn draw(
     document.append(text(right + 14.0, bottom + 18.0, "right name", "°"));
     let words = of.words(phase.passes, lang);
     document.append(text(left, top - 8.0, "key", &words));
-    let mut at = left + frame::width(&words) + 24.0;
-    for (class, name) in of.ends(lang) {
-        at = frame::key(document, at, top - 8.0, class, name);
-    }
+    frame::keys(
+        document,
+        left + frame::width(&words) + 24.0,
+        top - 8.0,
+        of.ends(lang),
+    );
     if ideal || matches!(of, Of::Tap { is_rigid: true, .. }) {
         document.append(text(left + 10.0, top + 18.0, "name", of.ideal(lang)));
     }

@@ -178,16 +178,18 @@ fn draw_strokes(document: &mut Group, area: Area, tap: &Tap, n: usize, lang: Lan
     document.append(inside);
     marks(document, &pane, tap, lang);
     depths(document, &pane, tap, lang);
-    let mut at = area.left;
-    for (class, name) in [
-        ("tap", pick(lang, "cuts", "切削")),
-        (
-            "run-out",
-            pick(lang, "in its own thread, or outside", "在已攻螺纹内或孔外"),
-        ),
-    ] {
-        at = frame::key(document, at, area.top - 8.0, class, name);
-    }
+    let at = frame::keys(
+        document,
+        area.left,
+        area.top - 8.0,
+        [
+            ("tap", pick(lang, "cuts", "切削")),
+            (
+                "run-out",
+                pick(lang, "in its own thread, or outside", "在已攻螺纹内或孔外"),
+            ),
+        ],
+    );
     let words = pick(
         lang,
         "depth over the turns, in and out",
@@ -344,13 +346,15 @@ fn draw_bottom(document: &mut Group, area: Area, tap: &Tap, n: usize, lang: Lang
         Lang::Zh => format!("过冲 {micrometres} µm、{degrees}°"),
     };
     document.append(text(area.left + 10.0, area.bottom - 10.0, "name", &words));
-    let mut at = area.left;
-    for (class, name) in [
-        ("depth", pick(lang, "in", "进")),
-        ("turned", pick(lang, "out", "出")),
-    ] {
-        at = frame::key(document, at, area.top - 8.0, class, name);
-    }
+    let at = frame::keys(
+        document,
+        area.left,
+        area.top - 8.0,
+        [
+            ("depth", pick(lang, "in", "进")),
+            ("turned", pick(lang, "out", "出")),
+        ],
+    );
     let words = pick(
         lang,
         "at the bottom, over the spindle angle",

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::{Client, Page, wait};
+use super::{Client, Page, chance, wait};
 use crate::User;
 
 /// Parameters 9041 and 9040 as built in: mm/min of the slide, and ms.
@@ -102,13 +102,7 @@ fn vanishing(presses: u32, seed: u64) -> f64 {
     let one = page.client("one");
     one.take();
     let mut moved = 0.0;
-    let mut random = seed;
-    let mut below = |limit: u64| {
-        random = random
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (random >> 33) % limit
-    };
+    let mut below = chance(seed);
     for number in 0..presses {
         // There and back, so that no limit ends a press.
         let way = if number % 2 == 0 { -1 } else { 1 };

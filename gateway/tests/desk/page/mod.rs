@@ -23,6 +23,17 @@ use crate::{LIMIT, LONG, User, bad, good};
 const THREAD: &str =
     "G98\nM3 S800\nG0 X30 Z4\nG76 P011060 Q150 R0.02\nG76 X29 Z-8 P500 Q300 F1.5\nM5\nM30\n";
 
+/// Numbers below a limit, always the same ones from a seed.
+fn chance(seed: u64) -> impl FnMut(u64) -> u64 {
+    let mut random = seed;
+    move |limit| {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) % limit
+    }
+}
+
 /// A panel at work.
 struct Page {
     child: Child,

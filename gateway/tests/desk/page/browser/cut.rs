@@ -6,8 +6,8 @@ use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use super::super::Page;
 use super::super::jog::longest;
+use super::super::{Page, chance};
 use super::{Browser, Tab, z};
 use crate::{LIMIT, User};
 
@@ -199,13 +199,7 @@ fn a_network_that_fails_in_a_press_leaves_the_axis_at_rest() {
     let mut tab = browser.tab(&page.link());
     let count = leadscrew_seed::amount(3, 20);
     leadscrew_seed::only_fresh(|seed| {
-        let mut random = seed;
-        let mut below = |limit: u64| {
-            random = random
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (random >> 33) % limit
-        };
+        let mut below = chance(seed);
         for number in 0..count {
             // There and back, so that no limit ends a press.
             let button = ["[data-jog=\"Z-\"]", "[data-jog=\"Z+\"]"][number % 2];
