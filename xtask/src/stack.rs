@@ -6,7 +6,8 @@
 //! processor calls are known by name; no other function is a handler. So the bound holds whatever the program does, and
 //! may be more than it ever uses.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -64,6 +65,32 @@ pub fn deepest(image: &Path, users: &Users) -> Result<(u64, Vec<Deepest>)> {
     }
     parts.push(whole.clone());
     Ok((bytes.max(whole.bytes), parts))
+}
+
+/// The ways by which the functions named may get into code from the address `bank` on: the calls of each, first to last.
+pub fn ways_into(image: &Path, bank: u64, from: &[&str]) -> Result<Vec<Vec<String>>> {
+    let stacks = Stacks::read(image)?;
+    let mut called_by: HashMap<u64, Option<u64>> = HashMap::new();
+    let mut queue = VecDeque::new();
+    for name in from {
+        let start = stacks.address(name)?;
+        called_by.insert(start, None);
+        queue.push_back(start);
+    }
+    let mut ways = Vec::new();
+    while let Some(here) = queue.pop_front() {
+        if here >= bank {
+            ways.push(stacks.way(here, &called_by));
+            continue;
+        }
+        for callee in stacks.called(here) {
+            if let Entry::Vacant(vacant) = called_by.entry(callee) {
+                vacant.insert(Some(here));
+                queue.push_back(callee);
+            }
+        }
+    }
+    Ok(ways)
 }
 
 /// The effect of a function on the stack.
@@ -191,6 +218,31 @@ impl Stacks {
             .ok_or_else(|| anyhow!("no function is called `{name}`"))
     }
 
+    /// The functions that a function may call.
+    fn called(&self, function: u64) -> BTreeSet<u64> {
+        let mut called = self.calls.get(&function).cloned().unwrap_or_default();
+        if self
+            .frames
+            .get(&function)
+            .is_some_and(|frame| frame.indirect)
+        {
+            called.extend(&self.listed);
+        }
+        called
+    }
+
+    /// The names on the way to a function.
+    fn way(&self, to: u64, called_by: &HashMap<u64, Option<u64>>) -> Vec<String> {
+        let mut way = Vec::new();
+        let mut here = Some(to);
+        while let Some(function) = here {
+            let name = self.nodes.get(&function).map_or("?", |node| &node.name);
+            way.insert(0, name.to_owned());
+            here = called_by.get(&function).copied().flatten();
+        }
+        way
+    }
+
     fn from(&mut self, start: u64, above: &mut Vec<u64>) -> Result<Deepest> {
         if let Some(known) = self.known.get(&start) {
             return Ok(known.clone());
@@ -204,13 +256,11 @@ impl Stacks {
         }
         above.push(start);
         let frame = self.frames.get(&start).copied().unwrap_or_default();
-        let mut called = self.calls.get(&start).cloned().unwrap_or_default();
-        if frame.indirect {
-            called.extend(&self.listed);
-        }
-        if frame.empties {
-            called.clear();
-        }
+        let called = if frame.empties {
+            BTreeSet::new()
+        } else {
+            self.called(start)
+        };
         let mut deepest = Deepest::default();
         for callee in called {
             let way = self.from(callee, above)?;

@@ -1,8 +1,13 @@
-//! Parameters and tap journal: the beginning of the second flash bank.
+//! What the board keeps (parameters, tables, tap journal): the last 32 KiB of the second flash bank.
 //!
-//! The program runs from the first bank meanwhile. A word whose error correction fails raises the non-maskable
-//! interrupt. Only this module reads the second bank, so there the interrupt always answers one of its reads.
+//! Nothing runs from the second bank while it changes: the processor would wait for the instruction, and every interrupt
+//! with it. So [`Bank::write`] and [`Bank::erase`] wait in the first bank, and no interrupt uses code of the second
+//! (`second.x`).
+//!
+//! A word whose error correction fails raises the non-maskable interrupt. While this module reads, nothing else does from
+//! the second bank, so then the interrupt answers its read. At any other time a part of the program cannot be read.
 
+use core::hint::spin_loop;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::exception;
@@ -18,13 +23,19 @@ const CHIP_PAGE: usize = 2048;
 const PAGE: usize = 2 * CHIP_PAGE;
 /// Pages for the regions.
 const PAGES: usize = 8;
-/// Where they begin, from the beginning of the flash: the second bank.
-const BANK: u32 = 0x4_0000;
+/// Bytes of the chip's flash.
+const FLASH: u32 = 512 * 1024;
+/// Where the regions begin, from the beginning of the flash: they are its end. So the program has room to grow, and an
+/// address that a user has noted for erasing them stays right.
+const PLACE: u32 = FLASH - (PAGE * PAGES) as u32;
 /// The address of that.
-const START: u32 = 0x0800_0000 + BANK;
+const START: u32 = 0x0800_0000 + PLACE;
+/// How often the flag of a bad word is looked at, at most, until the interrupt of that word has come.
+const PATIENCE: u32 = 1000;
 
-/// A word of the second bank was read whose error correction failed. With one processor, barriers are enough to order
-/// this flag and the reads.
+/// This module reads a word. With one processor, barriers are enough to order this flag, the next one and the reads.
+static READING: AtomicBool = AtomicBool::new(false);
+/// The error correction of the word that is read has failed.
 static UNREADABLE: AtomicBool = AtomicBool::new(false);
 /// Bytes from a word to another one of the same page, far enough that no read of one fetches both.
 const ELSEWHERE: u32 = CHIP_PAGE as u32 / 2;
@@ -68,16 +79,27 @@ impl WordDevice for Bank {
         let before = REGISTERS.eccr().read();
         REGISTERS.eccr().write_value(before);
         UNREADABLE.store(false, Ordering::Relaxed);
+        READING.store(true, Ordering::Relaxed);
         let (low, high) = look(offset);
-        // The manual does not say how soon the interrupt of a bad word comes. So this also reads the flag that raises
-        // it, which gives it some time too.
-        let told = REGISTERS.eccr().read().eccd();
+        // The manual does not say how soon the interrupt of a bad word comes, so its flag counts as well.
+        let mut bad = REGISTERS.eccr().read().eccd();
         cortex_m::asm::dsb();
-        if told || UNREADABLE.load(Ordering::Relaxed) {
+        bad |= UNREADABLE.load(Ordering::Relaxed);
+        if bad {
             // A second read has to fail like the first: the word may be in the cache, and in the buffer of the last
             // read next to it.
             forget();
             look(offset ^ ELSEWHERE);
+            // The interrupt clears the flag. Until then it is the answer to this read.
+            for _ in 0..PATIENCE {
+                if !REGISTERS.eccr().read().eccd() {
+                    break;
+                }
+                spin_loop();
+            }
+        }
+        READING.store(false, Ordering::Relaxed);
+        if bad {
             return Err(WordError::Unreadable);
         }
         let [a, b, c, d] = low.to_le_bytes();
@@ -85,14 +107,17 @@ impl WordDevice for Bank {
         Ok([a, b, c, d, e, f, g, h])
     }
 
+    // A function of its own, so that a look at the image finds what it calls.
+    #[inline(never)]
     fn write(&mut self, offset: u32, word: [u8; 8]) -> Result<(), WordError> {
         self.0
-            .blocking_write(BANK + offset, &word)
+            .blocking_write(PLACE + offset, &word)
             .map_err(|_| WordError::Refused)
     }
 
+    #[inline(never)]
     fn erase(&mut self, page: u32) -> Result<(), WordError> {
-        let first = BANK + page;
+        let first = PLACE + page;
         self.0
             .blocking_erase(first, first + PAGE as u32)
             .map_err(|_| WordError::Refused)
@@ -102,9 +127,9 @@ impl WordDevice for Bank {
 #[exception]
 unsafe fn NonMaskableInt() {
     let state = REGISTERS.eccr().read();
-    // The program runs from the other bank, whose words are read meanwhile too.
+    // Meanwhile the program is read from the other bank.
     let kept = state.bk_ecc() && !state.sysf_ecc();
-    if state.eccd() && kept {
+    if state.eccd() && kept && READING.load(Ordering::Relaxed) {
         UNREADABLE.store(true, Ordering::Relaxed);
         // The value written back clears the flags, so that the next bad word is reported again. This must happen before
         // the return, or the interrupt would come once more and find nothing.

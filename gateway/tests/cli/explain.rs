@@ -423,7 +423,8 @@ fn the_command_that_erases_the_storage_names_its_pages() {
     };
     assert!(source.contains("const PAGE: usize = 2 * CHIP_PAGE;"));
     let long = 2 * number("CHIP_PAGE") * number("PAGES");
-    let from = 0x0800_0000 + number("BANK");
+    assert!(source.contains("const FLASH: u32 = 512 * 1024;"));
+    let from = 0x0800_0000 + 512 * 1024 - long;
     let range = format!("--range {from:#010x}..{:#010x}", from + long);
     let page = read("docs/hardware.md");
     assert!(page.contains(&range), "{range}");

@@ -26,7 +26,7 @@ class Image:
     """What is flashed, and where its functions are."""
 
     def __init__(self, path):
-        self.code = bytearray(b"\xff" * BANK)
+        self.code = bytearray(b"\xff" * 2 * BANK)
         self.symbols = {}
         with open(path, "rb") as file:
             elf = ELFFile(file)
@@ -36,6 +36,7 @@ class Image:
                     at = segment["p_paddr"] - 0x0800_0000
                     self.code[at:at + segment["p_filesz"]] = segment.data()
                     end = max(end, at + segment["p_filesz"])
+            del self.code[end:]
             for symbol in elf.get_section_by_name(".symtab").iter_symbols():
                 if symbol.name:
                     self.symbols[symbol.name] = (symbol["st_value"], symbol["st_size"])

@@ -9,8 +9,9 @@ import unicorn
 from unicorn import arm_const as arm
 
 FLASH, SECOND, RAM, RAM_SIZE = 0x0800_0000, 0x0804_0000, 0x2000_0000, 128 * 1024
-# Pages of the second bank that are looked at word by word; the rest is as empty as it reads.
-WATCHED = 64 * 1024
+# The end of the second bank is looked at word by word. Before it lies code, and what is as empty as it reads.
+BANK, WATCHED = 256 * 1024, 64 * 1024
+KEPT = BANK - WATCHED
 SYSTEM = 0x1FFF_7000
 PERIPHERALS = (
     (0x4000_0000, 0x30000), (0x4800_0000, 0x2000), (0xE000_E000, 0x1000), (0xE004_2000, 0x1000), (0xE000_1000, 0x1000))
@@ -46,10 +47,9 @@ class Cpu:
         self.chip = chip
         uc = self.uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
         uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
-        uc.mem_map(FLASH, SECOND - FLASH, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
+        uc.mem_map(FLASH, BANK + KEPT, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
         uc.mem_write(FLASH, bytes(code))
-        uc.mmio_map(SECOND, WATCHED, self.load_second, None, self.store_second, None)
-        uc.mem_map(SECOND + WATCHED, SECOND - FLASH - WATCHED, unicorn.UC_PROT_READ)
+        uc.mmio_map(SECOND + KEPT, WATCHED, self.load_kept, None, self.store_kept, None)
         uc.mem_map(RAM, RAM_SIZE)
         uc.mem_map(TRAP, 0x1000)
         uc.mem_map(SYSTEM, 0x1000, unicorn.UC_PROT_READ)
@@ -61,6 +61,12 @@ class Cpu:
         # Instructions without a sleep after which time goes on; 0: it does not.
         self.slice = 0
         self.insert_hooks(code)
+        uc.hook_add(unicorn.UC_HOOK_BLOCK, self.fetches_second, None, SECOND, SECOND + KEPT - 1)
+
+    def fetches_second(self, uc, address, size, _):
+        """"Read while write": an instruction of the bank that changes makes the processor wait until the change is over."""
+        if self.chip.flash.busy is not None:
+            self.fail(AssertionError(f"{address:#x} is run from the second bank while it changes"))
 
     def insert_hooks(self, code):
         """Where interrupts are let in again, one that waits is taken at once."""
@@ -95,7 +101,7 @@ class Cpu:
             if what(address, image[at] | image[at + 1] << 8) and self.is_interrupted():
                 self.jump = address
                 uc.emu_stop()
-        self.uc.hook_add(unicorn.UC_HOOK_CODE, code, None, FLASH, SECOND - 1)
+        self.uc.hook_add(unicorn.UC_HOOK_CODE, code, None, FLASH, FLASH + len(image) - 1)
         self.uc.ctl_flush_tb()
 
     def unmasks(self, uc, address, size, what):
@@ -155,23 +161,23 @@ class Cpu:
         self.poked = False
         return False
 
-    def load_second(self, uc, offset, size, _):
+    def load_kept(self, uc, offset, size, _):
         try:
-            word = self.chip.flash.load(offset & ~3)
+            word = self.chip.flash.load(KEPT + offset & ~3)
             return word >> 8 * (offset & 3) & (1 << 8 * size) - 1
         except BaseException as error:
             self.fail(error)
             return 0
 
-    def store_second(self, uc, offset, size, value, _):
+    def store_kept(self, uc, offset, size, value, _):
         try:
-            self.chip.flash.store(offset, size, value)
+            self.chip.flash.store(KEPT + offset, size, value)
         except BaseException as error:
             self.fail(error)
 
     def second_changed(self, offset, size):
-        """Beyond the pages that are looked at, what is read is what is there."""
-        if offset >= WATCHED:
+        """Code and what lies before the pages that are looked at stay what they are."""
+        if offset < KEPT:
             raise AssertionError("the image keeps something where the model does not look")
 
     def fail(self, error):

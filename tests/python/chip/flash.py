@@ -9,7 +9,6 @@ from registers import ManualError, Registers
 
 ACR, PDKEYR, KEYR, OPTKEYR, SR, CR, ECCR, OPTR = 0x00, 0x04, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x20
 BANK, PAGE, WORD = 256 * 1024, 2048, 8
-SECOND = 0x0804_0000
 
 # SR.
 EOP, OPERR, PROGERR, WRPERR, PGAERR, SIZERR, PGSERR, BSY = (1 << bit for bit in (0, 1, 3, 4, 5, 6, 7, 16))
@@ -33,7 +32,6 @@ class Flash(Registers):
 
     def __init__(self, chip):
         super().__init__(chip)
-        self.first = bytearray(b"\xff" * BANK)
         self.second = bytearray(b"\xff" * BANK)
         # Double words of the second bank that cannot be read.
         self.torn = set()
