@@ -143,6 +143,8 @@ pub struct ThreadFigures {
     pub lead_in_nm: i64,
     /// The least distance of the start from the material, in nanometres.
     pub start_before_nm: i64,
+    /// How far beside its place the encoder may leave it, in nanometres; `None` where that is nothing.
+    pub encoder_error_nm: Option<i64>,
     /// The highest speed of the spindle that the axes can follow.
     pub rpm_max: i64,
     /// Where the lead changes: turns of the stroke in millionths, and the lead at its end in nanometres.
@@ -695,6 +697,9 @@ impl CycleReport {
             json.decimal::<6>("lead_in_mm", thread.lead_in_nm);
             json.decimal::<6>("start_before_mm", thread.start_before_nm);
             json.integer("rpm_max", thread.rpm_max);
+            if let Some(error) = thread.encoder_error_nm {
+                json.decimal::<6>("encoder_error_mm", error);
+            }
             if let Some((turns, lead)) = thread.variable {
                 json.decimal::<6>("turns", turns);
                 json.decimal::<6>("lead_end_mm", lead);
@@ -740,11 +745,18 @@ impl CycleReport {
                 "；{turns} 转，终点导程 {lead} mm"
             )
         });
+        let error = thread.encoder_error_nm.map_or(Both::default(), |error| {
+            let error = number::rounded::<6>(error, 3);
+            both!(
+                "; the encoder knows the angle to {error} mm along the lead",
+                "；编码器在导程方向的误差不超过 {error} mm"
+            )
+        });
         both!(
             "line {line}: {cycle}, {plural}, {time} s; start at least {before} mm before the material (largest Z shift \
-             {shift} + lead-in {lead_in}); up to {rpm} rpm{variable_en}",
+             {shift} + lead-in {lead_in}); up to {rpm} rpm{variable_en}{error_en}",
             "第 {line} 行：{cycle}，{passes} 刀，{time} s；起点至少在材料前 {before} mm（Z 向最大偏移 {shift} + 导入段 \
-             {lead_in}）；最高 {rpm} r/min{variable_zh}",
+             {lead_in}）；最高 {rpm} r/min{variable_zh}{error_zh}",
             plural = plural(self.passes, "pass"),
             passes = self.passes,
             before = number::rounded::<6>(thread.start_before_nm, 3),
@@ -753,6 +765,8 @@ impl CycleReport {
             rpm = thread.rpm_max,
             variable_en = variable.en,
             variable_zh = variable.zh,
+            error_en = error.en,
+            error_zh = error.zh,
         )
     }
 }

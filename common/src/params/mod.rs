@@ -313,7 +313,7 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::SoftLimitsInverted => &[1320, 1321],
         Code::FeedAboveRapid => &[1420, 1430],
         Code::ObserverTooFast | Code::ObserverNoisy => &[9000, 9005],
-        Code::EncoderCoarse => &[1620, 3720, 9005, 9006],
+        Code::EncoderCoarse => &[3720, 9006],
         Code::IncrementTooFine => &[9001, 9002],
         Code::TapCodeTaken => &[5210],
         Code::RapidBeyondTick => &[1420, 9000],

@@ -260,8 +260,6 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
     assert!(told(&g78(MM, 42), &coarse).is_ok());
     // With timed edges the encoder suits the lead, and 280 counts a second are enough.
     assert!(told(&o0013(300), &with(1024, 1)).is_ok());
-    assert!(told(&g78(MM, 168), &with(59, 1)).is_err());
-    assert!(told(&g78(MM, 285), &with(59, 1)).is_ok());
     // From 60 counts a turn on, 80 a second are: the bandwidth follows them.
     assert!(told(&g78(MM, 48), &with(100, 1)).is_ok());
     let figures = [
@@ -272,6 +270,50 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
     ];
     let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
     assert_eq!(told(&g78(MM, 47), &with(100, 1)).map(drop), refused);
+}
+
+#[test]
+fn an_encoder_of_few_counts_is_learned_and_what_it_leaves_is_told() {
+    let with = |counts: i64, timed: i64, swing: i64| {
+        let mut params = Params::sheets();
+        let values = [
+            (3720, Part::Whole, counts),
+            (9034, Part::Whole, swing),
+            (9006, Part::Bit(0), timed),
+        ];
+        for (no, part, value) in values {
+            let entry = Entry::all().iter().find(|e| e.no == no && e.part == part);
+            params.set(entry.unwrap(), value).unwrap();
+        }
+        params
+    };
+    let told = |call: &ThreadCall, params: &Params| {
+        thread_report(call, Span::default(), params)
+            .map_err(|alarm| (alarm.code, alarm.word, alarm.args))
+            .map(|report| report.uncertainty)
+    };
+    // 100 counts a turn, 500 a second: 1.5 times the way of the axis in a tick of a millisecond, at a lead of 6 mm.
+    let coarse = with(100, 0, 0);
+    let figures = [
+        Arg::Length(nm(6 * MM)),
+        Arg::Length(nm(60_000)),
+        Arg::Length(nm(50_000)),
+        Arg::Rpm(Rpm::new(400)),
+    ];
+    let refused = Err((Code::EncoderUncertain, Some(b'F'), figures));
+    assert_eq!(told(&o0013(400), &coarse), refused);
+    assert_eq!(told(&o0013(300), &coarse), Ok(Some(nm(45_000))));
+    // At a faster spindle a count is the smaller one.
+    assert_eq!(told(&g78(MM, 1200), &coarse), Ok(Some(nm(15_000))));
+    // Eight counts a second: 4.8 rpm. Timed ones are learned where the drive's swing is known, or below 60.
+    let figures = [Arg::Rpm(Rpm::new(4)), Arg::Int(6), Arg::Int(5), Arg::None];
+    let slow = Err((Code::SpeedForEncoder, Some(b'S'), figures));
+    for params in [coarse, with(100, 1, 3700)] {
+        assert_eq!(told(&g78(MM, 4), &params), slow);
+        assert!(told(&g78(MM, 5), &params).is_ok());
+    }
+    assert_eq!(told(&g78(MM, 9), &with(59, 1, 0)), Ok(None));
+    assert!(told(&g78(MM, 47), &with(60, 1, 0)).is_err());
 }
 
 #[test]

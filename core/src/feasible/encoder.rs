@@ -1,16 +1,32 @@
-//! Checks whether an axis can follow an encoder: of a slow spindle few counts tell too little, and whole counts shake an
-//! axis on the lead where their edges are not timed.
+//! Checks whether an axis can follow an encoder: of a slow spindle few counts tell too little, whole counts shake an
+//! axis that taps where their edges are not timed, and they leave a thread beside its place.
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::params::{Params, metres};
 use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed};
 
-/// Checks a lead that `axis` must follow at `rpm`, which may not be below `slowest`. The cycle's G word stands at `span`.
+/// Checks the lead of an ordinary tap, which `axis` follows at `rpm`, forwards and backwards. The cycle's G word stands at
+/// `span`.
+///
+/// # Errors
+/// As [`can_follow`].
+pub(crate) fn can_tap(
+    lead: At<Lead>,
+    axis: Axis,
+    rpm: Rpm,
+    span: Span,
+    params: &Params,
+) -> Result<(), Alarm> {
+    let slowest = params.resolution().slowest_of_tap();
+    can_follow(lead, axis, rpm, slowest, span, params)
+}
+
+/// Checks a lead on which `axis` follows the observer at `rpm`, which may not be below `slowest`.
 ///
 /// # Errors
 /// The noise exceeds the axis' acceleration ([`Code::LeadForEncoder`]); the spindle is so slow that the observer cannot
 /// keep hold of it ([`Code::SpeedForEncoder`]).
-pub(crate) fn can_follow(
+fn can_follow(
     lead: At<Lead>,
     axis: Axis,
     rpm: Rpm,
@@ -18,20 +34,7 @@ pub(crate) fn can_follow(
     span: Span,
     params: &Params,
 ) -> Result<(), Alarm> {
-    let encoder = params.resolution();
-    let rpm = Rpm::new(rpm.get().saturating_abs());
-    // A spindle that stands is an alarm of its own.
-    if rpm.get() != 0 && rpm.get() < slowest.get() {
-        let counts = mul_div(u64::from(encoder.counts), u64::from(rpm.abs()), 60);
-        let figures = [
-            Arg::Rpm(rpm),
-            Arg::Int(signed(counts)),
-            Arg::Int(i64::from(slowest.get())),
-        ];
-        return Err(Alarm::new(Code::SpeedForEncoder, span)
-            .word(b'S')
-            .with(figures));
-    }
+    fast_enough(slowest, params.encoder_counts(), rpm, span)?;
     let limit = params.acceleration(axis);
     match params.count_noise(lead.value, axis) {
         Some(noise) if noise > limit => {
@@ -51,4 +54,55 @@ pub(crate) fn can_follow(
         }
         _ => Ok(()),
     }
+}
+
+/// Checks the lead of a pass, which `axis` follows at `rpm`. The cycle's G word stands at `span`.
+///
+/// # Errors
+/// The counts of the encoder come too seldom ([`Code::SpeedForEncoder`]), or leave too large an error along the lead where
+/// the angle is learned ([`Code::EncoderUncertain`]); else as [`can_follow`].
+pub(crate) fn can_thread(
+    lead: At<Lead>,
+    axis: Axis,
+    rpm: Rpm,
+    span: Span,
+    params: &Params,
+) -> Result<(), Alarm> {
+    let encoder = params.resolution();
+    if !encoder.is_learned() {
+        return can_follow(lead, axis, rpm, encoder.slowest(), span, params);
+    }
+    fast_enough(encoder.slowest_learned(), encoder.counts, rpm, span)?;
+    let most = params.encoder_error();
+    match encoder.uncertainty(lead.value, rpm) {
+        Some(error) if error > most => {
+            let figures = [
+                Arg::Length(lead.value.rounded()),
+                Arg::Length(error),
+                Arg::Length(most),
+                Arg::Rpm(Rpm::new(rpm.get().saturating_abs())),
+            ];
+            Err(Alarm::new(Code::EncoderUncertain, lead.span)
+                .word(b'F')
+                .with(figures))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks that a spindle is not slower than `slowest`. One that stands is an alarm of its own.
+fn fast_enough(slowest: Rpm, counts: u32, rpm: Rpm, span: Span) -> Result<(), Alarm> {
+    let rpm = Rpm::new(rpm.get().saturating_abs());
+    if rpm.get() == 0 || rpm.get() >= slowest.get() {
+        return Ok(());
+    }
+    let counts = mul_div(u64::from(counts), u64::from(rpm.abs()), 60);
+    let figures = [
+        Arg::Rpm(rpm),
+        Arg::Int(signed(counts)),
+        Arg::Int(i64::from(slowest.get())),
+    ];
+    Err(Alarm::new(Code::SpeedForEncoder, span)
+        .word(b'S')
+        .with(figures))
 }

@@ -87,6 +87,7 @@ impl Checker<'_> {
                 lead_in_nm: report.lead_in.nm(),
                 start_before_nm: report.start_before.nm(),
                 rpm_max: rpm_max.map_or(0, |rpm| i64::from(rpm.get())),
+                encoder_error_nm: report.uncertainty.map(|error| error.nm()),
                 variable: report.variable.map(|(turns, lead)| (turns, lead.nm())),
             }),
             time_us,

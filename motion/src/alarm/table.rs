@@ -662,6 +662,20 @@ codes! {
     /// The change of a lead accelerates an axis too much: axis, acceleration, what it may be, speed.
     LeadChangeTooFast = 4274, "at {3} the change of the lead accelerates {0} by {1} m/s² all the way; it may take {2} m/s²",
         "lower S, or write a K nearer to zero", "主轴 {3} 时导程变化使 {0} 轴全程加速 {1} m/s²，允许值为 {2} m/s²", "请降低 S，或使 K 更接近零";
+    /// The spindle has not turned at one speed for long enough, so an encoder of few counts has not learned its swings:
+    /// speed.
+    SpindleNotSteady = 4275, "the spindle does not keep its speed of {0}, so an encoder of so few counts does not know its angle",
+        "wait until the spindle keeps its speed, check its drive and belt, or use an encoder of 1000 counts with timed edges or more (3720, 9006.0)",
+        "主轴不能稳定在 {0}，计数如此少的编码器无法得知其角度", "请等待主轴转速稳定，检查主轴驱动器和皮带，或使用捕获边沿时间且不少于 1000 个计数的编码器（3720、9006.0）";
+    /// The spindle swings by more than an axis can follow: axis, speed.
+    SpindleSwings = 4276, "at {1} the spindle swings by more than {0} can follow on this lead: the tool is farther beside the thread than 9035 allows",
+        "lower S or the lead, check the spindle's drive, belt and load, or raise the axis' acceleration and jerk if the machine allows",
+        "主轴 {1} 时的摆动超出 {0} 轴在此导程上的跟随能力：刀具偏离螺纹超过 9035 的允许值", "请降低 S 或导程，检查主轴驱动器、皮带和负载，或在机床允许时增大该轴的加速度和加加速度";
+    /// An encoder without times of edges knows the angle too badly for a thread: lead, the error along it, the
+    /// greatest that is allowed, speed.
+    EncoderUncertain = 4277, "at {3} the encoder knows the spindle within {1} along a lead of {0}; at most {2} is allowed",
+        "write a smaller lead or S, use an encoder with more lines or timed edges (3720, 9006.0), or allow more (9035)",
+        "主轴 {3} 时编码器在导程 {0} 上的误差可达 {1}；最多允许 {2}", "请减小导程或 S，使用线数更多或捕获边沿时间的编码器（3720、9006.0），或放宽允许值（9035）";
     /// No index within two turns and a second.
     NoIndex = 4260, "no index pulse from the spindle encoder", "check the encoder and its cable",
         "没有收到主轴编码器的零位脉冲", "请检查编码器及其电缆";
@@ -999,12 +1013,11 @@ codes! {
     /// A value of the table of machine functions is no row; {0} is the value.
     FunctionUnusable = 4431, "{0} is no row of the table of machine functions", "write CCC H OO A II TTTT (docs/functions.md): each M code once, and none that has a meaning of its own",
         "{0} 不是机床功能表的有效行", "请按 CCC H OO A II TTTT 填写（见 docs/functions.md）：每个 M 代码一次，且不得已有含义";
-    /// An encoder whose edges are not timed shakes the axis at a lead of 1 mm: counts, noise and limit in m/s², counts that
-    /// would do.
-    EncoderCoarse = 4430, "{0} counts a turn without the times of their edges shake Z by up to {1} m/s² on a lead of 1 mm; its acceleration is {2} m/s²",
-        "use an encoder of {3} counts (3720) or more, or hardware that times its edges (9006.0), or lower 9005",
-        "每转 {0} 个计数且不捕获边沿时间，在 1 mm 导程上使 Z 轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",
-        "请使用不少于 {3} 个计数的编码器（3720），或使用能捕获边沿时间的硬件（9006.0），或减小 9005";
+    /// An encoder whose edges are not timed and that has too few counts for any thread: counts, counts that would do.
+    EncoderCoarse = 4430, "an encoder of {0} counts a turn without the times of their edges tells too little of the spindle",
+        "use an encoder of {1} counts (3720) or more, or hardware that times its edges (9006.0)",
+        "每转 {0} 个计数且不捕获边沿时间的编码器不足以测定主轴",
+        "请使用不少于 {1} 个计数的编码器（3720），或使用能捕获边沿时间的硬件（9006.0）";
     // 4440–4446, inputs, outputs and machine functions of parameter files: the figures are texts.
     /// No input or output of this name; {0} the name, {1} `input` or `output`.
     IoUnknown = 4440, "there is no {1} `{0}`", "name one: `[io.{0}]` with `at = \"{1}:1\"`, or write its place, as `{1}:1`",

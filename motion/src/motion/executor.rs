@@ -20,16 +20,18 @@ use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
 use crate::alarm::{Alarm, Code, Span};
 use crate::call::Position;
-use crate::spindle::Observer;
+use crate::spindle::{Learner, Observer};
 use crate::units::{Divisor, Length, Rpm, Ticks, TurnRate, Turns};
 pub use aside::Aside;
-use pass::{Stroke, Waited};
+use pass::{Followers, Stroke, Waited};
 
 /// The inputs of one tick of motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
     /// The observer that tells the angle of the spindle.
     pub observer: &'a Observer,
+    /// What a pass on the lead follows instead, where the encoder has few counts.
+    pub learner: Option<&'a Learner>,
     /// Time from the sample to the instant at which an X setpoint takes effect.
     pub ahead_x: Ticks,
     /// The same for Z.
@@ -178,6 +180,8 @@ pub struct Executor {
     taken: bool,
     /// True when the tool has passed the end of a joined cut in this tick.
     crossed: bool,
+    /// What the axes of a pass go after, if the spindle's angle is learned.
+    followers: Option<Followers>,
     run: Run,
 }
 
@@ -213,6 +217,7 @@ impl Executor {
             turned: false,
             taken: false,
             crossed: false,
+            followers: None,
         }
     }
 
@@ -231,6 +236,7 @@ impl Executor {
             turned,
             taken,
             crossed,
+            followers,
         } = self;
         run.begin_anew();
         *active = Active::Free;
@@ -240,6 +246,7 @@ impl Executor {
         *expected = arrival;
         (*aborting, *turned) = (false, false);
         (*taken, *crossed) = (false, false);
+        *followers = None;
     }
 
     /// Sets the position at which the machine stands. Has an effect only while nothing is under way.
@@ -280,6 +287,12 @@ impl Executor {
     #[must_use]
     pub const fn is_waiting(&self) -> bool {
         matches!(self.active, Active::Waiting(_))
+    }
+
+    /// True while a pass waits or is under way.
+    #[must_use]
+    pub const fn is_on_the_lead(&self) -> bool {
+        matches!(self.active, Active::Waiting(_) | Active::Thread(_))
     }
 
     /// True while joined cuts are under way.
@@ -348,6 +361,7 @@ impl Executor {
             }
             (Action::Planned, Some(Plan::Thread(_))) => {
                 self.active = Active::Waiting(Waited::default());
+                self.followers = None;
             }
             (Action::Planned, Some(Plan::Tap(tap))) => {
                 if let Some(angle) = self.spindle

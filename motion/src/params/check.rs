@@ -3,11 +3,14 @@
 
 use super::{FunctionRow, Params};
 use crate::alarm::{Alarm, Arg, Code};
-use crate::spindle::Resolution;
-use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks, mul_div};
+use crate::spindle::{Resolution, Tracker};
+use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks};
 
 /// Ticks that the two ramps of a motion profile may have together.
 pub const PROFILE_TICKS: i64 = 2048;
+
+/// Counts a turn that an encoder needs whose edges are not timed.
+const FEWEST_UNTIMED: u32 = 16;
 
 /// Bandwidth times tick, in Hz·µs, that no observer reaches: half the sampling frequency.
 const OBSERVER_LIMIT: u32 = 500_000;
@@ -33,9 +36,6 @@ pub const BY_SWITCH: u8 = 2;
 /// The lowest gain of a position loop, in tenths per second: below it an axis is a fifth of a second behind, and what
 /// makes up for that is larger than a part.
 const LOWEST_GAIN: u32 = 50;
-
-/// The lead that every machine for threads can cut: that of an M6.
-const COMMON_LEAD_NM: i64 = 1_000_000;
 
 // The ranges of the parameters keep every product here below 2⁶³.
 impl Params {
@@ -182,21 +182,10 @@ impl Params {
             let figures = [speed(rpm), count(tick), speed(most)];
             reasons.add(Code::SpindleTooFastForTick, &figures);
         }
-        // An observer that cannot work has no noise either.
-        if product < OBSERVER_LIMIT
-            && let Some(lead) = Lead::new(COMMON_LEAD_NM, 1)
-            && let Some(noise) = self.count_noise(lead, Axis::Z)
-        {
-            let limit = self.acceleration(Axis::Z);
-            if noise > limit {
-                let figures = [
-                    count(self.encoder_counts()),
-                    metres(noise),
-                    metres(limit),
-                    count(self.counts_for(noise, limit)),
-                ];
-                reasons.add(Code::EncoderCoarse, &figures);
-            }
+        let resolution = self.resolution();
+        if !resolution.timed && resolution.counts < FEWEST_UNTIMED {
+            let figures = [count(resolution.counts), count(FEWEST_UNTIMED)];
+            reasons.add(Code::EncoderCoarse, &figures);
         }
         let (arrived, room) = (
             self.spindle_tolerance_percent(),
@@ -215,9 +204,25 @@ impl Params {
         Resolution {
             counts: self.encoder_counts(),
             timed: self.encoder_edge_time(),
+            swing_known: self.spindle_swing() != 0,
             bandwidth_hz: self.observer_bandwidth_hz(),
             tick_us: self.tick_us(),
         }
+    }
+
+    /// True where a pass on the lead follows an angle that is learned.
+    #[must_use]
+    pub fn learns_spindle(&self) -> bool {
+        self.resolution().is_learned()
+    }
+
+    /// The tracker that learns the spindle's angle, where one is needed.
+    #[must_use]
+    pub fn tracker(&self) -> Option<Tracker> {
+        let resolution = self.resolution();
+        resolution
+            .is_learned()
+            .then(|| Tracker::new(resolution.counts, resolution.tick_us, self.spindle_swing()))
     }
 
     /// The largest acceleration that reading whole counts can give `axis` on a lead; `None` where edges are timed.
@@ -226,14 +231,6 @@ impl Params {
         let ahead = Ticks::one_and(self.latency_us(axis), self.tick_us());
         let resolution = self.resolution();
         (!resolution.timed).then(|| resolution.noise(lead, ahead))
-    }
-
-    /// Counts a turn with which `noise` would be within `limit`.
-    #[must_use]
-    pub(crate) fn counts_for(&self, noise: Acceleration, limit: Acceleration) -> u32 {
-        let [noise, limit] = [noise, limit].map(|one| one.nm_per_s2().unsigned_abs());
-        let counts = mul_div(u64::from(self.encoder_counts()), noise, limit.max(1));
-        u32::try_from(counts.saturating_add(1)).unwrap_or(u32::MAX)
     }
 
     fn check_tapping<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
@@ -465,15 +462,10 @@ mod tests {
                 &[("9005", "79")],
             ),
             (
-                &[("3720", "277"), ("9006.0", "0")],
+                &[("3720", "15"), ("9006.0", "0")],
                 Code::EncoderCoarse,
-                [
-                    Arg::Int(277),
-                    Arg::Decimal(300, 2),
-                    Arg::Decimal(300, 2),
-                    Arg::Int(278),
-                ],
-                &[("3720", "278"), ("9006.0", "0")],
+                [Arg::Int(15), Arg::Int(16), none, none],
+                &[("3720", "16"), ("9006.0", "0")],
             ),
             (
                 &[("9001.C", "1600")],

@@ -391,6 +391,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xD9B9_2B27),
     // A block of inputs and outputs on the bus: 9461 to 9463, and inputs and outputs up to 32.
     (2, 0xBCF5_5FED),
+    // A spindle whose angle is learned: 9034, 9035.
+    (2, 0xC89C_910C),
 ];
 
 #[test]

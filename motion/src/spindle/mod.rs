@@ -4,6 +4,7 @@
 //! follows the spindle asks for the angle at the instant at which its setpoint takes effect. This module knows nothing
 //! of programs, axes or the bus.
 
+mod learner;
 mod looks;
 mod observer;
 mod resolution;
@@ -11,5 +12,7 @@ mod resolution;
 #[allow(clippy::float_arithmetic, clippy::arithmetic_side_effects)]
 mod tests;
 
+pub use leadscrew_spindle::{Differences, Follower, Limits, Prediction, Tracker};
+pub use learner::Learner;
 pub use observer::{EncoderSample, Observer, SpindleEvent};
 pub use resolution::Resolution;

@@ -27,6 +27,8 @@
 
 use fixed::types::{I16F48, I32F32, U1F63, U8F56, U32F32, U48F16};
 
+use leadscrew_spindle::Look;
+
 use super::looks;
 use crate::units::{Ticks, TurnRate, Turns};
 
@@ -355,6 +357,24 @@ impl Observer {
         self.acceleration = I16F48::ZERO;
     }
 
+    /// What the last sample has shown, with the age of the last edge there, for a tracker.
+    #[must_use]
+    pub fn look(&self, edge_age_ns: Option<u32>) -> Look {
+        Look {
+            lower: self.boundary(),
+            width: self.width,
+            age: edge_age_ns.map(|age| self.age_in_ticks(age)),
+            angle: self.angle,
+            speed: self.speed,
+        }
+    }
+
+    /// The age of an edge in ticks, 2⁻²⁴: mostly at most 16 of them, 28 bits.
+    fn age_in_ticks(&self, age_ns: u32) -> i64 {
+        let age = age_ns.min(self.oldest_edge_ns);
+        (self.ticks_per_ns.wrapping_mul_int(age.into()).to_bits() >> 32) as i64
+    }
+
     /// The angle at the last sample.
     #[must_use]
     pub const fn angle(&self) -> Turns {
@@ -493,10 +513,8 @@ impl Observer {
         let (Some(age), Some(rising)) = (edge_age_ns, self.rising) else {
             return lower.wrapping_add(self.half_width());
         };
-        let age = age.min(self.oldest_edge_ns);
-        // Ticks in 2⁻²⁴, at most 16 of them: 28 bits; the speed in 2⁻³² has as many again. The older edges of few counts
-        // belong to slow spindles.
-        let age = (self.ticks_per_ns.wrapping_mul_int(age.into()).to_bits() >> 32) as i64;
+        // The speed in 2⁻³² has as many bits as the age again. The older edges of few counts belong to slow spindles.
+        let age = self.age_in_ticks(age);
         let way = I32F32::from_bits((speed.to_bits() >> 16).wrapping_mul(age) >> 24);
         let within = if rising {
             way

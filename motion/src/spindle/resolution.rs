@@ -8,7 +8,7 @@
 
 use super::looks::FEW;
 use super::observer::Gains;
-use crate::units::{Acceleration, Lead, Rpm, Ticks, mul_div, signed};
+use crate::units::{Acceleration, Lead, Length, Rpm, Ticks, mul_div, signed};
 
 /// Counts a second for each hertz of the observer's bandwidth. The speed is then within 15 % at a steady spindle. With 12
 /// counts it is within 23 %, with 6 within 45 %; with one count it is four times too fast. (Simulated over all phases,
@@ -20,13 +20,24 @@ const UNTIMED: u32 = 20;
 /// of 15, 35 and 60 Hz, without ripple and with 10 % at 5 Hz, 5 % at 20 Hz, 10 % once and 2 % twice a turn.)
 const TIMED: u32 = 8;
 
-/// Counts a second that are enough where they are timed and few: the bandwidth then follows them. The setpoints of a lead
-/// of 6 mm have at most 4 m/s² and are at most 14 µm beside the helix at 60 counts a turn or more, where the spindle swings
-/// by 10 % at 5 Hz or by 5 % at 20 Hz. (Simulated from here to five times the speed.)
-const FEW_TIMED: u32 = 80;
+/// Counts a second that are enough for a pass where they are timed and few, and not learned: the bandwidth then
+/// follows them. The setpoints of a lead of 6 mm have at most 4 m/s² and are at most 14 µm beside the helix at 60
+/// counts a turn or more, where the spindle swings by 10 % at 5 Hz or by 5 % at 20 Hz. (Simulated from here to five
+/// times the speed.)
+const FEW_A_SECOND: u32 = 80;
 
-/// Of fewer counts, each is longer than a swing: they need as many a second as the bandwidth does.
-const FEWEST: u32 = 60;
+/// An encoder of fewer counts is learned. With as many or more, the quick observer follows a swing of unknown
+/// frequency more closely than a tracker that has not learned it.
+const FEW_TIMED: u32 = 60;
+const FEW_UNTIMED: u32 = 1024;
+
+/// The same where the frequency of the drive's swing is known. With as many timed counts, the quick observer is as
+/// good; where they have no times, a count of a lead of 6 mm is 0.6 µm.
+const FEW_TIMED_WITH_SWING: u32 = 256;
+const FEW_UNTIMED_WITH_SWING: u32 = 10_000;
+
+/// Counts a second that a tracker needs: with fewer it learns for more than half a minute.
+const LEARNED: u32 = 8;
 
 /// A step has left the observer after this many time constants of its poles.
 const POLES: u32 = 24;
@@ -41,6 +52,8 @@ pub struct Resolution {
     pub counts: u32,
     /// The hardware captures the times of its edges.
     pub timed: bool,
+    /// The frequency with which the spindle's drive swings is known.
+    pub swing_known: bool,
     /// Bandwidth of the observer, 1…1000 Hz.
     pub bandwidth_hz: u32,
     /// Time between two samples, 250…10 000 µs.
@@ -48,6 +61,19 @@ pub struct Resolution {
 }
 
 impl Resolution {
+    /// True where a pass on the lead follows an angle that is learned: with few counts, and with counts that have no times,
+    /// where the swing of the spindle's drive is known.
+    #[must_use]
+    pub const fn is_learned(self) -> bool {
+        let few = match (self.timed, self.swing_known) {
+            (true, false) => FEW_TIMED,
+            (true, true) => FEW_TIMED_WITH_SWING,
+            (false, false) => FEW_UNTIMED,
+            (false, true) => FEW_UNTIMED_WITH_SWING,
+        };
+        self.counts < few
+    }
+
     /// The largest acceleration that reading whole counts, without the times of edges, can give an axis on this lead. The
     /// axis's setpoints are predicted `ahead` of the sample.
     ///
@@ -71,8 +97,8 @@ impl Resolution {
     #[must_use]
     pub fn slowest(self) -> Rpm {
         let a_second = self.of_bandwidth();
-        if self.timed && (FEWEST..FEW).contains(&self.counts) {
-            return self.at(a_second.min(FEW_TIMED));
+        if self.timed && self.counts < FEW {
+            return self.at(a_second.min(FEW_A_SECOND));
         }
         self.at(a_second)
     }
@@ -94,6 +120,34 @@ impl Resolution {
     fn at(self, a_second: u32) -> Rpm {
         let rpm = a_second.saturating_mul(60).div_ceil(self.counts.max(1));
         Rpm::new(i32::try_from(rpm).unwrap_or(i32::MAX))
+    }
+
+    /// The lowest spindle speed at which a tracker learns the spindle, rounded up.
+    #[must_use]
+    pub fn slowest_learned(self) -> Rpm {
+        self.at(LEARNED)
+    }
+
+    /// How far an axis on this lead may be beside the spindle's true angle, where the angle is learned: 1.5 times the way
+    /// in the smaller of a count and a tick. `None` where edges are timed: then it is less than the encoder's own error.
+    ///
+    /// Near a whole fraction of a count a tick, the edges come at the same places of their ticks for long, and no observer
+    /// takes this error away.
+    #[must_use]
+    pub fn uncertainty(self, lead: Lead, rpm: Rpm) -> Option<Length> {
+        if self.timed || !self.is_learned() {
+            return None;
+        }
+        let (nm, turns) = lead.parts();
+        let counts = u64::from(self.counts);
+        let by_count = mul_div(nm, 3, turns.saturating_mul(counts).saturating_mul(2));
+        let per_minute = mul_div(nm, u64::from(rpm.abs()), turns);
+        let by_tick = mul_div(
+            per_minute,
+            u64::from(self.tick_us).saturating_mul(3),
+            120_000_000,
+        );
+        Some(Length::from_nm(signed(by_count.min(by_tick))))
     }
 
     /// The predicted angle's second differences after a single error of one: the sum of their magnitudes, in 2⁻³².

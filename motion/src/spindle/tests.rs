@@ -1,6 +1,7 @@
 //! The observer on an ideal encoder: angles, index, slip, counts that are not a power of two, standstill.
 
 mod few;
+mod learned;
 
 extern crate std;
 
@@ -351,6 +352,7 @@ fn whole_counts_shake_an_axis_by_no_more_than_is_said_and_by_most_of_it() {
         for counts in [60, 100, 360, 1024, 4096] {
             let coarse = Resolution {
                 timed: false,
+                swing_known: false,
                 counts,
                 bandwidth_hz,
                 tick_us,
@@ -377,6 +379,7 @@ fn the_slowest_speed_of_an_encoder_is_known_and_a_twentieth_of_it_is_not_with_ma
     for (counts, bandwidth_hz) in [(60, 35), (360, 35), (1024, 20), (4096, 15)] {
         let coarse = Resolution {
             timed: false,
+            swing_known: false,
             counts,
             bandwidth_hz,
             tick_us: 1000,

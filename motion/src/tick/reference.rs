@@ -108,14 +108,14 @@ impl Held {
                 } else {
                     self.position.z
                 };
-                let angle = ticker.effective_angle(on_x);
+                let (angle, since) = ticker.angle_of_pass(on_x);
                 let error = at - helix.at(angle);
                 let told = ticker.has_told(on_x).zip(helix.lead_nm());
                 let followed = told.map(|(actual, lead_nm)| Followed {
                     actual,
                     on_x,
                     lead_nm,
-                    off_nm: off(error, lead_nm, angle - ticker.observer().angle()),
+                    off_nm: off(error, lead_nm, since),
                 });
                 (error, ThreadKind::Thread, followed)
             }

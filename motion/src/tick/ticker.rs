@@ -75,7 +75,7 @@ use crate::call::Position;
 use crate::journal::TapRecord;
 use crate::motion::{AxisTravel, Conditions, Epoch, Executor, Jog, Setpoint, Task};
 use crate::signals::Signals;
-use crate::spindle::{EncoderSample, Observer, SpindleEvent};
+use crate::spindle::{EncoderSample, Learner, Observer, SpindleEvent};
 use crate::tick::Event;
 use crate::units::Length;
 
@@ -138,6 +138,8 @@ pub struct Ticker {
     operator: Operator,
     given: Given,
     observer: Observer,
+    /// What a pass on the lead follows, where the encoder has few counts.
+    learner: Option<Learner>,
     /// The position of the machine when the power went.
     remembered: Option<Position>,
     /// A message that the background has not read yet.
@@ -184,6 +186,7 @@ impl Ticker {
             operator: Operator::new(),
             given,
             observer: setup.observer,
+            learner: setup.learner,
             remembered,
             notice: None,
             journal: Journal::new(tap, given.second),
@@ -321,6 +324,7 @@ impl Ticker {
         };
         let conditions = Conditions {
             observer: &self.observer,
+            learner: self.learner.as_ref(),
             ahead_x: self.given.ahead_x,
             ahead_z: self.given.ahead_z,
             feed,
@@ -399,7 +403,12 @@ impl Ticker {
         }
         // For a slip during a tap that has ended since.
         self.begin_new_count();
-        if let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) {
+        let event = self.observer.tick(sample);
+        if let Some(learner) = &mut self.learner {
+            let wanted = self.executor.is_on_the_lead();
+            learner.tick(&self.observer, sample.edge_age_ns, event.is_some(), wanted);
+        }
+        if let Some(SpindleEvent::Slipped { counts }) = event {
             self.slip(counts, ends);
         }
     }

@@ -205,6 +205,7 @@ impl<'a> Driven<'a> {
             let rate = operator.rate(random, self.tick);
             let conditions = Conditions {
                 observer: &self.observer,
+                learner: None,
                 ahead_x: Ticks::whole(0),
                 ahead_z: Ticks::whole(0),
                 feed: rate,

@@ -8,7 +8,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{
     Call, CallKind, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
 };
-use crate::feasible::can_follow;
+use crate::feasible::can_tap;
 use crate::motion::{FloatPlan, Limits, PathRate, stroke};
 use crate::moves::{MoveKind, Stage, TapMove};
 use crate::params::Params;
@@ -99,8 +99,7 @@ pub(crate) fn tap_can_begin(
             TapAxis::X => Axis::X,
             TapAxis::Z => Axis::Z,
         };
-        let slowest = params.resolution().slowest_of_tap();
-        can_follow(call.lead, axis, whole(call.speed), slowest, span, params)?;
+        can_tap(call.lead, axis, whole(call.speed), span, params)?;
     }
     Ok(spindle)
 }

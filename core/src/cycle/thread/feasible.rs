@@ -4,7 +4,7 @@ use super::moves::{ThreadMoves, ThreadSummary};
 use super::shape::long_way;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{ChainPart, ThreadCall};
-use crate::feasible::{Gather, Pass, can_follow};
+use crate::feasible::{Gather, Pass, can_thread};
 use crate::motion::{Chain, ThreadPlan};
 use crate::moves::{Move, MoveKind};
 use crate::params::Params;
@@ -26,6 +26,8 @@ pub struct ThreadReport {
     pub lead_in: Length,
     /// The start must lie at least this far before the material: the lead-in, plus the shift if Z is the long axis.
     pub start_before: Length,
+    /// How far the thread may be beside its place by what the encoder cannot tell; `None` where that is nothing.
+    pub uncertainty: Option<Length>,
     /// Where the lead changes: turns of the stroke in millionths, and the lead at its end.
     pub variable: Option<(i64, Length)>,
     /// Warnings, for what may leave a mark on the work but stops nothing: long lead-in, falling lead, run-out that
@@ -61,7 +63,8 @@ pub struct ThreadFindings {
 ///   ([`Code::SpeedAboveSpindle`]).
 /// - The pitch is longer than the shortest stroke: [`Code::PitchTooLong`].
 /// - Lead times speed exceeds the long axis' feed: [`Code::LeadTooFast`].
-/// - The encoder is too coarse for lead or speed: [`Code::LeadForEncoder`], [`Code::SpeedForEncoder`].
+/// - The encoder is too coarse for lead or speed: [`Code::EncoderUncertain`], [`Code::SpeedForEncoder`],
+///   [`Code::LeadForEncoder`].
 /// - The run-out exceeds the short axis' feed: [`Code::RunOutTooFast`].
 /// - There is no room for joining, run-in or braking: [`Code::StrokeTooShortForSpeed`], [`Code::RunInTooFast`].
 pub fn thread_report(
@@ -121,14 +124,7 @@ fn examine(
     }
     let long = if summary.long_x { Axis::X } else { Axis::Z };
     if speed != 0
-        && let Err(alarm) = &can_follow(
-            largest(call),
-            long,
-            rpm,
-            params.resolution().slowest(),
-            span,
-            params,
-        )
+        && let Err(alarm) = &can_thread(largest(call), long, rpm, span, params)
     {
         wrong(alarm);
     }
@@ -237,6 +233,9 @@ pub fn thread_findings(
             z_shift_max: summary.z_shift_max,
             lead_in: figures.lead_in,
             start_before: before,
+            uncertainty: params
+                .resolution()
+                .uncertainty(largest(call).value, call.rpm),
             variable: figures
                 .turns
                 .map(|turns| (turns.micro(), last(call).rounded())),
@@ -270,6 +269,13 @@ pub fn chain_report(
         z_shift_max: Length::ZERO,
         lead_in: first.lead_in(),
         start_before: first.lead_in(),
+        uncertainty: strokes
+            .iter()
+            .filter_map(|(call, _)| {
+                let rpm = strokes.first()?.0.rpm;
+                params.resolution().uncertainty(call.lead.value, rpm)
+            })
+            .max(),
         variable: None,
         warnings: warnings.0,
     })

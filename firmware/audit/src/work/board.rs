@@ -21,6 +21,8 @@ pub struct Program {
     deep: bool,
     /// Feed-forward of the drives of X and Z, whose gain is known, in tenths of a per cent (9070, 9071).
     lag: Option<i64>,
+    /// Counts of the encoder (3720), where they are few.
+    few: Option<i64>,
     /// The tick before which the emergency stop is pressed.
     stop: Option<usize>,
     kinds: &'static [&'static str],
@@ -48,6 +50,7 @@ pub const MOVES: Program = Program {
     spindles: 1,
     deep: false,
     lag: None,
+    few: None,
     stop: None,
     kinds: &["/idle", "/rapid", "/line", "/arc", "/wait", "/thread"],
     kind: |seen| match (seen.motion, seen.line) {
@@ -83,6 +86,18 @@ pub const LAGS_FORWARD: Program = Program {
     ..LAGS
 };
 
+/// The same program with an encoder of few counts: the thread follows an angle that is learned.
+pub const LEARNED: Program = Program {
+    few: Some(40),
+    kinds: &["/learned-moves", "/learned-wait", "/learned-thread"],
+    kind: |seen| match (seen.line, seen.locked) {
+        (7, true) => 2,
+        (7, false) => 1,
+        _ => 0,
+    },
+    ..MOVES
+};
+
 /// Constant surface speed, with the feed by the measured spindle: a rapid, a face and an arc.
 pub const SURFACE: Program = Program {
     text: "O0007\n\
@@ -94,6 +109,7 @@ pub const SURFACE: Program = Program {
     spindles: 1,
     deep: false,
     lag: None,
+    few: None,
     stop: None,
     kinds: &["/to-surface", "/surface-line", "/surface-arc"],
     kind: tap_kind,
@@ -111,6 +127,7 @@ pub const JOINED: Program = Program {
     spindles: 1,
     deep: false,
     lag: None,
+    few: None,
     stop: None,
     kinds: &["/to-joined", "/joined-line", "/joined-arc"],
     kind: tap_kind,
@@ -126,6 +143,7 @@ pub const ORDINARY_TAP: Program = Program {
     spindles: 1,
     deep: false,
     lag: None,
+    few: None,
     stop: None,
     kinds: &["/to-ordinary", "/tap-ordinary"],
     kind: |seen| usize::from(seen.line == 3),
@@ -143,6 +161,7 @@ pub const TAPS: Program = Program {
     spindles: 1,
     deep: false,
     lag: None,
+    few: None,
     stop: None,
     kinds: &["/to-rigid", "/tap", "/tap-peck"],
     kind: tap_kind,
@@ -159,6 +178,7 @@ pub const DEEP_TAP: Program = Program {
     spindles: 1,
     deep: true,
     lag: None,
+    few: None,
     stop: None,
     kinds: &["/to-rigid-deep", "/tap-deep"],
     kind: tap_kind,
@@ -174,6 +194,7 @@ pub const STOP_IN_THREAD: Program = Program {
     spindles: 1,
     deep: false,
     lag: None,
+    few: None,
     stop: Some(1500),
     kinds: &["/to-stop", "/stop"],
     kind: |seen| usize::from(seen.alarm),
@@ -189,6 +210,7 @@ pub const STOP_IN_TAP: Program = Program {
     spindles: 1,
     deep: false,
     lag: None,
+    few: None,
     stop: Some(450),
     kinds: &["/to-stop-tap", "/stop-tap"],
     kind: |seen| usize::from(seen.alarm),
@@ -240,6 +262,10 @@ impl WholeBoard {
             (spindles, program.spindles),
         ] {
             params.set(entry, value).expect("within its range");
+        }
+        if let Some(counts) = program.few {
+            let entry = Entry::find_text("encoder_counts").expect("in the table");
+            params.set(entry, counts).expect("within its range");
         }
         if let Some(forward) = program.lag {
             for (number, value) in [(9070, 300), (9071, forward)] {

@@ -86,6 +86,7 @@ pub fn all(counter: &mut impl Counter) {
         board::SEVEN_DRIVES,
         board::LAGS,
         board::LAGS_FORWARD,
+        board::LEARNED,
         board::ORDINARY_TAP,
         board::TAPS,
         board::DEEP_TAP,

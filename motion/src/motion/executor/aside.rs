@@ -50,6 +50,7 @@ impl Executor {
 
     /// Takes the motion up again. The axes stand where it was held.
     pub fn take_up(&mut self, aside: &Aside) {
+        self.followers = None;
         self.active = match aside.kind {
             Kind::Between => Active::Free,
             Kind::Timed => Active::Timed,

@@ -4,7 +4,8 @@ use super::{Active, Conditions, Executor, Motion, Setpoint};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::motion::segment::{Pass, Segment};
 use crate::motion::thread::{Phase, ThreadPlan, ThreadRun};
-use crate::units::TurnRate;
+use crate::spindle::{Follower, Learner, Prediction};
+use crate::units::{Axis, TurnRate, Turns};
 
 /// The axes stand for this many ticks at the end of a pass before the next segment begins. Then no third difference
 /// spans the last setpoints of the pass and the first setpoints of the next segment, so their jerks do not add.
@@ -17,6 +18,8 @@ pub(super) struct Waited {
     speed: u32,
     /// Ticks of waiting for the index, at speed.
     index: u32,
+    /// Ticks of waiting until the spindle's swings are learned, at speed.
+    swings: u32,
 }
 
 /// A stroke under way.
@@ -28,6 +31,62 @@ pub(super) struct Stroke {
     astray: u32,
     /// Ticks since the axes came to rest.
     settled: u8,
+}
+
+/// What goes after the learned angle of the spindle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Followers {
+    long: Follower,
+    /// That of the short axis, where its drive has another delay.
+    short: Follower,
+}
+
+impl Followers {
+    /// Followers for a pass, which have not begun.
+    fn new(plan: &ThreadPlan, learner: &Learner) -> Self {
+        let pole = learner.tracker().pole_of_follower();
+        let follower = Follower::new(*plan.follower(), pole);
+        Self {
+            long: follower,
+            short: follower,
+        }
+    }
+
+    /// Begin on the learned angle.
+    fn begin(&mut self, plan: &ThreadPlan, learner: &Learner) {
+        let long_x = plan.long_x();
+        self.long.begin(&learner.at(long_x).learned);
+        self.short.begin(&learner.at(!long_x).learned);
+    }
+
+    /// A tick of a pass. `apart`: the setpoint of the short axis takes effect at another instant.
+    #[cold]
+    #[inline(never)]
+    fn tick(&mut self, learner: &Learner, long_x: bool, apart: bool) -> Led {
+        Led {
+            speed: learner.speed(long_x),
+            angle: follow(&mut self.long, learner.at(long_x)),
+            beside: apart.then(|| follow(&mut self.short, learner.at(!long_x))),
+            lost: self.long.is_lost(),
+        }
+    }
+}
+
+/// The spindle as a pass follows it.
+struct Led {
+    speed: TurnRate,
+    /// Where the setpoint of the long axis takes effect, and of the short one where that is another instant.
+    angle: Turns,
+    beside: Option<Turns>,
+    /// The angle is farther from what is learned than it may be.
+    lost: bool,
+}
+
+/// The angle of the follower.
+fn follow(follower: &mut Follower, angle: &Prediction) -> Turns {
+    let beside = follower.tick(&angle.learned);
+    // Rounded to 2⁻³².
+    Turns::from_raw(angle.angle) + Turns::from_raw(beside.wrapping_add(1 << 15) >> 16)
 }
 
 impl Executor {
@@ -58,10 +117,37 @@ impl Executor {
                 self.active = Active::Free;
                 return Err(Alarm::new(Code::NoIndex, self.span));
             }
+        } else if let Some(learner) = now.learner
+            && !learner.tracker().is_ready()
+        {
+            self.followers = None;
+            let patience = learner.tracker().patience();
+            if self.waits_longer(|waited| &mut waited.swings) > patience {
+                self.active = Active::Free;
+                return Err(
+                    Alarm::new(Code::SpindleNotSteady, self.span).with([Arg::Rpm(speed.rpm())])
+                );
+            }
+        } else if let Some(learner) = now.learner
+            && self.followers.is_none()
+        {
+            // A tick of its own, for its divisions.
+            self.followers = Some(Followers::new(&pass.plan, learner));
         } else if now.more {
             // Both axes must be in time, so the axis with the slower drive decides when the pass leaves.
-            let ahead = now.ahead_x.max(now.ahead_z);
-            match ThreadRun::start(&pass.plan, now.observer.predict(ahead), speed) {
+            let by_x = now.ahead_x > now.ahead_z;
+            let begun = match (now.learner, &mut self.followers) {
+                (Some(learner), Some(followers)) => {
+                    followers.begin(&pass.plan, learner);
+                    let angle = Turns::from_raw(learner.at(by_x).angle);
+                    ThreadRun::start(&pass.plan, angle, learner.speed(by_x))
+                }
+                _ => {
+                    let ahead = now.ahead_x.max(now.ahead_z);
+                    ThreadRun::start(&pass.plan, now.observer.predict(ahead), speed)
+                }
+            };
+            match begun {
                 Ok(run) => {
                     self.active = Active::Thread(Stroke {
                         run,
@@ -142,8 +228,28 @@ impl Executor {
             self.tell(setpoint, Motion::Hold);
             return Ok(());
         }
-        let speed = now.observer.speed();
         let turning = now.observer.is_turning();
+        let long_x = plan.long_x();
+        let (long, short) = if long_x {
+            (now.ahead_x, now.ahead_z)
+        } else {
+            (now.ahead_z, now.ahead_x)
+        };
+        let Led {
+            speed,
+            angle,
+            beside,
+            lost,
+        } = match (&mut self.followers, now.learner) {
+            (Some(followers), Some(learner)) => followers.tick(learner, long_x, long != short),
+            _ => Led {
+                speed: now.observer.speed(),
+                angle: now.observer.predict(long),
+                beside: (long != short).then(|| now.observer.predict(short)),
+                lost: false,
+            },
+        };
+        let lost = lost && run.phase() == Phase::Locked;
         let backwards = turning && speed.is_negative() != plan.is_reverse();
         let too_fast = speed.abs() > plan.speed_limit();
         let trouble = if !run.is_led() {
@@ -154,6 +260,8 @@ impl Executor {
             Some((Code::SpindleStopped, 10))
         } else if !turning {
             Some((Code::SpindleStopped, 1))
+        } else if lost {
+            Some((Code::SpindleSwings, 300))
         } else {
             None
         };
@@ -162,21 +270,15 @@ impl Executor {
             // The axes must brake from this very tick on. A tick in which they stood would be a jolt.
             run.stop(plan);
         }
-        let (long, short) = if plan.long_x() {
-            (now.ahead_x, now.ahead_z)
-        } else {
-            (now.ahead_z, now.ahead_x)
-        };
-        let angle = now.observer.predict(long);
         let mut ahead = angle;
-        let point = if long == short {
-            run.tick(plan, angle)
-        } else {
-            let beside = now.observer.predict(short);
-            if short > long {
-                ahead = beside;
+        let point = match beside {
+            None => run.tick(plan, angle),
+            Some(beside) => {
+                if short > long {
+                    ahead = beside;
+                }
+                run.tick_apart(plan, angle, beside)
             }
-            run.tick_apart(plan, angle, beside)
         };
         self.crossed = run.is_over(plan, ahead);
         self.position = point.position;
@@ -194,6 +296,11 @@ impl Executor {
         match trouble {
             None => {}
             Some(Code::SpindleTooFast) => return Err(plan.too_fast(speed)),
+            Some(Code::SpindleSwings) => {
+                let axis = if long_x { Axis::X } else { Axis::Z };
+                let args = [Arg::Letter(axis.letter()), Arg::Rpm(speed.rpm())];
+                return Err(Alarm::new(Code::SpindleSwings, self.span).with(args));
+            }
             Some(code) => return Err(Alarm::new(code, self.span)),
         }
         self.tell(setpoint, motion);

@@ -75,6 +75,8 @@ pub(super) struct Joints {
     pub after: Option<Turns>,
     /// Ticks that a stop takes.
     pub stop: u32,
+    /// The greatest speed of an axis in the chain, nm/s.
+    pub speed: u64,
 }
 
 impl Chain {
@@ -312,6 +314,7 @@ impl Chain {
             before,
             after,
             stop: self.stop.ticks(params),
+            speed: self.stop.speed,
         };
         let mut plan = ThreadPlan::default();
         plan.fill(shape, params, Some(commanded), measured, Some(&joints))?;

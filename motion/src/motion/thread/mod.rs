@@ -27,6 +27,9 @@
 //!
 //! The helix of G34 has a lead that changes; then `h` is the law of `variable`, and everything above it stays.
 //!
+//! Where the encoder has few counts, the angle is learned, and the axes go after it by a follower; what this takes of the
+//! limits is in `swing`.
+//!
 //! The background plans `H`, `B` and the corners ([`ThreadPlan`]) for the faster of commanded and measured speed, with
 //! a margin. The tick ([`ThreadRun`]) only evaluates the plan.
 
@@ -39,6 +42,7 @@ mod plan;
 mod ramp;
 mod run;
 mod shape;
+mod swing;
 #[cfg(test)]
 mod tests;
 mod variable;

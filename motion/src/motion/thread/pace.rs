@@ -3,6 +3,7 @@
 use super::change::Taken;
 use super::ramp::{Corner, DIAGONAL, Machine, Ramp, Slope, directed, seen, slope};
 use super::shape::Shape;
+use super::swing::beside_follower;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::motion::ease::{Ease, Fine, whole};
 use crate::motion::lead::speed_of;
@@ -108,13 +109,16 @@ impl Pace {
         let rate = mul_div_up(self.nominal.raw() as u64, percent, 100);
         let speed = speed_of(shape.largest, rate);
         let taken = Taken::new(shape, rate, speed);
-        let machine = Machine {
+        let mut machine = Machine {
             speed,
             long: taken.of_long(bounds(params, long)),
             short: taken.of_short(bounds(params, short)),
             short_speed: params.max_feed(short).nm_per_min() as u64 / 60,
             taper: shape.taper.unsigned_abs(),
         };
+        if params.learns_spindle() {
+            beside_follower(&mut machine, shape);
+        }
         if self.shares {
             machine.sharing()
         } else {

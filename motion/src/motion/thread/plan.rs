@@ -6,13 +6,16 @@ use super::helix::HelixTravel;
 use super::pace::Pace;
 use super::ramp::{Ramp, Slope, inverse};
 use super::shape::Shape;
+use super::swing::limits;
 use super::variable::VariableTravel;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::Position;
 use crate::motion::ease::{Ease, Fine, Fraction, whole};
 use crate::motion::lead::{travel_of, turns_of};
+use crate::motion::limits::bounds;
 use crate::moves::Move;
 use crate::params::Params;
+use crate::spindle::Limits;
 use crate::units::{Axis, LeadChange, Length, Rpm, TurnRate, Turns, mul_div, signed};
 
 /// Between the corners of a stroke of a chain the axes run straight for at least this many microseconds. One plan takes
@@ -54,6 +57,8 @@ pub struct ThreadPlan {
     pub(super) speed: Fine,
     pub(super) of_speed: Fraction,
     speed_limit: TurnRate,
+    /// What a follower may do, where the spindle's angle is learned.
+    follower: Limits,
     short_lag: Length,
     way_needed: Length,
     pub(super) link: Link,
@@ -199,6 +204,21 @@ impl ThreadPlan {
         self.speed = per_tick.clamp(1, i64::MAX as u64) as i64;
         self.of_speed = Fraction::of(self.speed);
         self.speed_limit = pace.limit;
+        if params.learns_spindle() {
+            self.follower = match joints {
+                None => limits(
+                    params,
+                    &bounds(params, shape.axes().0),
+                    machine.speed,
+                    pace.limit,
+                ),
+                // One follower goes through all strokes.
+                Some(joints) => {
+                    let least = bounds(params, Axis::X).least(&bounds(params, Axis::Z));
+                    limits(params, &least, joints.speed.max(machine.speed), pace.limit)
+                }
+            };
+        }
         if let Some(way) = lag_way {
             // Uses the tick's own arithmetic, so that the last setpoint equals this position to the nanometre.
             self.end = self.position(length, None, None);
@@ -380,6 +400,12 @@ impl ThreadPlan {
     #[must_use]
     pub const fn speed_limit(&self) -> TurnRate {
         self.speed_limit
+    }
+
+    /// What a follower of the spindle's angle may do in this pass; zero where nothing is learned.
+    #[must_use]
+    pub const fn follower(&self) -> &Limits {
+        &self.follower
     }
 
     /// Spindle angle at which the long axis leaves rest, counted in the turning direction from the index. Whole turns

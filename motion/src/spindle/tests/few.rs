@@ -99,13 +99,14 @@ fn few_timed_counts_tell_a_steady_spindle_at_any_speed() {
     }
 }
 
-/// From the slowest speed that a thread may have on: the figures of `FEW_TIMED`.
+/// From the slowest speed that a thread may have on: the figures of `FEW_A_SECOND`.
 #[test]
 fn few_timed_counts_follow_a_swing_from_their_slowest_speed_on() {
     for counts in [60, 100, 360, 999] {
         let resolution = Resolution {
             counts,
             timed: true,
+            swing_known: false,
             bandwidth_hz: 35,
             tick_us: 1000,
         };

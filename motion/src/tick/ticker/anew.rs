@@ -40,6 +40,7 @@ impl Ticker {
             operator,
             given,
             observer,
+            learner,
             remembered,
             notice,
             journal,
@@ -73,6 +74,7 @@ impl Ticker {
         *operator = Operator::new();
         *given = setup.given;
         *observer = setup.observer;
+        *learner = setup.learner;
         *remembered = position;
         *notice = Some(Notice::Restart(position.unwrap_or_default(), epoch));
         journal.begin_anew(given.second);

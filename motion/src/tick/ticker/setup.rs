@@ -5,7 +5,7 @@ use super::search::Switch;
 use super::surface;
 use crate::motion::{Arrival, AxisTravel};
 use crate::params::Params;
-use crate::spindle::Observer;
+use crate::spindle::{Learner, Observer};
 use crate::tick::drives::Figures;
 use crate::tick::gear::Gears;
 use crate::tick::machine::Wiring;
@@ -21,6 +21,8 @@ pub struct Setup {
     pub(super) given: Given,
     /// An observer that has seen nothing yet.
     pub(super) observer: Observer,
+    /// What learns the angle that it says, where the encoder has few counts.
+    pub(super) learner: Option<Learner>,
     pub(super) figures: Figures,
     pub(super) found: Found,
 }
@@ -37,9 +39,13 @@ impl Setup {
             params.observer_bandwidth_hz(),
             params.tick_us(),
         );
+        let given = Given::of(params)?;
         Some(Self {
-            given: Given::of(params)?,
             observer: observer.for_ramp(params.spindle_ramp_ms()),
+            learner: params
+                .tracker()
+                .map(|tracker| Learner::new(tracker, given.ahead_x, given.ahead_z)),
+            given,
             figures: Figures::of(params)?,
             found,
         })

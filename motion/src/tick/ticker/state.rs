@@ -139,6 +139,17 @@ impl Ticker {
         self.observer.predict(ahead.less_one())
     }
 
+    /// The same for a pass on the lead, which follows another angle where the encoder has few counts; and by how much that
+    /// angle has grown since the last sample.
+    #[must_use]
+    pub fn angle_of_pass(&self, on_x: bool) -> (Turns, Turns) {
+        let Some(learner) = &self.learner else {
+            let angle = self.effective_angle(on_x);
+            return (angle, angle - self.observer.angle());
+        };
+        learner.before(on_x)
+    }
+
     /// Where the drive of X or Z says that it was at the last SYNC; `None` where its status did not come with this tick.
     #[must_use]
     pub(in crate::tick) fn has_told(&self, on_x: bool) -> Option<Increments> {
