@@ -215,26 +215,17 @@ fn a_block_on_the_bus_has_its_names_and_is_missed() {
     // What differs elsewhere is told, and that nobody knows it of the block.
     let silent = "the block of inputs and outputs, node 5 (9461), does not answer";
     let diff = ["params", "diff", "block.toml"];
-    let output = user.does(&[&diff[..], &["--set", "9027=20"]].concat());
-    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stdout));
-    assert!(
-        text(&output.stdout).contains("9027"),
-        "{}",
-        text(&output.stdout)
-    );
-    assert!(
-        text(&output.stderr).contains(silent),
-        "{}",
-        text(&output.stderr)
-    );
-    let output = user.does(&diff);
-    assert_eq!(output.status.code(), Some(3));
-    assert_eq!(text(&output.stdout), "no other difference\n");
-    let output = user.does(&[&diff[..], &["--json"]].concat());
+    let told = bad(&user.does(&diff), 3);
+    assert!(told.contains(silent), "{told}");
+    let output = user.does(&[&diff[..], &["--set", "9027=20", "--json"]].concat());
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&told["ok"], &told["exit"]), (&json!(false), &json!(3)));
     assert!(told["error"].as_str().unwrap().contains(silent), "{told}");
-    assert_eq!(told["changes"], json!([]), "{told}");
+    assert_eq!(told["changes"][0]["no"], json!(9027), "{told}");
+    // Three questions without an answer.
+    let output = user.does(&["doctor", "--seconds", "1"]);
+    let told = text(&output.stdout);
+    assert!(told.contains("does not answer (rule 49)"), "{told}");
     good(&user.does(&["sim", "block", "well"]));
     good(&user.does(&[&["io", "wait", "door=1", "--timeout", "20"], &named[..]].concat()));
     good(&user.does(&["reset"]));

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::{BlockOptions, Flash, PlantOptions};
-use leadscrew_core::bus::{Abort, Frame};
+use leadscrew_core::bus::{Abort, CobId, Frame, Service};
 use leadscrew_core::params::Entry;
 
 use super::*;
