@@ -65,8 +65,8 @@ impl Pdo {
         })
     }
 
-    /// Maps these: the PDO off, its mapping empty, the objects, their number, the PDO on. It ends with the COB-ID `then`, or
-    /// with `back` where the node refuses: a fixed mapping does not leave the PDO off.
+    /// Maps these: the PDO off, its mapping empty, the objects, their number, the PDO on. It ends with the COB-ID `then`,
+    /// or with `back` where the node refuses: a fixed mapping does not leave the PDO off.
     pub fn map(self, link: &mut Link, objects: &[Mapped], then: u32, back: u32) -> LinkResult {
         let (node, cob_id) = (self.node, self.cob_id());
         link.write_of(node, cob_id, &(then | INVALID).to_le_bytes())?;
