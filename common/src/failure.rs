@@ -80,6 +80,20 @@ impl Failure {
         }
     }
 
+    /// The same failure with more to say about it, where its words are still to be reported.
+    #[must_use]
+    pub fn and(self, more: &Both) -> Self {
+        let join = |words: Both| Both {
+            en: words.en + &more.en,
+            zh: words.zh + &more.zh,
+        };
+        match self {
+            Self::WrongBecause(words) => Self::WrongBecause(join(words)),
+            Self::Bus(words) => Self::Bus(join(words)),
+            other => other,
+        }
+    }
+
     /// The words that are still to be reported, for a process that reports them elsewhere.
     #[must_use]
     pub fn words(self) -> Option<Both> {

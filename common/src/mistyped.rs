@@ -24,18 +24,16 @@ pub fn report(error: &Error, typed: &[OsString]) -> ExitCode {
         let printed = error.print().and_then(|()| io::stdout().flush());
         return match printed {
             Err(unwritten) if !error.use_stderr() => {
-                let lang = if is_chinese(typed) {
-                    Lang::Zh
-                } else {
-                    Lang::En
-                };
-                Failure::stdout(&unwritten).report(lang, false)
+                Failure::stdout(&unwritten).report(lang(typed), false)
             }
             // Standard error is closed: nobody can be told.
             _ => exit(error),
         };
     }
-    let chinese = is_chinese(typed).then(|| chinese(error)).flatten();
+    let chinese = match lang(typed) {
+        Lang::En => None,
+        Lang::Zh => chinese(error),
+    };
     match &chinese {
         Some(words) => {
             let _ = writeln!(
@@ -70,12 +68,19 @@ fn exit(error: &Error) -> ExitCode {
     u8::try_from(error.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
-/// True where `--lang zh` is typed. A command line that cannot be read has no parsed options.
-fn is_chinese(typed: &[OsString]) -> bool {
-    let two = typed
+/// The language that `--lang` names, wherever it stands. A command line that cannot be read, or asks for help, has no
+/// parsed options.
+#[must_use]
+pub fn lang(typed: &[OsString]) -> Lang {
+    let options = typed.split(|word| word == "--").next().unwrap_or_default();
+    let two = options
         .windows(2)
         .any(|two| two[0] == "--lang" && two[1] == "zh");
-    two || typed.iter().any(|word| word == "--lang=zh")
+    if two || options.iter().any(|word| word == "--lang=zh") {
+        Lang::Zh
+    } else {
+        Lang::En
+    }
 }
 
 /// The first paragraph of the parser's message, without its heading.

@@ -30,6 +30,12 @@ impl Both {
     }
 }
 
+/// True for a character that takes two places on a terminal: those of East Asia, of which our texts use none below U+2E80.
+#[must_use]
+pub const fn is_wide(c: char) -> bool {
+    c >= '\u{2e80}'
+}
+
 /// True for a character that a terminal obeys instead of showing it: control characters, and those that change the
 /// direction of writing.
 #[must_use]

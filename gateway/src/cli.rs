@@ -5,6 +5,7 @@
 
 mod agent;
 mod by_hand;
+pub mod chinese;
 mod examples;
 mod fleet;
 mod machine;

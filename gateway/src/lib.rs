@@ -20,6 +20,7 @@
 //! ```
 
 pub mod beside;
+mod block;
 pub mod certified;
 pub mod checking;
 pub mod cli;

@@ -40,7 +40,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
     unavailable::refuse(cli)?;
     match &cli.command {
         Command::Completions { shell } => completions::print(*shell),
-        Command::Man { command, to } => man::run(command, to.as_deref()),
+        Command::Man { command, to } => man::run(command, to.as_deref(), cli.global.lang()),
         Command::Explain(args) => explain::run(&cli.global, args),
         Command::Params { command } => params::run(&cli.global, command),
         Command::Tools { command } => tools::tools(&cli.global, command),

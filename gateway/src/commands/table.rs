@@ -1,5 +1,7 @@
 //! A table for people: a head, and rows below it.
 
+use crate::words::is_wide;
+
 /// Columns as wide as they need to be; a Chinese character takes two places.
 pub fn table<const N: usize>(head: &[String; N], rows: &[[String; N]]) -> String {
     let mut widths = [0; N];
@@ -21,7 +23,7 @@ pub fn table<const N: usize>(head: &[String; N], rows: &[[String; N]]) -> String
     out
 }
 
-/// Places on a terminal. East Asian wide characters begin at U+1100, and the texts use no others.
+/// Places on a terminal.
 fn columns(text: &str) -> usize {
-    text.chars().map(|c| 1 + usize::from(c >= '\u{2e80}')).sum()
+    text.chars().map(|c| 1 + usize::from(is_wide(c))).sum()
 }

@@ -9,6 +9,7 @@ use leadscrew_can::{Can, CanError, Packet, Received, Stamp};
 use leadscrew_core::bus::{CobId, Frame, NodeId, Object, Service};
 
 use super::machine::Machine;
+use crate::block::{INPUTS, OUTPUTS};
 
 /// The wait for an answer.
 const ANSWER: Duration = Duration::from_millis(300);
@@ -37,12 +38,21 @@ const DRIVE: &[Object] = &[
     Object::new(0x6060, 0),
     Object::new(0x6061, 0),
 ];
+/// What the block of inputs and outputs is asked.
+const BLOCK: &[Object] = &[
+    OUTPUTS,
+    Object::new(0x1017, 0),
+    Object::new(0x1400, 1),
+    Object::new(0x1800, 1),
+];
+/// So often, where it does not answer: a rule needs as many questions.
+const TRIES: usize = 3;
 /// Mappings: the count first, then as many entries.
 const MAPPINGS: [u16; 2] = [0x1600, 0x1A00];
 
 /// What is read, for people.
 pub const READ: &str = "board 1006h 1016h:01 1017h; drives 1006h 1016h:01 1017h 1400h:01 1400h:02 1600h 1800h:01 1800h:02 1A00h \
-    60C2h 6060h 6061h";
+    60C2h 6060h 6061h; I/O block 1017h 1400h:01 1600h 1800h:01 1A00h 6000h 6200h";
 
 /// Reads all of it. `hear` gets every frame, the questions too.
 ///
@@ -65,16 +75,20 @@ pub fn ask(
         for object in DRIVE {
             there = there && go_on() && asking.read(drive.node, *object)?.is_there();
         }
-        for index in MAPPINGS {
-            let count = match there {
-                true => asking.read(drive.node, Object::new(index, 0))?,
-                false => Answer::Silent,
-            };
-            if let Answer::Value(count) = count {
-                for sub in 1..=count.min(16) {
-                    asking.read(drive.node, Object::new(index, sub))?;
-                }
-            }
+        if there {
+            asking.read_mappings(drive.node)?;
+        }
+    }
+    if let Some(block) = machine.block {
+        let mut there = false;
+        for _ in 0..TRIES {
+            there = there || go_on() && asking.read(block, INPUTS)?.is_there();
+        }
+        for object in BLOCK {
+            there = there && go_on() && asking.read(block, *object)?.is_there();
+        }
+        if there {
+            asking.read_mappings(block)?;
         }
     }
     Ok(())
@@ -101,6 +115,17 @@ struct Asking<'a> {
 }
 
 impl Asking<'_> {
+    fn read_mappings(&mut self, node: NodeId) -> Result<(), CanError> {
+        for index in MAPPINGS {
+            if let Answer::Value(count) = self.read(node, Object::new(index, 0))? {
+                for sub in 1..=count.min(16) {
+                    self.read(node, Object::new(index, sub))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn read(&mut self, node: NodeId, object: Object) -> Result<Answer, CanError> {
         let request = CobId::of(Service::SdoRequest, node);
         let reply = CobId::of(Service::SdoReply, node);

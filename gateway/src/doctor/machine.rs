@@ -47,6 +47,8 @@ pub struct Machine {
     pub board: NodeId,
     /// Its drives, in the order of a frame with all setpoints.
     pub drives: Vec<Expected>,
+    /// Its block of inputs and outputs (9461), where it has one.
+    pub block: Option<NodeId>,
     /// Whose clock the stamps are.
     pub clock: Clock,
 }
@@ -67,6 +69,7 @@ impl Machine {
             });
         Self {
             drives: drives.collect(),
+            block: NodeId::new(params.block_node()),
             params,
             told,
             board,
@@ -80,6 +83,12 @@ impl Machine {
         let number = node.get();
         if node == self.board {
             return both!("the board (node {number})", "控制板（节点 {number}）");
+        }
+        if Some(node) == self.block {
+            return both!(
+                "the I/O block (node {number})",
+                "输入输出模块（节点 {number}）"
+            );
         }
         match self.drives.iter().find(|drive| drive.node == node) {
             Some(drive) => both!(

@@ -20,10 +20,12 @@ pub fn machine(flash: Flash) -> Inside {
 
 /// The same with these parameters.
 pub fn machine_of(params: &Params, flash: Flash) -> Inside {
-    let options = PlantOptions::default();
-    let mut sim = Sim::power_up(params, &options, flash)
-        .map(Box::new)
-        .unwrap();
+    machine_with(params, &PlantOptions::default(), flash)
+}
+
+/// The same with another plant.
+pub fn machine_with(params: &Params, options: &PlantOptions, flash: Flash) -> Inside {
+    let mut sim = Sim::power_up(params, options, flash).map(Box::new).unwrap();
     sim.join(NodeId::BOARD).unwrap();
     let tick_us = sim.tick_us();
     Inside::new(sim, tick_us)

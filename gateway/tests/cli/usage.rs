@@ -67,6 +67,40 @@ fn help_and_version_are_on_every_command() {
 }
 
 #[test]
+fn a_help_is_in_the_language_asked_for_wherever_that_stands() {
+    let help = stdout(&leadscrew(&["run", "--help"]));
+    assert!(help.starts_with("Check all of a program, upload it and run it\n\nUsage: "));
+    for args in [
+        &["run", "--help", "--lang", "zh"][..],
+        &["--lang", "zh", "run", "--help"],
+        &["--lang=zh", "help", "run"],
+    ] {
+        let output = leadscrew(args);
+        assert_eq!(code(&output), 0, "{args:?}");
+        assert_eq!(stderr(&output), "", "{args:?}");
+        let help = stdout(&output);
+        assert!(
+            help.starts_with("检查整个程序，发送并运行\n\n用法： leadscrew run [选项] <PROG>\n"),
+            "{args:?}: {help}"
+        );
+        assert!(
+            help.contains("可用的值：\n          - en: 英语\n"),
+            "{help}"
+        );
+    }
+    // What was not asked for is told as a mistake, as in English.
+    for lang in ["en", "zh"] {
+        let output = leadscrew(&["--lang", lang, "params"]);
+        assert_eq!(code(&output), 2);
+        assert_eq!(stdout(&output), "");
+        assert_eq!(stderr(&output).contains("用法："), lang == "zh");
+    }
+    // A program that is called so.
+    let output = leadscrew(&["run", "--help", "--", "--lang", "zh"]);
+    assert!(stdout(&output).contains("Usage:"));
+}
+
+#[test]
 fn a_command_line_that_cannot_be_read_is_answered_in_the_language_asked_for() {
     let shaft = "examples/shaft.nc";
     for (args, words) in [
@@ -368,6 +402,23 @@ fn commands_below(command: &[&str]) -> Vec<String> {
         .filter(|name| *name != "help")
         .map(str::to_owned)
         .collect()
+}
+
+#[test]
+fn manual_pages_are_in_chinese_too_and_completions_in_english() {
+    let folder = Folder::new("man-zh");
+    let to = folder.0.to_str().unwrap();
+    let output = leadscrew(&["man", "--lang", "zh", "--to", to]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = std::fs::read_to_string(folder.file("leadscrew-run.1")).unwrap();
+    assert!(
+        page.contains("\n.SH 名称\nleadscrew\\-run \\- 检查整个程序，发送并运行\n"),
+        "{page}"
+    );
+    let printed = stdout(&leadscrew(&["man", "run", "--lang", "zh"]));
+    assert_eq!(printed, page);
+    let script = |lang| stdout(&leadscrew(&["completions", "zsh", "--lang", lang]));
+    assert_eq!(script("zh"), script("en"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::{LONG, User, bad, good};
+use crate::{LONG, User, bad, good, text};
 
 /// A machine with a door (input 1), and coolant: M8 and M9 switch output 1, input 2 answers M8.
 fn guarded() -> User {
@@ -183,9 +183,9 @@ fn gears_and_the_turret_are_those_of_the_board() {
 fn a_block_on_the_bus_has_its_names_and_is_missed() {
     let user = User::new();
     let file = user.0.join("block.toml");
-    let text = "door_input = \"door\"\n[io.door]\nat = \"401:5:in0\"\n[io.coolant]\nat = \"401:5:out15\"\n\
+    let set = "door_input = \"door\"\n[io.door]\nat = \"401:5:in0\"\n[io.coolant]\nat = \"401:5:out15\"\n\
         [io.clamp]\nat = \"401:5:out1\"\nsafe = true\n[m.8]\nset = \"coolant\"\nanswer = \"401:5:in1=1\"\nwithin = \"2 s\"\n";
-    std::fs::write(&file, text).unwrap();
+    std::fs::write(&file, set).unwrap();
     good(&user.does(&["up", "--machine", "block.toml"]));
     let named = ["--params", "block.toml"];
     good(&user.does(&[&["io", "wait", "door=1", "--timeout", "20"], &named[..]].concat()));
@@ -212,6 +212,20 @@ fn a_block_on_the_bus_has_its_names_and_is_missed() {
         (&status["alarm"]["no"], &status["outputs"]),
         (&json!(4553), &json!("18"))
     );
+    // What differs elsewhere is told, and that nobody knows it of the block.
+    let silent = "the block of inputs and outputs, node 5 (9461), does not answer";
+    let diff = ["params", "diff", "block.toml"];
+    let told = bad(&user.does(&diff), 3);
+    assert!(told.contains(silent), "{told}");
+    let output = user.does(&[&diff[..], &["--set", "9027=20", "--json"]].concat());
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&told["ok"], &told["exit"]), (&json!(false), &json!(3)));
+    assert!(told["error"].as_str().unwrap().contains(silent), "{told}");
+    assert_eq!(told["changes"][0]["no"], json!(9027), "{told}");
+    // Three questions without an answer.
+    let output = user.does(&["doctor", "--seconds", "1"]);
+    let told = text(&output.stdout);
+    assert!(told.contains("does not answer (rule 49)"), "{told}");
     good(&user.does(&["sim", "block", "well"]));
     good(&user.does(&[&["io", "wait", "door=1", "--timeout", "20"], &named[..]].concat()));
     good(&user.does(&["reset"]));

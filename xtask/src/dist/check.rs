@@ -159,11 +159,12 @@ fn commands(help: &str) -> Vec<&str> {
     names.filter(|name| *name != "help").collect()
 }
 
-/// Each command has its manual page, and the first page names each.
+/// Each command has its manual page, in English and in Chinese, and the first page names each.
 fn pages(folder: &Path, commands: &[&str]) -> Result<()> {
-    let read = |name: &str| {
+    let read = |below: &str, name: &str| {
         let page = folder
-            .join("usr/share/man/man1")
+            .join("usr/share/man")
+            .join(below)
             .join(format!("{name}.1.gz"));
         run::read(run::command(
             folder,
@@ -176,13 +177,19 @@ fn pages(folder: &Path, commands: &[&str]) -> Result<()> {
         "--help lists {} commands",
         commands.len()
     );
-    let first = read("leadscrew")?;
-    for command in commands {
-        ensure!(
-            first.contains(&format!("leadscrew\\-{command}(1)")),
-            "the first page has no {command}"
-        );
-        read(&format!("leadscrew-{command}"))?;
+    for (below, heading) in [("man1", ".SH NAME"), ("zh_CN/man1", ".SH 名称")] {
+        let first = read(below, "leadscrew")?;
+        for command in commands {
+            ensure!(
+                first.contains(&format!("leadscrew\\-{command}(1)")),
+                "the first page of {below} has no {command}"
+            );
+            let page = read(below, &format!("leadscrew-{command}"))?;
+            ensure!(
+                page.contains(heading),
+                "the page {command} of {below} has no {heading}"
+            );
+        }
     }
     Ok(())
 }

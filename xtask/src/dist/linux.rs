@@ -47,8 +47,10 @@ pub fn texts() -> Result<()> {
     let folder = run::scratch("dist")?;
     fs::remove_dir_all(&folder)?;
     let man = folder.join("man");
-    fs::create_dir_all(&man)?;
-    leadscrew(&["man", "--to", &man.to_string_lossy()])?;
+    for (lang, folder) in [("en", man.clone()), ("zh", man.join("zh_CN"))] {
+        fs::create_dir_all(&folder)?;
+        leadscrew(&["man", "--lang", lang, "--to", &folder.to_string_lossy()])?;
+    }
     for (shell, name) in [
         ("bash", "leadscrew.bash"),
         ("fish", "leadscrew.fish"),

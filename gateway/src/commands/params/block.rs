@@ -4,31 +4,20 @@
 //! outputs by RPDO1, and puts them at 9463 where the board is lost. All of that follows from the set, so no section of a
 //! file says it [D424].
 
-use leadscrew_core::bus::{CobId, Mapped, NmtCommand, NodeId, Object, SdoError, Service};
+use leadscrew_core::bus::{NmtCommand, NodeId, Object, SdoError};
 use leadscrew_core::params::Params;
 
+use super::pdo::{INVALID, Mapping, Pdo, mapped};
+use crate::block::{BYTES, INPUTS, OUTPUTS, is_as_wanted, wanted};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, LinkResult, Trouble};
 use crate::params::difference::{BLOCK, DriveChange};
-use crate::params::drives::{Kind, NO_REMOTE, object_text};
+use crate::params::drives::{Kind, object_text};
 use crate::words::{Both, both};
 
 /// The profile in 1000h.
 const PROFILE: i64 = 401;
 const DEVICE_TYPE: Object = Object::new(0x1000, 0);
-/// How many bytes of inputs and of outputs it has.
-const INPUTS: Object = Object::new(0x6000, 0);
-const OUTPUTS: Object = Object::new(0x6200, 0);
-/// It has a heartbeat so often, and says its inputs so often, in milliseconds.
-const EVERY_MS: i64 = 100;
-/// What is carried on change.
-const ON_CHANGE: i64 = 255;
-/// COB-ID bit 31: the PDO is not used.
-const INVALID: u32 = 1 << 31;
-/// Bytes of inputs, and of outputs, that the board uses.
-const BYTES: u8 = 2;
-/// A byte of a PDO that nothing is in.
-const DUMMY: Mapped = Mapped::new(0x0005, 0, 8);
 const STORE: Object = Object::new(0x1010, 1);
 const SAVE: [u8; 4] = *b"save";
 
@@ -102,12 +91,7 @@ pub fn pending(link: &mut Link, params: &Params) -> Outcome<Vec<Pending>> {
             }
             return Err(lacks(node, object));
         };
-        let same = match (object.index, object.sub) {
-            (0x1400 | 0x1800, 1) => (found ^ wanted) & !i64::from(NO_REMOTE) == 0,
-            (0x1400 | 0x1800, 2) => found >= ON_CHANGE - 1,
-            _ => found == wanted,
-        };
-        if !same {
+        if !is_as_wanted(object, found, wanted) {
             pending.push(Pending {
                 node,
                 object,
@@ -120,61 +104,24 @@ pub fn pending(link: &mut Link, params: &Params) -> Outcome<Vec<Pending>> {
     Ok(pending)
 }
 
-/// What the board needs, in the order in which it is written.
-fn wanted(
-    params: &Params,
-    board: NodeId,
-    node: NodeId,
-    inputs: u8,
-    outputs: u8,
-) -> Vec<(Object, Kind, i64)> {
-    let id = |service| i64::from(CobId::of(service, node).get());
-    let of = |index, sub, kind, value| (Object::new(index, sub), kind, value);
-    let watched = i64::from(board.get()) << 16 | i64::from(params.block_watch_ms());
-    let mut all = vec![
-        of(0x1017, 0, Kind::U16, EVERY_MS),
-        of(0x1016, 1, Kind::U32, watched),
-        of(0x1800, 2, Kind::U8, ON_CHANGE),
-        of(0x1800, 5, Kind::U16, EVERY_MS),
-        of(0x6005, 0, Kind::U8, 1),
-    ];
-    let mapped = |index: u16, at: u8, has: u8| match at <= has {
-        true => Mapped::new(index, at, 8),
-        false => DUMMY,
-    };
-    let mut map = |mapping: u16, communication: u16, entries: Vec<Mapped>, service| {
-        all.push(of(mapping, 0, Kind::U8, entries.len() as i64));
-        for (sub, entry) in (1..).zip(&entries) {
-            all.push(of(mapping, sub, Kind::U32, entry.raw().into()));
-        }
-        all.push(of(communication, 1, Kind::U32, id(service)));
-    };
-    let told = (1..=inputs).map(|at| mapped(0x6000, at, inputs)).collect();
-    map(0x1A00, 0x1800, told, Service::Tpdo1);
-    if outputs == 0 {
-        return all;
-    }
-    let taken = (1..=BYTES).map(|at| mapped(0x6200, at, outputs)).collect();
-    map(0x1600, 0x1400, taken, Service::Rpdo1);
-    all.push(of(0x1400, 2, Kind::U8, ON_CHANGE));
-    let safe = params.block_safe_outputs().to_le_bytes();
-    for (at, safe) in (1..=outputs).zip(safe) {
-        all.push(of(0x6206, at, Kind::U8, 0xFF));
-        all.push(of(0x6207, at, Kind::U8, safe.into()));
-    }
-    all
-}
-
 /// Sets the block up, in pre-operational; the board's set is in force. Notes what there is to say.
 ///
 /// # Errors
-/// The block refuses, or does not answer; the board's set is in force then.
+/// The block refuses, or does not answer. What was written to it has its old value again, as far as it takes that; the
+/// board's set is in force.
 pub fn apply(link: &mut Link, pending: &[Pending]) -> Outcome<Vec<Both>> {
     let Some(node) = pending.first().map(|pending| pending.node) else {
         return Ok(Vec::new());
     };
     link.send(&[NmtCommand::PreOperational.frame(Some(node))])?;
-    let done = write_all(link, node, pending);
+    let mut old = Vec::new();
+    let done = match write_all(link, node, pending, &mut old) {
+        Ok(()) => keep(link, node),
+        Err(trouble) => {
+            let lost = undo(link, node, &old);
+            Err(with(refused(node, &trouble), &lost))
+        }
+    };
     // Whatever has come of it: the board goes on with the block as it is.
     let started = link.send(&[NmtCommand::Start.frame(Some(node))]);
     let notes = done?;
@@ -182,30 +129,38 @@ pub fn apply(link: &mut Link, pending: &[Pending]) -> Outcome<Vec<Both>> {
     Ok(notes)
 }
 
-fn write_all(link: &mut Link, node: NodeId, pending: &[Pending]) -> Outcome<Vec<Both>> {
+/// What was there before something was written.
+#[derive(Debug)]
+enum Old {
+    Number(Pending),
+    Mapping(Pdo, Mapping),
+}
+
+fn write_all(link: &mut Link, node: NodeId, pending: &[Pending], old: &mut Vec<Old>) -> LinkResult {
     for (mapping, communication) in [(0x1A00, 0x1800), (0x1600, 0x1400)] {
+        let pdo = Pdo {
+            node,
+            mapping,
+            communication,
+        };
         let remapped = pending
             .iter()
             .any(|pending| pending.object.index == mapping);
         if remapped {
-            remap(link, pending, mapping, communication)
-                .map_err(|trouble| refused(node, &trouble))?;
+            remap(link, pending, pdo, old)?;
         }
     }
     for pending in pending {
-        let Object { index, sub } = pending.object;
-        let written = match (index, sub) {
-            (0x1600 | 0x1A00, _) => continue,
-            // An identifier changes only while its PDO is not used.
-            (0x1400 | 0x1800, 1) => {
-                let off = (pending.wanted as u32) | INVALID;
-                link.write_of(node, pending.object, &off.to_le_bytes())
-                    .and_then(|()| put(link, pending))
-            }
-            _ => put(link, pending),
-        };
-        written.map_err(|trouble| refused(node, &trouble))?;
+        if !matches!(pending.object.index, 0x1600 | 0x1A00) {
+            old.push(Old::Number(pending.clone()));
+            put(link, pending, pending.wanted)?;
+        }
     }
+    Ok(())
+}
+
+/// The block keeps what it has been told over a loss of power.
+fn keep(link: &mut Link, node: NodeId) -> Outcome<Vec<Both>> {
     match link.write_of(node, STORE, &SAVE) {
         Ok(()) => Ok(Vec::new()),
         Err(trouble) if trouble.refusal().is_some() => Ok(vec![both!(
@@ -217,53 +172,82 @@ fn write_all(link: &mut Link, node: NodeId, pending: &[Pending]) -> Outcome<Vec<
     }
 }
 
-fn put(link: &mut Link, pending: &Pending) -> LinkResult {
-    let bytes = pending.kind.encode(pending.wanted);
-    link.write_of(pending.node, pending.object, &bytes)
+fn put(link: &mut Link, pending: &Pending, value: i64) -> LinkResult {
+    let object = pending.object;
+    // An identifier changes only while its PDO is not used.
+    if let (0x1400 | 0x1800, 1) = (object.index, object.sub) {
+        let off = (value as u32) | INVALID;
+        link.write_of(pending.node, object, &off.to_le_bytes())?;
+    }
+    link.write_of(pending.node, object, &pending.kind.encode(value))
 }
 
-/// Writes a mapping as CiA 301 has it: the PDO off, no entries, the entries, their number, the PDO on. Entries that are
-/// right already are written again: a block may forget them with their number.
-fn remap(link: &mut Link, pending: &[Pending], mapping: u16, communication: u16) -> LinkResult {
-    let Some(node) = pending.first().map(|pending| pending.node) else {
-        return Ok(());
-    };
+/// Writes a mapping. Entries that are right already are written again: a block may forget them with their number.
+fn remap(link: &mut Link, pending: &[Pending], pdo: Pdo, old: &mut Vec<Old>) -> LinkResult {
+    let before = pdo.found(link)?;
     let wanted = |object| {
         let of = pending.iter().find(|pending| pending.object == object);
         of.map(|pending| pending.wanted as u32)
     };
-    let read = |link: &mut Link, object| -> LinkResult<u32> {
-        let mut raw = [0; 4];
-        for (place, byte) in raw.iter_mut().zip(link.read_of(node, object)?) {
-            *place = byte;
-        }
-        Ok(u32::from_le_bytes(raw))
-    };
-    let (identifier, count) = (Object::new(communication, 1), Object::new(mapping, 0));
-    let on = match wanted(identifier) {
-        Some(on) => on,
-        None => read(link, identifier)? & !INVALID,
-    };
-    let entries = match wanted(count) {
-        Some(entries) => entries,
-        None => read(link, count)?,
-    };
-    let mut all = Vec::new();
+    let on = wanted(pdo.cob_id()).unwrap_or(before.cob_id & !INVALID);
+    let entries = wanted(pdo.count()).unwrap_or(before.objects.len() as u32);
+    let mut objects = Vec::new();
     for sub in (1..=BYTES).take_while(|sub| u32::from(*sub) <= entries) {
-        let object = Object::new(mapping, sub);
+        let object = pdo.entry(sub);
         let entry = match wanted(object) {
             Some(entry) => entry,
-            None => read(link, object)?,
+            None => pdo.read(link, object)?,
         };
-        all.push((object, entry));
+        objects.push(mapped(entry));
     }
-    link.write_of(node, identifier, &(on | INVALID).to_le_bytes())?;
-    link.write_of(node, count, &[0])?;
-    for (object, entry) in all {
-        link.write_of(node, object, &entry.to_le_bytes())?;
+    let back = before.cob_id;
+    old.push(Old::Mapping(pdo, before));
+    pdo.map(link, &objects, on, back)
+}
+
+/// Gives what was written its old value back, the last first; what is not as it was then is named.
+fn undo(link: &mut Link, node: NodeId, old: &[Old]) -> Vec<String> {
+    let mut lost = Vec::new();
+    for old in old.iter().rev() {
+        if is_as_before(link, node, old) {
+            continue;
+        }
+        // It is looked at whatever the block says.
+        let (object, _) = match old {
+            Old::Number(pending) => (pending.object, put(link, pending, pending.found)),
+            Old::Mapping(pdo, before) => {
+                let id = before.cob_id;
+                (pdo.count(), pdo.map(link, &before.objects, id, id))
+            }
+        };
+        if !is_as_before(link, node, old) {
+            lost.push(object_text(object));
+        }
     }
-    link.write_of(node, count, &[entries as u8])?;
-    link.write_of(node, identifier, &on.to_le_bytes())
+    lost
+}
+
+fn is_as_before(link: &mut Link, node: NodeId, old: &Old) -> bool {
+    match old {
+        Old::Number(pending) => number(link, node, pending.object, pending.kind)
+            .is_ok_and(|found| found == Some(pending.found)),
+        Old::Mapping(pdo, before) => pdo.found(link).is_ok_and(|found| found == *before),
+    }
+}
+
+/// What to say where the block has failed behind the board.
+fn with(failure: Failure, lost: &[String]) -> Failure {
+    failure.and(&match lost {
+        [] => both!(
+            "; what was written to it before has its old value again, and the board's set is in force",
+            "；之前写入模块的对象已恢复原值，控制板的参数集已生效"
+        ),
+        lost => both!(
+            "; these did not take their old value back: {lost}. The board's set is in force",
+            "；以下对象未能恢复原值：{lost}。控制板的参数集已生效",
+            lost = lost.join(", ")
+        ),
+    })
 }
 
 /// A number; `None` where the block does not have it.
@@ -311,3 +295,6 @@ fn refused(node: NodeId, trouble: &Trouble) -> Failure {
         None => Failure::Bus(words),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,5 @@
-//! `params diff`: what differs between two sets. Exit code 1 where anything does.
+//! `params diff`: what differs between two sets. Exit code 1 where anything does, 3 where a drive or the block does not
+//! answer; what is known without the block is told all the same.
 
 use leadscrew_core::params::Params;
 
@@ -20,36 +21,60 @@ pub fn run(global: &Global, args: &Diff) -> Outcome {
             told_good(global, params::load(&files, &global.set, lang)?)
         };
         let (old, new) = (load(first)?, load(second)?);
-        return tell(global, &changes(&old.params, &new.params), &[]);
+        return tell(global, &changes(&old.params, &new.params), &[], None);
     }
     let files: Vec<_> = global.params.iter().chain(&args.files).cloned().collect();
     alone(global, &files, &global.set)?;
     let mut home = Home::open(global)?;
     if files.is_empty() && global.set.is_empty() {
-        return tell(global, &changes(&Params::slant_bed(), home.params()), &[]);
+        return tell(
+            global,
+            &changes(&Params::slant_bed(), home.params()),
+            &[],
+            None,
+        );
     }
     let base = match &home {
         Home::BuiltIn(_) => None,
         Home::Board(machine) => Some(machine.params.clone()),
     };
     let wanted = told_good(global, params::load_over(base, &files, &global.set, lang)?)?;
-    let drives = home.drive_changes(&wanted.drives, &wanted.params)?;
-    tell(global, &changes(home.params(), &wanted.params), &drives)
+    let (drives, unknown) = home.drive_changes(&wanted.drives, &wanted.params)?;
+    tell(
+        global,
+        &changes(home.params(), &wanted.params),
+        &drives,
+        unknown,
+    )
 }
 
-/// Prints what differs.
-fn tell(global: &Global, changes: &[Change], drives: &[DriveChange]) -> Outcome {
+/// Prints what differs, and why not all of it is known.
+fn tell(
+    global: &Global,
+    changes: &[Change],
+    drives: &[DriveChange],
+    unknown: Option<Failure>,
+) -> Outcome {
     let lang = global.lang();
     let same = changes.is_empty() && drives.is_empty();
     if global.json {
         output::json(|o| {
-            o.flag("ok", true);
+            match &unknown {
+                None => o.flag("ok", true),
+                Some(failure) => failure.fields(lang, o),
+            }
             difference::fields(o, changes, drives);
         })?;
-    } else if same {
+    } else if !same {
+        output::write(difference::text(changes, drives, lang).as_bytes())?;
+    } else if unknown.is_none() {
         output::write(pick(lang, "no difference\n", "没有差别\n").as_bytes())?;
     } else {
-        output::write(difference::text(changes, drives, lang).as_bytes())?;
+        output::write(pick(lang, "no other difference\n", "其余没有差别\n").as_bytes())?;
     }
-    if same { Ok(()) } else { Err(Failure::Wrong) }
+    match unknown {
+        Some(failure) => Err(failure),
+        None if same => Ok(()),
+        None => Err(Failure::Wrong),
+    }
 }

@@ -55,7 +55,8 @@ impl Home {
         }
     }
 
-    /// What differs on the drives that the `wanted` set names; nothing is known of them where there is no board.
+    /// What differs on the drives and on the block that the `wanted` set names, and why nothing is known of the block where
+    /// that is so; nothing is known of either where there is no board.
     ///
     /// # Errors
     /// A drive that does not answer, or does not have an object.
@@ -63,17 +64,21 @@ impl Home {
         &mut self,
         settings: &[Setting],
         wanted: &Params,
-    ) -> Outcome<Vec<DriveChange>> {
+    ) -> Outcome<(Vec<DriveChange>, Option<Failure>)> {
         match self {
-            Self::BuiltIn(_) => Ok(Vec::new()),
+            Self::BuiltIn(_) => Ok((Vec::new(), None)),
             Self::Board(machine) => {
                 let nodes = DriveNodes::of(wanted);
                 let pending = drive::pending(&mut machine.link, settings, &nodes)?;
-                let of_block = block::pending(&mut machine.link, wanted)?;
-                let all = pending.iter().map(drive::Pending::change);
-                Ok(all
-                    .chain(of_block.iter().map(block::Pending::change))
-                    .collect())
+                let mut changes: Vec<_> = pending.iter().map(drive::Pending::change).collect();
+                let unknown = match block::pending(&mut machine.link, wanted) {
+                    Ok(pending) => {
+                        changes.extend(pending.iter().map(block::Pending::change));
+                        None
+                    }
+                    Err(failure) => Some(failure),
+                };
+                Ok((changes, unknown))
             }
         }
     }

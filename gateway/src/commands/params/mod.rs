@@ -9,6 +9,7 @@ mod get;
 mod home;
 mod list;
 mod migrate;
+mod pdo;
 mod pull;
 mod push;
 mod restore;

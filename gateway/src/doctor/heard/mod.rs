@@ -254,6 +254,9 @@ impl Heard {
                 self.nodes.entry(node).or_default().asked.hit(at, packet);
             }
             Service::SdoReply => self.objects.reply(at, node, frame.payload(), packet),
+            Service::Rpdo1 if Some(node) == self.machine.block => {
+                self.nodes.entry(node).or_default().asked.hit(at, packet);
+            }
             _ if node == self.machine.board => self.of_board(at, service, frame, packet),
             _ => self.of_drive(at, service, node, frame, packet),
         }

@@ -1,4 +1,4 @@
-//! Rules 33–48: drives by CiA 402. They are asked only where none of the rules before has fired.
+//! Rules 33–48: drives by CiA 402. They are asked last, and only where no other has fired.
 
 use std::time::Duration;
 

@@ -1,6 +1,7 @@
 //! The rules, in the order in which they are asked. A rule is a row: what is wrong, what mends it, what it needs before it
 //! says so, and the function that looks for it in what was heard. One file a group.
 
+mod block;
 mod drive;
 mod network;
 mod pdo;
@@ -34,7 +35,7 @@ pub type Words = (&'static str, &'static str);
 /// A rule.
 #[derive(Debug)]
 pub struct Rule {
-    /// Its number, from 1; the first that fires is the first cause.
+    /// Its number, from 1; the first that fires, in the order of [`all`], is the first cause.
     pub number: u8,
     /// What it is about.
     pub group: Group,
@@ -61,7 +62,7 @@ pub enum Lack {
     Clock,
     /// The parameters are not known (`--params`).
     Parameters,
-    /// Something of rules 1 to 32 comes first.
+    /// Something that is not about drives comes first.
     Earlier,
 }
 
@@ -145,13 +146,14 @@ fn found_or(all: impl IntoIterator<Item = Found>, known: bool, lack: Lack) -> Ve
     }
 }
 
-/// All rules, by number.
+/// All rules, in the order in which they are asked: those that are about drives last.
 pub fn all() -> impl Iterator<Item = &'static Rule> {
     [
         wire::RULES,
         network::RULES,
         sync::RULES,
         pdo::RULES,
+        block::RULES,
         drive::RULES,
     ]
     .into_iter()

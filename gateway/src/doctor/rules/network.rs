@@ -189,7 +189,9 @@ fn silent(heard: &Heard) -> Verdict {
         // One that operates is no server.
         let asked = of.asked.enough() && *node != NodeId::GATEWAY;
         let board_rests = *node == heard.machine.board && heard.sync.count > 0;
-        if !asked || time < second || !heard_any || board_rests {
+        // That has a rule of its own.
+        let is_block = Some(*node) == heard.machine.block;
+        if !asked || time < second || !heard_any || board_rests || is_block {
             return None;
         }
         let name = heard.machine.called(*node);

@@ -1,7 +1,7 @@
 //! For each rule what looks like its fault and is none.
 
 use super::scene::{Scene, error, frame, is};
-use super::seeds::following;
+use super::seeds::{block, following};
 use crate::doctor::machine::{Clock, Known};
 
 /// An emergency of X that is over at once.
@@ -247,5 +247,15 @@ pub fn all() -> Vec<(u8, Scene)> {
         done.frame(500 + n * 800, 0x310, &[8]);
     }
     guard(48, done);
+    // It tells its inputs every 100 ms.
+    let mut there = Scene::with_block();
+    for n in 0..10 {
+        there.frame(1000 + n * 100, 0x200 + 70, &[1, 0]);
+        there.frame(1050 + n * 100, 0x180 + 70, &[0, 0]);
+    }
+    guard(49, there);
+    // Its heartbeat is no PDO, and remote requests are its own affair.
+    guard(50, block([0x1017, 0], 0));
+    guard(50, block([0x1800, 1], 0x1C6));
     all
 }

@@ -100,7 +100,15 @@ impl Scene {
         self.packet(ms * 1000 + 900, frame(id, payload));
     }
 
-    /// The node is asked for an object and tells it, or is told it.
+    /// The machine has a block of inputs and outputs at node 70.
+    pub fn with_block() -> Self {
+        let mut scene = Self::new();
+        let entry = Entry::find_text("9461").unwrap();
+        scene.machine.params.set(entry, 70).unwrap();
+        scene.machine.block = NodeId::new(70);
+        scene
+    }
+
     /// The board gives X and Z their setpoints in this mode.
     pub fn streams_in(&mut self, mode: i64) {
         for key in ["9076.X", "9076.Z"] {
@@ -109,6 +117,7 @@ impl Scene {
         }
     }
 
+    /// The node is asked for an object and tells it, or is told it.
     pub fn object(&mut self, ms: u64, node: u16, [index, sub]: [u16; 2], value: u32, write: bool) {
         let [low, high] = index.to_le_bytes();
         let [a, b, c, d] = value.to_le_bytes();

@@ -28,6 +28,28 @@ pub fn following(ms: u64, thread: bool) -> Scene {
     scene
 }
 
+/// A block of two bytes each, set up for the board but for one object.
+pub fn block(but: [u16; 2], value: u32) -> Scene {
+    let mut scene = Scene::with_block();
+    let all = [
+        ([0x6000, 0], 2),
+        ([0x6200, 0], 2),
+        ([0x1400, 1], 0x246),
+        ([0x1800, 1], 0x4000_01C6),
+        ([0x1600, 0], 2),
+        ([0x1600, 1], 0x6200_0108),
+        ([0x1600, 2], 0x6200_0208),
+        ([0x1A00, 0], 2),
+        ([0x1A00, 1], 0x6000_0108),
+        ([0x1A00, 2], 0x6000_0208),
+    ];
+    for (ms, (object, right)) in (1500..).zip(all) {
+        let value = if object == but { value } else { right };
+        scene.object(ms, 70, object, value, false);
+    }
+    scene
+}
+
 pub fn all() -> Vec<(u8, Scene)> {
     let mut all = Vec::new();
     let mut seed = |number: u8, scene: Scene| all.push((number, scene));
@@ -203,5 +225,24 @@ pub fn all() -> Vec<(u8, Scene)> {
     let mut homing = Scene::new().word(|_| 0x2637).control(|_| 0x001F);
     homing.frame(100, 0x310, &[6]);
     seed(48, homing);
+    // Its outputs for a second, or three questions.
+    let mut silent = Scene::with_block();
+    let mut asked = Scene::with_block();
+    for n in 0..10 {
+        silent.frame(1000 + n * 100, 0x200 + 70, &[1, 0]);
+    }
+    for n in 0..3 {
+        asked.frame(3000 + n * 300, 0x600 + 70, &[0x40, 0, 0x60, 0, 0, 0, 0, 0]);
+    }
+    seed(49, silent);
+    seed(49, asked);
+    // The inputs the wrong way round; an identifier of somebody else; a mapping that is empty.
+    for (object, value) in [
+        ([0x1A00, 1], 0x6000_0208),
+        ([0x1400, 1], 0x247),
+        ([0x1600, 0], 0),
+    ] {
+        seed(50, block(object, value));
+    }
     all
 }

@@ -5,10 +5,11 @@
 //! its old value back. Types of PDOs come first: a PDO that is switched on has its type by then.
 
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::bus::{Mapped, NmtCommand, NodeId, Object, Order, SdoError};
+use leadscrew_core::bus::{NmtCommand, NodeId, Object, Order, SdoError};
 use leadscrew_core::params::Params;
 
 use super::{Found, Pending, is, is_cob_id, is_type, read, refused};
+use crate::commands::params::pdo::{INVALID, Pdo};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, LinkResult, Trouble};
 use crate::params::drives::{
@@ -17,8 +18,6 @@ use crate::params::drives::{
 };
 use crate::words::{Both, both};
 
-/// COB-ID bit 31: the PDO is not used.
-const INVALID: u32 = 1 << 31;
 /// 1010h:01h, and what it takes.
 const STORE: Object = Object::new(0x1010, 1);
 const SAVE: [u8; 4] = *b"save";
@@ -121,9 +120,7 @@ pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Ou
 
 /// What to say where something fails behind the drives and before the board is told to take its set.
 pub fn only_drives(failure: Failure) -> Failure {
-    joined(
-        failure,
-        &both!(
+    failure.and(&both!(
             "; the drives have their new values and may lose them when switched off, and the board's set has not been changed",
             "；驱动器已写入新值，断电后可能丢失；控制板的参数集未作改动"
         ),
@@ -159,30 +156,27 @@ pub fn with_drives(link: &mut Link, pending: &[Pending], trouble: Trouble, reset
                 "；驱动器已写入新值，控制板是否采用新参数集不详：请重新写入"
             ),
         };
-        return joined(trouble.into(), &more);
+        return Failure::from(trouble).and(&more);
     }
     let lost = take_back(link, pending, reset);
-    joined(
-        trouble.into(),
-        &match lost {
-            Ok(lost) if lost.is_empty() => both!(
-                "; the drives have their old values again",
-                "；驱动器已恢复原值"
-            ),
-            Ok(lost) => both!(
-                "; these did not take their old value back: {lost}",
-                "；以下对象未能恢复原值：{lost}",
-                lost = lost.join(", ")
-            ),
-            Err(trouble) => {
-                let Both { en, zh } = trouble.words();
-                both!(
-                    "; the drives may have their new values: {en}",
-                    "；驱动器可能仍为新值：{zh}"
-                )
-            }
-        },
-    )
+    Failure::from(trouble).and(&match lost {
+        Ok(lost) if lost.is_empty() => both!(
+            "; the drives have their old values again",
+            "；驱动器已恢复原值"
+        ),
+        Ok(lost) => both!(
+            "; these did not take their old value back: {lost}",
+            "；以下对象未能恢复原值：{lost}",
+            lost = lost.join(", ")
+        ),
+        Err(trouble) => {
+            let Both { en, zh } = trouble.words();
+            both!(
+                "; the drives may have their new values: {en}",
+                "；驱动器可能仍为新值：{zh}"
+            )
+        }
+    })
 }
 
 fn take_back(link: &mut Link, pending: &[Pending], reset: bool) -> LinkResult<Vec<String>> {
@@ -275,20 +269,7 @@ fn with(failure: Failure, lost: Vec<String>) -> Failure {
             lost = lost.join(", ")
         )
     };
-    joined(failure, &back)
-}
-
-/// The words of a failure, and more of them.
-fn joined(failure: Failure, more: &Both) -> Failure {
-    let join = |words: Both| Both {
-        en: words.en + &more.en,
-        zh: words.zh + &more.zh,
-    };
-    match failure {
-        Failure::WrongBecause(words) => Failure::WrongBecause(join(words)),
-        Failure::Bus(words) => Failure::Bus(join(words)),
-        other => other,
-    }
+    failure.and(&back)
 }
 
 fn write(link: &mut Link, drive: Drive, wanted: &Wanted) -> LinkResult {
@@ -309,12 +290,7 @@ fn write(link: &mut Link, drive: Drive, wanted: &Wanted) -> LinkResult {
                 mapping: *mapping,
                 communication: *communication,
             };
-            let bytes = link.read_of(node, pdo.cob_id())?;
-            let mut raw = [0; 4];
-            for (place, byte) in raw.iter_mut().zip(bytes) {
-                *place = byte;
-            }
-            let id = u32::from_le_bytes(raw);
+            let id = pdo.read(link, pdo.cob_id())?;
             pdo.map(link, objects, id & !INVALID, id)
         }
     }
@@ -333,42 +309,6 @@ fn number(link: &mut Link, node: NodeId, object: Object, bytes: &[u8]) -> LinkRe
         return link.write_of(node, object, &wanted.to_le_bytes());
     }
     link.write_of(node, object, bytes)
-}
-
-/// A PDO of a drive.
-struct Pdo {
-    node: NodeId,
-    /// 1600h … 1A01h.
-    mapping: u16,
-    /// 1400h … 1801h.
-    communication: u16,
-}
-
-impl Pdo {
-    const fn cob_id(&self) -> Object {
-        Object::new(self.communication, 1)
-    }
-
-    /// Maps these, as CiA 301 has it: the PDO off, its mapping empty, the objects, their number, the PDO on. It ends with
-    /// the COB-ID `then`, or with `back` where the drive refuses: a fixed mapping does not leave the PDO off.
-    fn map(&self, link: &mut Link, objects: &[Mapped], then: u32, back: u32) -> LinkResult {
-        let (node, cob_id) = (self.node, self.cob_id());
-        link.write_of(node, cob_id, &(then | INVALID).to_le_bytes())?;
-        let mapped = self.fill(link, objects);
-        let id = if mapped.is_ok() { then } else { back };
-        let ended = link.write_of(node, cob_id, &id.to_le_bytes());
-        mapped.and(ended)
-    }
-
-    fn fill(&self, link: &mut Link, objects: &[Mapped]) -> LinkResult {
-        let count = Object::new(self.mapping, 0);
-        link.write_of(self.node, count, &[0])?;
-        for (sub, mapped) in (1..).zip(objects) {
-            let object = Object::new(self.mapping, sub);
-            link.write_of(self.node, object, &mapped.raw().to_le_bytes())?;
-        }
-        link.write_of(self.node, count, &[objects.len() as u8])
-    }
 }
 
 fn unkept(pending: &Pending) -> Failure {

@@ -8,6 +8,7 @@ mod tests;
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Abort, Mapped, Object, SdoError};
 
+use super::pdo::mapped;
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, Trouble, reason};
 use crate::params::difference::DriveChange;
@@ -154,8 +155,7 @@ fn read(link: &mut Link, drive: Drive, wanted: &Wanted) -> Outcome<Found> {
             let objects: Outcome<Vec<Mapped>> = (1..=u8::try_from(count).unwrap_or(0))
                 .map(|sub| {
                     let raw = number(Object::new(*mapping, sub), Kind::U32)?;
-                    let [bits, sub, low, high] = (raw as u32).to_le_bytes();
-                    Ok(Mapped::new(u16::from_le_bytes([low, high]), sub, bits))
+                    Ok(mapped(raw as u32))
                 })
                 .collect();
             Ok(Found::Mapping {
