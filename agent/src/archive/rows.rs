@@ -66,7 +66,7 @@ fn columns(origin: &Origin, made: Moment, records: &[&Numbered]) -> Result<Vec<C
         .iter()
         .map(|record| Some(record.number.cast_signed()));
     let mut columns = vec![
-        column("at", Cells::Times(times.collect())),
+        column("at_utc", Cells::Times(times.collect())),
         column("shop", all(text(&origin.shop))),
         column("node", all(text(&origin.node))),
         column("machine", Cells::Texts(machines.collect())),

@@ -418,7 +418,7 @@ fn every_record_has_its_row() {
     assert_eq!(rows.len(), count);
     let cell = |number: i64, name: &str| rows[&number].1.get(name).expect(name).to_string();
     for (number, name, value) in [
-        (1, "at", "1970-01-01 00:00:01.234 +00:00"),
+        (1, "at_utc", "1970-01-01 00:00:01.234 +00:00"),
         (1, "shop", "\"shop\""),
         (1, "node", "\"desk\""),
         (1, "machine", "\"lathe\""),
