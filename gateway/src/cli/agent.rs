@@ -66,6 +66,9 @@ pub struct Access {
     /// User and password at the broker, on two lines of a file that its owner alone may read
     #[arg(long, value_name = "FILE", requires = "broker")]
     pub login: Option<PathBuf>,
+    /// Certificate and private key of this client, as PEM in one file that its owner alone may read, for a broker that asks
+    #[arg(long, value_name = "FILE", requires = "ca")]
+    pub identity: Option<PathBuf>,
     /// Group in the topics: the shop
     #[arg(long, value_name = "NAME", default_value = "leadscrew")]
     pub group: String,

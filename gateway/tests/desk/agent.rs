@@ -401,6 +401,12 @@ fn what_cannot_be_is_refused_with_what_helps() {
     refused(&["--broker", "mqtt://x", "--login", login], "chmod 600");
     refused(&["--broker", "mqtts://x"], "--ca");
     refused(&["--broker", "mqtts://x", "--ca", login], "no certificate");
+    let identity = ["--ca", login, "--identity", login];
+    refused(
+        &[&["--broker", "mqtts://x"], &identity[..]].concat(),
+        "holds a private key: chmod 600",
+    );
+    refused(&["--broker", "mqtts://x", "--identity", login], "--ca");
     refused(&["--broker", "mqtt://x", "--bus", "sim"], "sim");
     let boards = |boards: &[&str], words: &str| {
         refused(&[&["--metrics", "127.0.0.1:0"], boards].concat(), words);
