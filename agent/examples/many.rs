@@ -1,7 +1,7 @@
 //! An agent for a load test: store, sender and archive are those of `leadscrew agent`, and its machines are made up.
 //!
-//! `many BROKER FOLDER NAME MACHINES BEGIN PERIOD THREADS STATES`: machines `NAME-0`, `NAME-1`, … have been cutting a thread
-//! every PERIOD ms since BEGIN (ms since 1970), THREADS in all, and tell STATES states for each. What a machine has cut
+//! `many BROKER FOLDER NAME MACHINES BEGIN PERIOD THREADS STATES`: machines `NAME-0`, `NAME-1`, … have been cutting a
+//! thread every PERIOD ms since BEGIN (ms since 1970), THREADS in all, and tell STATES states for each. What one has cut
 //! follows from the clock, so an agent that was killed finds a board that went on meanwhile, and forgot all but its last
 //! five certificates. It ends at the end of its input.
 
@@ -55,7 +55,7 @@ impl Machine {
         u64::from(number) * self.period
     }
 
-    fn meet(&mut self, at: Moment) -> Result<(), Box<dyn Error>> {
+    fn meet(&mut self, at: Moment, shared: &Shared) -> Result<(), Box<dyn Error>> {
         let cut = self.cut(at);
         let last = self.keeper.model().memory().last_event;
         let met = Met {
@@ -68,7 +68,7 @@ impl Machine {
             newest_thread: cut,
             last_event: (last > 0).then(|| self.tick(last)),
         };
-        self.keeper.take(at, &Observation::Met(met))?;
+        shared.take(&self.keeper.take(at, &Observation::Met(met))?);
         Ok(())
     }
 
@@ -197,7 +197,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             serial: u32::try_from(place)? + 1,
             read: None,
         };
-        machine.meet(now())?;
+        machine.meet(now(), &shared)?;
         all.push(machine);
     }
     let origin = Origin {

@@ -1,6 +1,6 @@
 -- What the other files here build upon: the records of an archive that `leadscrew agent --archive DIR` writes.
 --
---     SET VARIABLE archive = '/srv/archive';
+--     SET VARIABLE archive = 'history';
 --     .read contrib/duckdb/archive.sql
 --     .read contrib/duckdb/alarms.sql
 

@@ -1,7 +1,7 @@
 -- Certificates that nobody has cut, for trying how fast a query is: an archive of 200 machines in the year 2026, a file for
 -- each month. Ten of them are of one part; each part has its run.
 --
---     SET VARIABLE archive = '/tmp/made-up';
+--     SET VARIABLE archive = 'made-up';
 --     SET VARIABLE certificates = 10000000;
 CREATE OR REPLACE TEMP MACRO spread(i, salt) AS hash(i * 31 + salt) % 1000000 / 1e6;
 

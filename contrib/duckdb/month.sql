@@ -3,7 +3,7 @@
 --
 --     SET VARIABLE month = DATE '2026-11-01';
 --     SET VARIABLE kind = 'thread';
---     SET VARIABLE months = '/srv/months';
+--     SET VARIABLE months = 'months';
 COPY (
     SELECT * REPLACE (getvariable('month') AS date)
     FROM once(getvariable('kind'))

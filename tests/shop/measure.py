@@ -96,8 +96,6 @@ def query(options):
         tools = [(f"{part:016x}", line, f"T{(line - 10) // 3 + 1}") for part in range(3) for line in range(10, 17)]
         archive.database.executemany("INSERT INTO tools VALUES (?, ?, ?)", tools)
         timed("pitch", " with tools")
-        archive.does("CREATE OR REPLACE MACRO told(kind) AS TABLE FROM once(kind)")
-        timed("spindle", ", repetitions taken off")
 
 
 def main():
