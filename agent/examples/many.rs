@@ -171,7 +171,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     let shared = Arc::new(Shared::default());
     let broker = Broker {
-        address: broker.parse().map_err(|wrong| format!("{wrong}"))?,
+        address: broker.parse()?,
         login: None,
         tls: None,
         names: Names::new("shop", name, machines.iter().map(String::as_str))?,
