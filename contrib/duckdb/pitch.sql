@@ -1,5 +1,5 @@
 -- Error of the pitch by machine, tool and month: how many threads, for how many it is known, the mean and the largest error
--- in a turn with the uncertainty of that one, and the largest error of the cut (all µm).
+-- in a turn with the uncertainty of that one (of several the largest), and the largest error of the cut (all µm).
 WITH
     cut AS (
         SELECT machine, store, thread_key, thread_program, thread_line, date_trunc('month', at_utc) AS month,
@@ -8,12 +8,13 @@ WITH
     ),
     -- A program may run again under its key.
     made AS (
-        SELECT DISTINCT machine, store, split_part(run_key, '/', 3)::BIGINT AS program, split_part(run_key, '/', 2) AS start,
-               run_setpoint_hash
+        SELECT DISTINCT machine, store, run_setpoint_hash, split_part(run_key, '/', 2) AS start,
+               split_part(run_key, '/', 3)::BIGINT AS program
         FROM told('run') WHERE run_setpoint_hash IN (SELECT setpoint_hash FROM tools)
     )
 SELECT cut.machine, tool, month, count(*) AS threads, count(error) AS known, avg(error) AS mean_um,
-       max(error) AS largest_um, arg_max(u, error) AS largest_um_u, max(worst) AS worst_um
+       max(error) AS largest_um, arg_max(u, CASE WHEN error IS NOT NULL THEN (error, u) END) AS largest_um_u,
+       max(worst) AS worst_um
 FROM cut
 LEFT JOIN made ON made.machine = cut.machine AND made.store = cut.store AND program = thread_program
     AND starts_with(thread_key[10:], start || '/')

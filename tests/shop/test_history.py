@@ -79,6 +79,8 @@ class OfAMachine(unittest.TestCase):
         agent.communicate()
         agent = cls.shop.agent()
         cls.parts.append(cls.shop.part())
+        # An alarm in the same look at the log would be the end of the part.
+        time.sleep(3)
         cls.shop.does("sim", "estop", "press")
         # It is told with the next look at the log.
         time.sleep(3)
