@@ -1,9 +1,9 @@
 //! What an agent tells of its machines, keeps and sends.
 //!
 //! ```text
-//! the side of the bus ── Observation ──► model ─► Record ─► store ─► the broker has it ─► removed
+//! the side of the bus ── Observation ──► model ─► Record ─► store ─► sender: sparkplug in mqtt
 //!                                                   │          │
-//!          metrics, values for births  ◄─────────┘          └─► sender: sparkplug in mqtt
+//!          metrics, values for births  ◄─────────┘          └─► archive: files of Parquet
 //! ```
 //!
 //! Beside the records, the set of parameters in force goes to the broker as a state that it retains ([`set`]), and
@@ -14,6 +14,7 @@
 //! published has been kept before; the number under which it is kept goes with it, so that a repetition is known as one
 //! [D405].
 
+pub mod archive;
 pub mod keeper;
 pub mod metrics;
 pub mod model;

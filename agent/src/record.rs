@@ -72,6 +72,21 @@ pub enum Body {
 }
 
 impl Body {
+    /// The word for its kind in what programs read.
+    #[must_use]
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Presence(_) => "presence",
+            Self::State(_) => "state",
+            Self::Event(_) => "event",
+            Self::Identity(_) => "identity",
+            Self::Thread(_) => "thread",
+            Self::Run(_) => "run",
+            Self::Gap(_) => "gap",
+            Self::Loss(_) => "loss",
+        }
+    }
+
     /// What it is worth.
     #[must_use]
     pub const fn class(&self) -> Class {

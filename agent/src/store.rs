@@ -1,7 +1,8 @@
 //! What is kept until the broker has it: records in the order of their numbers, and how far the board was read.
 //!
 //! One transaction keeps the records of an observation with the memory that follows from it, so a kill at any point leaves
-//! both or neither. A record goes when the broker has acknowledged it. Where room is short, the oldest states go, then the
+//! both or neither. A record goes when all have it for whom it is kept: the broker has acknowledged it, and it is in a file
+//! of the archive. Each of the two goes on from a number of its own. Where room is short, the oldest states go, then the
 //! oldest events; certificates never do, and a record tells what went [D407].
 //!
 //! One store is for all machines of an agent: its numbers count all of their records, and what is remembered is remembered
@@ -10,11 +11,13 @@
 use std::fmt;
 use std::fs;
 use std::io::ErrorKind;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use redb::{
-    Database, ReadableDatabase as _, ReadableTable as _, Table, TableDefinition, WriteTransaction,
+    Database, ReadTransaction, ReadableDatabase as _, ReadableTable as _, Table, TableDefinition,
+    WriteTransaction,
 };
 use serde::{Deserialize, Serialize};
 
@@ -98,6 +101,46 @@ pub struct Figures {
     pub connections: u64,
     /// The record that tells of the last loss, where it may still be widened.
     loss: Option<(u64, Loss)>,
+    /// The broker has all up to this number. Earlier versions had removed them, and an archive they had not.
+    #[serde(default)]
+    sent: u64,
+    /// All up to this number are in the archive.
+    #[serde(default)]
+    archived: u64,
+    /// The last number of what is being written to the archive.
+    #[serde(default)]
+    planned: Option<u64>,
+}
+
+/// For whom records are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Readers {
+    /// A broker.
+    pub broker: bool,
+    /// An archive.
+    pub archive: bool,
+}
+
+/// What waits for the archive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Waiting {
+    /// When the agent knew of the first of it.
+    pub first: Moment,
+    /// So many records at most.
+    pub most: u64,
+    /// A plan has not come to its end.
+    pub planned: bool,
+}
+
+/// What is written to the archive in one go.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// It begins with this number, of which no other plan of the store does.
+    pub first: u64,
+    /// Its last number.
+    pub last: u64,
+    /// Its records, in order. Some of its numbers may have gone for want of room.
+    pub records: Vec<Numbered>,
 }
 
 /// Opens the database: at the beginning, and after an error.
@@ -106,6 +149,7 @@ type Opener = Box<dyn Fn() -> Result<Database, redb::Error> + Send>;
 struct Inside {
     opener: Opener,
     database: Option<Database>,
+    readers: Readers,
     /// Numbers up to this have been handed to a broker that has not acknowledged them all.
     handed: u64,
 }
@@ -145,6 +189,10 @@ impl Store {
             inside: Mutex::new(Inside {
                 opener,
                 database: None,
+                readers: Readers {
+                    broker: true,
+                    archive: false,
+                },
                 handed: 0,
             }),
             limit,
@@ -164,6 +212,17 @@ impl Store {
             Ok(())
         })?;
         Ok(store)
+    }
+
+    /// Says for whom it is kept; else for a broker alone.
+    pub fn serve(&self, readers: Readers) {
+        self.inside().readers = readers;
+    }
+
+    /// Bytes of records that it keeps.
+    #[must_use]
+    pub const fn limit(&self) -> u64 {
+        self.limit
     }
 
     fn inside(&self) -> MutexGuard<'_, Inside> {
@@ -205,7 +264,7 @@ impl Store {
         memory: &Memory,
     ) -> StoreResult<Vec<Numbered>> {
         let mut inside = self.inside();
-        let (handed, limit) = (inside.handed, self.limit);
+        let (readers, handed, limit) = (inside.readers, inside.handed, self.limit);
         inside.write(|writing| {
             let mut head = writing.open_table(HEAD)?;
             let mut figures: Figures = get(&head, FIGURES)?.unwrap_or_default();
@@ -218,7 +277,8 @@ impl Store {
                 });
             }
             if let Some(last) = records.last() {
-                figures.make_room(writing, limit, handed, last)?;
+                let told = figures.told(readers, handed);
+                figures.make_room(writing, limit, handed, told, last)?;
             }
             put(&mut head, FIGURES, &figures)?;
             put(&mut head, &memory_of(machine), memory)?;
@@ -258,26 +318,11 @@ impl Store {
     /// The file cannot be read.
     pub fn hand(&self, behind: u64, most: usize) -> StoreResult<Vec<Numbered>> {
         let mut inside = self.inside();
-        let next = behind.saturating_add(1);
         let records = inside.attempt(|database| {
             let reading = database.begin_read()?;
-            let nameless: Option<String> = get(&reading.open_table(HEAD)?, NAMELESS)?;
-            let nameless = nameless.unwrap_or_default();
-            let mut records = Vec::new();
-            for class in Class::ALL {
-                for entry in reading.open_table(table(class))?.range(next..)?.take(most) {
-                    let (number, bytes) = entry?;
-                    let number = number.value();
-                    let mut record: Record = parsed(bytes.value())?;
-                    if record.machine.is_empty() {
-                        record.machine.clone_from(&nameless);
-                    }
-                    records.push(Numbered { number, record });
-                }
-            }
-            records.sort_by_key(|record| record.number);
-            records.truncate(most);
-            Ok(records)
+            let figures: Figures = get(&reading.open_table(HEAD)?, FIGURES)?.unwrap_or_default();
+            let next = behind.max(figures.sent).saturating_add(1);
+            records(&reading, next..=u64::MAX, most)
         })?;
         if let Some(last) = records.last() {
             inside.handed = inside.handed.max(last.number);
@@ -285,22 +330,97 @@ impl Store {
         Ok(records)
     }
 
-    /// Removes all up to a number, which the broker has.
+    /// The broker has all up to a number. What the archive need not have is removed.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn acknowledge(&self, number: u64) -> StoreResult {
-        self.write(|writing| {
+        self.pass(|figures| figures.sent = figures.sent.max(number))
+    }
+
+    /// The plan of the archive up to this number is carried out. What the broker need not have is removed.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn archived(&self, number: u64) -> StoreResult {
+        self.pass(|figures| {
+            figures.archived = figures.archived.max(number);
+            figures.planned = None;
+        })
+    }
+
+    /// Somebody has come further: what all have is removed.
+    fn pass(&self, come: impl FnOnce(&mut Figures)) -> StoreResult {
+        let mut inside = self.inside();
+        let readers = inside.readers;
+        inside.write(|writing| {
             let mut head = writing.open_table(HEAD)?;
             let mut figures: Figures = get(&head, FIGURES)?.unwrap_or_default();
+            come(&mut figures);
+            let all_have = figures.all_have(readers);
             for class in Class::ALL {
                 let mut table = writing.open_table(table(class))?;
-                while let Some(bytes) = first(&mut table, |first| first <= number)? {
+                while let Some(bytes) = first(&mut table, |first| first <= all_have)? {
                     figures.remove(bytes.1);
                 }
             }
-            figures.loss = figures.loss.filter(|(at, _)| *at > number);
+            let told = figures.told(readers, figures.sent);
+            figures.loss = figures.loss.filter(|(at, _)| *at > told);
             put(&mut head, FIGURES, &figures)
+        })
+    }
+
+    /// What waits for the archive. `None`: nothing.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn waiting(&self) -> StoreResult<Option<Waiting>> {
+        self.inside().attempt(|database| {
+            let reading = database.begin_read()?;
+            let figures: Figures = get(&reading.open_table(HEAD)?, FIGURES)?.unwrap_or_default();
+            let first = records(&reading, figures.archived + 1..=u64::MAX, 1)?;
+            Ok(first.first().map(|first| Waiting {
+                first: first.record.at,
+                most: figures.newest.saturating_sub(first.number) + 1,
+                planned: figures.planned.is_some(),
+            }))
+        })
+    }
+
+    /// The plan that is under way, else the next one with so many records at most, which is then under way.
+    ///
+    /// # Errors
+    /// The file cannot be read or written.
+    pub fn plan(&self, most: usize) -> StoreResult<Plan> {
+        let mut inside = self.inside();
+        let figures = inside.attempt(|database| {
+            let reading = database.begin_read()?;
+            let figures: Option<Figures> = get(&reading.open_table(HEAD)?, FIGURES)?;
+            Ok(figures.unwrap_or_default())
+        })?;
+        let first = figures.archived + 1;
+        let end = figures.planned.unwrap_or(u64::MAX);
+        let most = if figures.planned.is_some() {
+            usize::MAX
+        } else {
+            most
+        };
+        let records =
+            inside.attempt(|database| records(&database.begin_read()?, first..=end, most))?;
+        let last = records.last().map_or(figures.archived, |last| last.number);
+        let last = figures.planned.unwrap_or(last);
+        if figures.planned.is_none() {
+            inside.write(|writing| {
+                let mut head = writing.open_table(HEAD)?;
+                let mut figures: Figures = get(&head, FIGURES)?.unwrap_or_default();
+                figures.planned = Some(last);
+                put(&mut head, FIGURES, &figures)
+            })?;
+        }
+        Ok(Plan {
+            first,
+            last,
+            records,
         })
     }
 
@@ -362,20 +482,53 @@ impl Figures {
         self.bytes = self.bytes.saturating_sub(bytes);
     }
 
-    /// Drops the oldest of what may go until all is within the limit. What a broker has been handed may arrive, so it
-    /// stays.
+    /// The last number that all have for whom it is kept.
+    const fn all_have(&self, readers: Readers) -> u64 {
+        match readers {
+            Readers {
+                broker: true,
+                archive: false,
+            } => self.sent,
+            Readers {
+                broker: false,
+                archive: true,
+            } => self.archived,
+            _ if self.sent < self.archived => self.sent,
+            _ => self.archived,
+        }
+    }
+
+    /// A loss up to this number is not widened. A broker hears of each widening where there is an archive: else the losses
+    /// of an archive that is not written would fill the room that they tell of.
+    fn told(&self, readers: Readers, handed: u64) -> u64 {
+        if readers.archive {
+            self.planned.unwrap_or(self.archived)
+        } else {
+            handed
+        }
+    }
+
+    /// What is on its way: a broker has been handed it, a file is being written. It may arrive, so it stays.
+    fn under_way(&self, handed: u64) -> [RangeInclusive<u64>; 2] {
+        let planned = self.planned.unwrap_or(0);
+        [self.sent + 1..=handed, self.archived + 1..=planned]
+    }
+
+    /// Drops the oldest of what may go until all is within the limit.
     fn make_room(
         &mut self,
         writing: &WriteTransaction,
         limit: u64,
         handed: u64,
+        told: u64,
         last: &Record,
     ) -> StoreResult {
         let mut lost: Option<Loss> = None;
         for class in [Class::State, Class::Event] {
             let mut table = writing.open_table(table(class))?;
             while self.bytes + LOSS > limit {
-                let Some((number, bytes)) = oldest_behind(&mut table, handed)? else {
+                let stays = self.under_way(handed);
+                let Some((number, bytes)) = oldest_but(&mut table, &stays)? else {
                     break;
                 };
                 self.remove(bytes);
@@ -389,7 +542,7 @@ impl Figures {
             }
         }
         match lost {
-            Some(lost) => self.tell_loss(writing, lost, handed, last),
+            Some(lost) => self.tell_loss(writing, lost, told, last),
             None => Ok(()),
         }
     }
@@ -400,10 +553,10 @@ impl Figures {
         &mut self,
         writing: &WriteTransaction,
         mut lost: Loss,
-        handed: u64,
+        told: u64,
         last: &Record,
     ) -> StoreResult {
-        if let Some((number, before)) = self.loss.filter(|(number, _)| *number > handed) {
+        if let Some((number, before)) = self.loss.filter(|(number, _)| *number > told) {
             lost = before.with(&lost);
             let mut table = writing.open_table(CERTIFICATES)?;
             let old = table.remove(number)?.map(|old| old.value().len() as u64);
@@ -468,20 +621,48 @@ fn first(
     }
 }
 
-/// The same with the first behind a number.
-fn oldest_behind(
+/// The same with the first that is in none of these ranges.
+fn oldest_but(
     table: &mut Table<'_, u64, &'static [u8]>,
-    behind: u64,
+    stays: &[RangeInclusive<u64>],
 ) -> StoreResult<Option<(u64, u64)>> {
-    let next = behind.saturating_add(1);
-    let found = match table.range(next..)?.next() {
-        Some(entry) => Some(entry?.0.value()),
-        None => None,
-    };
-    match found {
-        Some(number) => take(table, number),
-        None => Ok(None),
+    let mut from = 0;
+    loop {
+        let found = match table.range(from..)?.next() {
+            Some(entry) => entry?.0.value(),
+            None => return Ok(None),
+        };
+        match stays.iter().find(|range| range.contains(&found)) {
+            Some(range) => from = range.end() + 1,
+            None => return take(table, found),
+        }
     }
+}
+
+/// The first records in a range of numbers, in order.
+fn records(
+    reading: &ReadTransaction,
+    range: RangeInclusive<u64>,
+    most: usize,
+) -> StoreResult<Vec<Numbered>> {
+    let nameless: Option<String> = get(&reading.open_table(HEAD)?, NAMELESS)?;
+    let nameless = nameless.unwrap_or_default();
+    let mut records = Vec::new();
+    for class in Class::ALL {
+        let table = reading.open_table(table(class))?;
+        for entry in table.range(range.clone())?.take(most) {
+            let (number, bytes) = entry?;
+            let number = number.value();
+            let mut record: Record = parsed(bytes.value())?;
+            if record.machine.is_empty() {
+                record.machine.clone_from(&nameless);
+            }
+            records.push(Numbered { number, record });
+        }
+    }
+    records.sort_by_key(|record| record.number);
+    records.truncate(most);
+    Ok(records)
 }
 
 fn take(table: &mut Table<'_, u64, &'static [u8]>, number: u64) -> StoreResult<Option<(u64, u64)>> {

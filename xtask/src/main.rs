@@ -31,6 +31,7 @@ mod renew;
 mod rules;
 mod run;
 mod setup;
+mod shop;
 mod sizes;
 mod soak;
 mod stack;
@@ -57,6 +58,8 @@ usage: cargo xtask COMMAND
   bench can  the cost of receiving and recording a CAN frame, likewise
   bench real-time  how a board in real time keeps a beat of 1 kHz on this host, likewise
   bench long a program of a hundred megabytes through a board with 4 KiB for it, likewise; takes minutes
+  bench shop what many machines give to one broker, and how fast a query over 10 million certificates is (bench shop --help)
+  shop       agents, broker and database: nothing lost, nothing doubled, each query (shop NAME: a module of tests/shop alone)
   audit      the link test: no panic is reachable from what runs on the board
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
   bits       the setpoints of every example and of random programs on the emulated Cortex-M4F, against
@@ -96,6 +99,9 @@ fn main() -> ExitCode {
         ["bench", "real-time"] => bench_real_time::bench(false),
         ["bench", "real-time", "--write"] => bench_real_time::bench(true),
         ["bench", "--write"] => bench::bench(true),
+        ["bench", "shop", rest @ ..] => shop::bench(rest),
+        ["shop"] => shop::check(None).map(drop),
+        ["shop", name] => shop::check(Some(name)).map(drop),
         ["vcan"] => test::vcan(""),
         ["vcan", filter] => test::vcan(filter),
         ["emulated"] => test::emulated(""),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
-use crate::{axe, canopen, run, target, wasm};
+use crate::{axe, canopen, run, shop, target, wasm};
 
 /// The number of tries for a package lock, and the time between them: five minutes in all, as long as an upgrade may take.
 const TRIES: u32 = 60;
@@ -76,6 +76,7 @@ pub fn for_test(full: bool) -> Result<()> {
         tools(CAN)?;
         tools(&[BROWSER])?;
         axe::ensure()?;
+        shop::ensure()?;
         wasm::ensure()?;
     }
     canopen::python()?;

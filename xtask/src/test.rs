@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 
 use crate::{
     audit, bits, canopen, chip, docs, emulated, emulator, image, licences, manual, packages, page,
-    renew, rules, run, setup, sizes, target, vcan as bus,
+    renew, rules, run, setup, shop, sizes, target, vcan as bus,
 };
 
 /// The number of tests of a program that run at once. Tests with processes and time-outs mostly wait, so that a core
@@ -24,6 +24,7 @@ not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
   tests on a CAN bus, with processes that are killed and with other people's tools (alone: cargo xtask vcan)
   instructions per tick and the same bits on the emulated Cortex-M4F (alone: cargo xtask ticks, cargo xtask bits)
   the board on it, driven by `leadscrew`, its failures too (alone: cargo xtask emulated)
+  agents, broker and database (alone: cargo xtask shop)
   the flashed image on a model of its chip (alone: cargo xtask chip)
   the page in headless Chromium (alone: cargo xtask page --check)
   flash, RAM and stack of all images (alone: cargo xtask sizes)
@@ -74,6 +75,10 @@ pub fn test() -> Result<()> {
         )?;
         clock.step("the emulated board on a bus", || {
             on_the_board(&mut counts, "")
+        })?;
+        clock.step("agents, broker and database", || {
+            counts.passed += shop::check(None)?;
+            Ok(())
         })?;
         clock.step("the manual", manual::check)?;
         clock.step("the page in a browser", page::check)?;

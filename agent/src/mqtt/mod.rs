@@ -5,4 +5,4 @@ pub mod retained;
 pub mod wire;
 
 pub use client::{Client, Fault, Said};
-pub use wire::{Address, Login, Tls, Wire, WireError};
+pub use wire::{Address, Identity, Login, Tls, Wire, WireError};

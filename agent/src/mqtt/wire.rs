@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rustls::pki_types::pem::PemObject as _;
-use rustls::pki_types::{CertificateDer, ServerName};
+use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
 
 /// The longest wait for a connection, and for room to write.
@@ -105,6 +105,8 @@ pub enum WireError {
     Lines,
     /// It holds no certificate.
     NoCertificate,
+    /// It holds no private key.
+    NoKey,
     /// This processor lacks what TLS is computed with.
     Processor,
     /// TLS cannot be had, or the broker's certificate is not what it has to be.
@@ -123,6 +125,7 @@ impl fmt::Display for WireError {
                 f.write_str("this processor lacks AES, AVX2, BMI1 or ADX (aarch64: AES or SHA2)")
             }
             Self::NoCertificate => f.write_str("it holds no certificate"),
+            Self::NoKey => f.write_str("it holds no private key"),
             Self::Tls(error) => error.fmt(f),
         }
     }
@@ -136,11 +139,7 @@ impl Login {
     /// # Errors
     /// [`WireError::File`], [`WireError::Open`], [`WireError::Lines`].
     pub fn read(path: &Path) -> Result<Self, WireError> {
-        let mode = fs::metadata(path).map_err(WireError::File)?.permissions();
-        if mode.mode() & OTHERS != 0 {
-            return Err(WireError::Open);
-        }
-        let text = fs::read_to_string(path).map_err(WireError::File)?;
+        let text = secret(path)?;
         let mut lines = text.lines();
         match (lines.next(), lines.next(), lines.next()) {
             (Some(user), Some(password), None) if !user.is_empty() => Ok(Self {
@@ -152,7 +151,25 @@ impl Login {
     }
 }
 
-/// Whose certificates are believed.
+/// A file that its owner alone may read.
+fn secret(path: &Path) -> Result<String, WireError> {
+    let mode = fs::metadata(path).map_err(WireError::File)?.permissions();
+    if mode.mode() & OTHERS != 0 {
+        return Err(WireError::Open);
+    }
+    fs::read_to_string(path).map_err(WireError::File)
+}
+
+/// Certificates of a file.
+fn certificates(pem: &[u8]) -> Result<Vec<CertificateDer<'static>>, WireError> {
+    let all: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(pem).collect();
+    match all {
+        Ok(all) if !all.is_empty() => Ok(all),
+        _ => Err(WireError::NoCertificate),
+    }
+}
+
+/// Whose certificates are believed, and as whom the broker knows this client.
 #[derive(Clone, Debug)]
 pub struct Tls(Arc<ClientConfig>);
 
@@ -162,25 +179,55 @@ impl Tls {
     /// # Errors
     /// [`WireError::Processor`], [`WireError::NoCertificate`], [`WireError::Tls`].
     pub fn of(authorities: &Path) -> Result<Self, WireError> {
+        Self::with(authorities, None)
+    }
+
+    /// The same for a broker that asks for a certificate of this client.
+    ///
+    /// # Errors
+    /// Those of [`Tls::of`]; [`WireError::Tls`] also where certificate and key are not of each other.
+    pub fn with(authorities: &Path, identity: Option<&Identity>) -> Result<Self, WireError> {
         if !has_instructions() {
             return Err(WireError::Processor);
         }
         let file = fs::read(authorities).map_err(WireError::File)?;
         let mut roots = RootCertStore::empty();
-        for certificate in CertificateDer::pem_slice_iter(&file) {
-            let certificate = certificate.map_err(|_| WireError::NoCertificate)?;
+        for certificate in certificates(&file)? {
             roots.add(certificate).map_err(WireError::Tls)?;
-        }
-        if roots.is_empty() {
-            return Err(WireError::NoCertificate);
         }
         let provider = Arc::new(rustls_graviola::default_provider());
         let config = ClientConfig::builder_with_provider(provider)
             .with_safe_default_protocol_versions()
             .map_err(WireError::Tls)?
-            .with_root_certificates(roots)
-            .with_no_client_auth();
+            .with_root_certificates(roots);
+        let config = match identity {
+            Some(Identity { chain, key }) => config
+                .with_client_auth_cert(chain.clone(), key.clone_key())
+                .map_err(WireError::Tls)?,
+            None => config.with_no_client_auth(),
+        };
         Ok(Self(Arc::new(config)))
+    }
+}
+
+/// As whom a broker by TLS knows this client.
+#[derive(Debug)]
+pub struct Identity {
+    chain: Vec<CertificateDer<'static>>,
+    key: PrivateKeyDer<'static>,
+}
+
+impl Identity {
+    /// From a file in PEM with the certificate of this client, those between it and its authority, and its private key. Its
+    /// owner alone may read it.
+    ///
+    /// # Errors
+    /// [`WireError::File`], [`WireError::Open`], [`WireError::NoCertificate`], [`WireError::NoKey`].
+    pub fn read(path: &Path) -> Result<Self, WireError> {
+        let text = secret(path)?;
+        let chain = certificates(text.as_bytes())?;
+        let key = PrivateKeyDer::from_pem_slice(text.as_bytes()).map_err(|_| WireError::NoKey)?;
+        Ok(Self { chain, key })
     }
 }
 

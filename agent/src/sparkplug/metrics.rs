@@ -6,7 +6,7 @@ use super::payload::{Metric, Properties, Value};
 use super::table::*;
 use crate::record::{Body, Cut, Errors, Figure, Moment, Numbered};
 
-pub use super::table::TABLE;
+pub use super::table::{Row, TABLE};
 
 /// Nanometres in a millimetre.
 const NM_IN_MM: f64 = 1e6;
@@ -34,72 +34,60 @@ const fn flag(yes: bool) -> Option<Value> {
     Some(Value::Boolean(yes))
 }
 
-/// The word for a kind of record, and what it says.
-fn said(body: &Body) -> (&'static str, Said) {
+/// What a record says.
+fn said(body: &Body) -> Said {
     match body {
-        Body::Presence(presence) => (
-            "presence",
-            vec![
-                (BOARD_ALIVE, flag(presence.alive)),
-                (BOARD_WHY, text(&presence.why)),
-            ],
-        ),
-        Body::Identity(identity) => (
-            "identity",
-            vec![
-                (
-                    BOARD_SERIAL,
-                    text(&format!("{:08x}", identity.start.serial)),
-                ),
-                (BOARD_START, int(identity.start.count)),
-                (
-                    BOARD_PARAMETERS,
-                    text(&format!("{:08x}", identity.parameters)),
-                ),
-                (BOARD_FIRMWARE, text(&identity.firmware)),
-            ],
-        ),
-        Body::State(state) => (
-            "state",
-            vec![
-                (MACHINE_STATE, text(&state.state)),
-                (MACHINE_MODE, text(&state.mode)),
-                (MACHINE_ALARM, int(state.alarm)),
-                (MACHINE_HOLD, flag(state.hold)),
-                (MACHINE_SINGLE, flag(state.single_block)),
-                (PROGRAM_NUMBER, int(state.program)),
-                (PROGRAM_LINE, int(state.line)),
-                (PROGRAM_MOVE, int(state.number)),
-                (OVERRIDE_FEED, int(state.feed_percent)),
-                (OVERRIDE_RAPID, int(state.rapid_percent)),
-                (OVERRIDE_SPINDLE, int(state.spindle_percent)),
-                (SPINDLE_SPEED, signed(state.rpm)),
-                (SPINDLE_COMMANDED, signed(state.rpm_commanded)),
-                (SETPOINTS_LATE, int(state.late)),
-                (BUS_LOAD, state.load_percent.and_then(int)),
-                (BUS_ERRORS, long(state.bus_errors)),
-            ],
-        ),
+        Body::Presence(presence) => vec![
+            (BOARD_ALIVE, flag(presence.alive)),
+            (BOARD_WHY, text(&presence.why)),
+        ],
+        Body::Identity(identity) => vec![
+            (
+                BOARD_SERIAL,
+                text(&format!("{:08x}", identity.start.serial)),
+            ),
+            (BOARD_START, int(identity.start.count)),
+            (
+                BOARD_PARAMETERS,
+                text(&format!("{:08x}", identity.parameters)),
+            ),
+            (BOARD_FIRMWARE, text(&identity.firmware)),
+        ],
+        Body::State(state) => vec![
+            (MACHINE_STATE, text(&state.state)),
+            (MACHINE_MODE, text(&state.mode)),
+            (MACHINE_ALARM, int(state.alarm)),
+            (MACHINE_HOLD, flag(state.hold)),
+            (MACHINE_SINGLE, flag(state.single_block)),
+            (PROGRAM_NUMBER, int(state.program)),
+            (PROGRAM_LINE, int(state.line)),
+            (PROGRAM_MOVE, int(state.number)),
+            (OVERRIDE_FEED, int(state.feed_percent)),
+            (OVERRIDE_RAPID, int(state.rapid_percent)),
+            (OVERRIDE_SPINDLE, int(state.spindle_percent)),
+            (SPINDLE_SPEED, signed(state.rpm)),
+            (SPINDLE_COMMANDED, signed(state.rpm_commanded)),
+            (SETPOINTS_LATE, int(state.late)),
+            (BUS_LOAD, state.load_percent.and_then(int)),
+            (BUS_ERRORS, long(state.bus_errors)),
+        ],
         Body::Event(event) => {
             let trouble = event.what.trouble();
-            (
-                "event",
-                vec![
-                    (EVENT_KEY, text(&event.start.key(event.number))),
-                    (EVENT_KIND, text(event.what.name())),
-                    (EVENT_TICK, long(event.tick)),
-                    (EVENT_ALARM, trouble.and_then(|trouble| int(trouble.number))),
-                    (EVENT_LINE, trouble.and_then(|trouble| int(trouble.line))),
-                    (
-                        EVENT_CAUSE,
-                        trouble.and_then(|trouble| text(&trouble.cause)),
-                    ),
-                    (
-                        EVENT_REMEDY,
-                        trouble.and_then(|trouble| text(&trouble.remedy)),
-                    ),
-                ],
-            )
+            vec![
+                (EVENT_KEY, text(&event.start.key(event.number))),
+                (EVENT_KIND, text(event.what.name())),
+                (EVENT_TICK, long(event.tick)),
+                (EVENT_ALARM, trouble.and_then(|trouble| int(trouble.number))),
+                (EVENT_LINE, trouble.and_then(|trouble| int(trouble.line))),
+                (
+                    EVENT_CAUSE,
+                    trouble.and_then(|trouble| text(&trouble.cause)),
+                ),
+                (
+                    EVENT_REMEDY,
+                    trouble.and_then(|trouble| text(&trouble.remedy)),
+                ),
+            ]
         }
         Body::Thread(thread) => {
             let mut said = vec![
@@ -114,7 +102,7 @@ fn said(body: &Body) -> (&'static str, Said) {
             let places = [THREAD_MEASURED, THREAD_LARGEST, THREAD_RMS];
             said.extend(errors(places, &thread.errors));
             said.extend(cut(&thread.cut));
-            ("thread", said)
+            said
         }
         Body::Run(run) => {
             let hash = run.setpoint_hash.map(|hash| format!("{hash:016x}"));
@@ -126,25 +114,19 @@ fn said(body: &Body) -> (&'static str, Said) {
                 (RUN_LATE, int(run.late)),
             ];
             said.extend(errors([RUN_MEASURED, RUN_LARGEST, RUN_RMS], &run.errors));
-            ("run", said)
+            said
         }
-        Body::Gap(gap) => (
-            "gap",
-            vec![
-                (GAP_KEY, text(&gap.start.key(gap.first))),
-                (GAP_OF, text(gap.of.name())),
-                (GAP_FIRST, int(gap.first)),
-                (GAP_LAST, int(gap.last)),
-            ],
-        ),
-        Body::Loss(loss) => (
-            "loss",
-            vec![
-                (LOSS_RECORDS, long(loss.records)),
-                (LOSS_FIRST, long(loss.first)),
-                (LOSS_LAST, long(loss.last)),
-            ],
-        ),
+        Body::Gap(gap) => vec![
+            (GAP_KEY, text(&gap.start.key(gap.first))),
+            (GAP_OF, text(gap.of.name())),
+            (GAP_FIRST, int(gap.first)),
+            (GAP_LAST, int(gap.last)),
+        ],
+        Body::Loss(loss) => vec![
+            (LOSS_RECORDS, long(loss.records)),
+            (LOSS_FIRST, long(loss.first)),
+            (LOSS_LAST, long(loss.last)),
+        ],
     }
 }
 
@@ -201,12 +183,12 @@ fn cut(cut: &Cut) -> Said {
 
 /// What a record says, its number and kind first.
 fn all(record: &Numbered) -> impl Iterator<Item = (Place, Option<Value>)> {
-    let (kind, said) = said(&record.record.body);
+    let body = &record.record.body;
     let first = [
         (RECORD_NUMBER, long(record.number)),
-        (RECORD_KIND, text(kind)),
+        (RECORD_KIND, text(body.kind())),
     ];
-    first.into_iter().chain(said)
+    first.into_iter().chain(said(body))
 }
 
 /// A record as metrics with aliases. `historical`: it is older than the birth.

@@ -1,8 +1,10 @@
 //! The sender over sockets: a broker that cuts connections, with TLS and a password, and refusals on the way.
 
 use std::collections::BTreeMap;
+use std::fs::Permissions;
 use std::io::{Read, Write};
 use std::net::TcpListener;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::PathBuf;
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex};
@@ -10,7 +12,7 @@ use std::thread;
 use std::time::Duration;
 
 use bytes::BytesMut;
-use leadscrew_agent::mqtt::{Login, Tls, Wire, WireError};
+use leadscrew_agent::mqtt::{Identity, Login, Tls, Wire, WireError};
 use leadscrew_agent::sender::{Broker, News, Shared, Trouble, send};
 use leadscrew_agent::sparkplug::payload::{Payload, Value};
 use leadscrew_agent::{Memory, Moment, Record, Store};
@@ -193,6 +195,83 @@ fn a_wrong_password_and_a_wrong_authority_are_named() {
         ),
         "{authority:?}"
     );
+}
+
+/// A broker that lets nobody in without a certificate: what a client hears that comes as this one.
+fn comes_as(identity: Option<&Identity>) -> Result<Vec<u8>, WireError> {
+    let mut authorities = rustls::RootCertStore::empty();
+    let authority = CertificateDer::from_pem_file(file("authority.pem")).unwrap();
+    authorities.add(authority).unwrap();
+    let provider = Arc::new(rustls_graviola::default_provider());
+    let verifier = rustls::server::WebPkiClientVerifier::builder_with_provider(
+        Arc::new(authorities),
+        Arc::clone(&provider),
+    );
+    let chain = vec![CertificateDer::from_pem_file(file("broker.pem")).unwrap()];
+    let key = PrivateKeyDer::from_pem_file(file("broker.key")).unwrap();
+    let config = ServerConfig::builder_with_provider(provider)
+        .with_safe_default_protocol_versions()
+        .unwrap()
+        .with_client_cert_verifier(verifier.build().unwrap())
+        .with_single_cert(chain, key)
+        .unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let broker = thread::spawn(move || {
+        let (stream, _) = listener.accept().unwrap();
+        let connection = ServerConnection::new(Arc::new(config)).unwrap();
+        let mut stream = StreamOwned::new(connection, stream);
+        let mut room = [0; 16];
+        if stream.read(&mut room).is_ok() {
+            stream.write_all(b"welcome").unwrap();
+            stream.flush().unwrap();
+            // Until the client goes.
+            let _ = stream.read(&mut room);
+        }
+    });
+    let address = format!("mqtts://localhost:{port}").parse().unwrap();
+    let tls = Tls::with(&file("authority.pem"), identity)?;
+    let mut wire = Wire::open(&address, Some(&tls), Duration::from_millis(20))?;
+    wire.write(b"words")?;
+    let mut room = [0; 16];
+    let heard = loop {
+        match wire.read(&mut room) {
+            Ok([]) => {}
+            Ok(bytes) => break Ok(bytes.to_vec()),
+            Err(error) => break Err(error),
+        }
+    };
+    drop(wire);
+    broker.join().unwrap();
+    heard
+}
+
+#[test]
+fn a_broker_that_asks_for_a_certificate_gets_it() {
+    let refused = comes_as(None);
+    assert!(matches!(refused, Err(WireError::Tls(_))), "{refused:?}");
+    let path = std::env::temp_dir().join(format!("leadscrew-identity-{}", std::process::id()));
+    let write = |names: &[&str], mode: u32| {
+        let parts = names
+            .iter()
+            .map(|name| std::fs::read_to_string(file(name)).unwrap());
+        std::fs::write(&path, parts.collect::<String>()).unwrap();
+        std::fs::set_permissions(&path, Permissions::from_mode(mode)).unwrap();
+        Identity::read(&path)
+    };
+    let read = write(&["broker.pem", "broker.key"], 0o644);
+    assert!(matches!(read, Err(WireError::Open)), "{read:?}");
+    let read = write(&["broker.pem"], 0o600);
+    assert!(matches!(read, Err(WireError::NoKey)), "{read:?}");
+    let read = write(&["broker.key"], 0o600);
+    assert!(matches!(read, Err(WireError::NoCertificate)), "{read:?}");
+    let mine = write(&["broker.pem", "broker.key"], 0o600).unwrap();
+    assert_eq!(comes_as(Some(&mine)).unwrap(), b"welcome");
+    // A key of another certificate is refused before anything is sent.
+    let other = write(&["another.pem", "broker.key"], 0o600).unwrap();
+    let refused = comes_as(Some(&other));
+    assert!(matches!(refused, Err(WireError::Tls(_))), "{refused:?}");
+    std::fs::remove_file(&path).unwrap();
 }
 
 #[test]

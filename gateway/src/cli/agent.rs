@@ -38,14 +38,17 @@ pub struct Agent {
     /// Device in the topics: the machine [default: bus and node]
     #[arg(long, value_name = "NAME")]
     pub machine: Option<String>,
-    /// Where what is told is kept until the broker has it
+    /// Where what is told is kept until the broker and the archive have it
     /// [default: agent-MACHINE.redb, with several boards agent-NAME.redb, in $STATE_DIRECTORY, else in leadscrew/ of
     /// $XDG_STATE_HOME, else of ~/.local/state]
-    #[arg(long, value_name = "FILE", requires = "broker")]
+    #[arg(long, value_name = "FILE")]
     pub store: Option<PathBuf>,
     /// MiB of records that it keeps; then the oldest states go first, certificates never
     #[arg(long, value_name = "MIB", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..=65_536))]
     pub limit: u64,
+    /// Writes all that is told to this folder too, each hour, as files of Parquet for DuckDB and others
+    #[arg(long, value_name = "DIR")]
+    pub archive: Option<PathBuf>,
     /// Gives figures to Prometheus at this address, without TLS and without a password
     #[arg(long, value_name = "ADDRESS")]
     pub metrics: Option<SocketAddr>,
@@ -63,6 +66,9 @@ pub struct Access {
     /// User and password at the broker, on two lines of a file that its owner alone may read
     #[arg(long, value_name = "FILE", requires = "broker")]
     pub login: Option<PathBuf>,
+    /// Certificate and private key of this client, as PEM in one file that its owner alone may read, for a broker that asks
+    #[arg(long, value_name = "FILE", requires = "ca")]
+    pub identity: Option<PathBuf>,
     /// Group in the topics: the shop
     #[arg(long, value_name = "NAME", default_value = "leadscrew")]
     pub group: String,

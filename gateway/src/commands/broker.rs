@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use leadscrew_agent::mqtt::{Address, Login, Tls, WireError};
+use leadscrew_agent::mqtt::{Address, Identity, Login, Tls, WireError};
 use leadscrew_agent::sparkplug::NameError;
 
 use crate::cli::Access;
@@ -29,7 +29,18 @@ pub fn login(access: &Access) -> Outcome<Option<Login>> {
 pub fn tls(address: &Address, access: &Access) -> Outcome<Option<Tls>> {
     match &access.ca {
         Some(path) if address.tls => {
-            let tls = Tls::of(path).map_err(|error| wrong_authority(path, &error))?;
+            let identity = match &access.identity {
+                Some(file) => {
+                    Some(Identity::read(file).map_err(|error| wrong_identity(file, &error))?)
+                }
+                None => None,
+            };
+            let tls = Tls::with(path, identity.as_ref());
+            let tls = tls.map_err(|error| match (&access.identity, &error) {
+                // What is wrong with the authorities has names of its own.
+                (Some(file), WireError::Tls(_)) => wrong_identity(file, &error),
+                _ => wrong_authority(path, &error),
+            })?;
             Ok(Some(tls))
         }
         None if address.tls => Err(Failure::Usage(both!(
@@ -86,6 +97,25 @@ fn wrong_authority(path: &Path, error: &WireError) -> Failure {
             "此处理器不支持所需的 TLS 指令：{error}；请使用另一台计算机，或在自有网络中使用 mqtt://"
         ),
         other => both!("cannot use `{path}`: {other}", "无法使用 `{path}`：{other}"),
+    })
+}
+
+/// A file of certificate and key that cannot be used.
+fn wrong_identity(path: &Path, error: &WireError) -> Failure {
+    let path = path.display();
+    Failure::Usage(match error {
+        WireError::Open => both!(
+            "others than its owner may read `{path}`, which holds a private key: chmod 600 `{path}`",
+            "`{path}` 含有私钥，却允许其他用户读取：请执行 chmod 600 `{path}`"
+        ),
+        WireError::NoCertificate | WireError::NoKey => both!(
+            "`{path}` is to hold the certificate of this client and its private key, both as PEM: {error}",
+            "`{path}` 应包含本客户端的 PEM 证书及其私钥：{error}"
+        ),
+        other => both!(
+            "cannot use `{path}` of --identity: {other}",
+            "无法使用 --identity 的 `{path}`：{other}"
+        ),
     })
 }
 

@@ -1,10 +1,11 @@
 //! `agent` beside a machine that runs: what a broker gets, also one that comes late, and what is refused.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::os::unix::fs::PermissionsExt as _;
+use std::path::Path;
 use std::process::{Child, Stdio};
 
 use bytes::BytesMut;
@@ -208,6 +209,48 @@ fn a_broker_that_comes_late_gets_the_certificate_and_the_run() {
     assert!(said.contains("the broker takes what is kept"), "{said}");
 }
 
+/// The files of an archive: kind, and how many.
+fn files(folder: &Path) -> BTreeMap<String, usize> {
+    let mut files = BTreeMap::new();
+    for kind in fs::read_dir(folder).into_iter().flatten() {
+        let kind = kind.unwrap();
+        let days = fs::read_dir(kind.path()).unwrap();
+        let count = days.map(|day| fs::read_dir(day.unwrap().path()).unwrap().count());
+        files.insert(kind.file_name().into_string().unwrap(), count.sum());
+    }
+    files
+}
+
+#[test]
+fn an_archive_needs_no_broker_and_what_cannot_be_written_waits() {
+    let user = User::with_machine();
+    let archive = user.0.join("archive");
+    let args = ["--archive", archive.to_str().unwrap(), "--machine", "lathe"];
+    fs::write(&archive, "a file in the place of the folder").unwrap();
+    let agent = start(&user, &args);
+    let program = user.program(TAP);
+    good(&user.does(&["run", &program]));
+    let said = end(agent);
+    assert!(said.contains("is not written"), "{said}");
+    assert!(said.contains("all is kept meanwhile"), "{said}");
+    fs::remove_file(&archive).unwrap();
+    // What was kept is written by the next one, and once.
+    for _ in 0..2 {
+        let mut agent = start(&user, &args);
+        let mut output = BufReader::new(agent.stdout.take().unwrap());
+        let mut lines = String::new();
+        while !lines.contains("Ctrl-C") {
+            assert_ne!(output.read_line(&mut lines).unwrap(), 0);
+        }
+        assert!(lines.contains("each hour\n"), "{lines}");
+        end(agent);
+        let files = files(&archive);
+        let of = |kind: &str| files.get(kind).copied().unwrap_or(0);
+        let [threads, runs] = ["record=thread", "record=run"].map(of);
+        assert_eq!((threads, runs), (1, 1), "{files:?}");
+    }
+}
+
 /// A thread of three passes.
 const THREAD: &str = "G98\nM3 S600\nG0 X30 Z5\nG92 X29 Z-10 F1.5\nX28.6\nX28.3\nM5\nM30\n";
 
@@ -346,6 +389,10 @@ fn what_cannot_be_is_refused_with_what_helps() {
         assert!(said.contains(words), "{args:?}: {said}");
     };
     refused(&[], "nobody is to be told");
+    refused(
+        &["--metrics", "127.0.0.1:0", "--store", "file"],
+        "figures alone are not kept",
+    );
     refused(&["--broker", "http://x"], "neither mqtt nor mqtts");
     refused(
         &["--broker", "mqtt://x", "--machine", "a/b"],
@@ -354,6 +401,12 @@ fn what_cannot_be_is_refused_with_what_helps() {
     refused(&["--broker", "mqtt://x", "--login", login], "chmod 600");
     refused(&["--broker", "mqtts://x"], "--ca");
     refused(&["--broker", "mqtts://x", "--ca", login], "no certificate");
+    let identity = ["--ca", login, "--identity", login];
+    refused(
+        &[&["--broker", "mqtts://x"], &identity[..]].concat(),
+        "holds a private key: chmod 600",
+    );
+    refused(&["--broker", "mqtts://x", "--identity", login], "--ca");
     refused(&["--broker", "mqtt://x", "--bus", "sim"], "sim");
     let boards = |boards: &[&str], words: &str| {
         refused(&[&["--metrics", "127.0.0.1:0"], boards].concat(), words);

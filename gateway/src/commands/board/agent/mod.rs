@@ -4,12 +4,14 @@
 //! boards    which boards, and what they are called     reading   what a board says, as observations
 //! reader    one board in a thread of its own           cut       what its certificates say of the cut
 //! set       the set in force: read once, told as a state  words  what is said here, in two languages
+//! history   the thread that writes the archive
 //! ```
 //!
 //! It orders nothing, and must not know topics or packets: what is told, kept and sent is `leadscrew_agent`'s.
 
 mod boards;
 mod cut;
+mod history;
 mod reader;
 mod reading;
 mod set;
@@ -24,12 +26,15 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use leadscrew_agent::archive::Origin;
 use leadscrew_agent::metrics::{Metrics, Server};
 use leadscrew_agent::sender::{Broker, News, Shared, now, send};
 use leadscrew_agent::sparkplug::Names;
+use leadscrew_agent::store::Readers;
 use leadscrew_agent::{Keeper, Store, StoreError};
 
 use self::boards::Seat;
+use self::history::History;
 use self::reader::{Common, Reader};
 use crate::cli::{self, Global};
 use crate::commands::broker;
@@ -47,21 +52,35 @@ const MIB: u64 = 1 << 20;
 
 /// Tells until it is interrupted.
 pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
-    if wish.broker.is_none() && wish.metrics.is_none() {
-        return Err(Failure::Usage(both!(
-            "nobody is to be told: name a broker with --broker, or an address for figures with --metrics",
-            "没有指定接收方：请用 --broker 指定代理服务器，或用 --metrics 指定指标地址"
-        )));
+    let readers = Readers {
+        broker: wish.broker.is_some(),
+        archive: wish.archive.is_some(),
+    };
+    if !readers.broker && !readers.archive {
+        if wish.metrics.is_none() {
+            return Err(Failure::Usage(both!(
+                "nobody is to be told: name a broker with --broker, a folder with --archive, or an address for figures with \
+                 --metrics",
+                "没有指定接收方：请用 --broker 指定代理服务器，用 --archive 指定归档文件夹，或用 --metrics 指定指标地址"
+            )));
+        }
+        if wish.store.is_some() {
+            return Err(Failure::Usage(both!(
+                "--store is for a broker or an archive: figures alone are not kept",
+                "--store 用于代理服务器或归档：仅有指标时不保存数据"
+            )));
+        }
     }
     let seats = boards::seats(global, wish)?;
     let shared = Arc::new(Shared::default());
     let broker = broker_of(wish, &seats)?;
-    let kept = match &broker {
-        Some(_) => {
-            let path = store_path(wish, &seats)?;
-            Some((open_store(&path, wish.limit, &seats)?, path))
-        }
-        None => None,
+    let kept = if readers.broker || readers.archive {
+        let path = store_path(wish, &seats)?;
+        let store = open_store(&path, wish.limit, &seats)?;
+        store.serve(readers);
+        Some((store, path))
+    } else {
+        None
     };
     let mut keepers = Vec::new();
     for Seat { machine, .. } in &seats {
@@ -86,12 +105,23 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
     let sets = broker.is_some() && !wish.no_set;
     tell_beginning(
         global,
+        wish,
         &seats,
         broker.as_ref(),
         sets,
         &path,
         metrics.as_ref(),
     )?;
+    let history = match (&wish.archive, &kept) {
+        (Some(folder), Some((store, _))) => {
+            let origin = Origin {
+                shop: wish.access.group.clone(),
+                node: agent_name(wish, &seats),
+            };
+            Some(History::start(folder, origin, store)?)
+        }
+        _ => None,
+    };
     let sender = match (broker, kept) {
         (Some(broker), Some((store, _))) => Some(start(broker, store, Arc::clone(&shared))?),
         _ => None,
@@ -115,6 +145,7 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
         shared,
         readers,
         sender,
+        history,
     }
     .carry_out()
 }
@@ -199,6 +230,7 @@ struct Agent<'a> {
     shared: Arc<Shared>,
     readers: Vec<JoinHandle<Outcome>>,
     sender: Option<Sender>,
+    history: Option<History>,
 }
 
 impl Agent<'_> {
@@ -216,6 +248,9 @@ impl Agent<'_> {
             }
         }
         self.shared.end();
+        if let Some(history) = &mut self.history {
+            history.end();
+        }
         let sender = self.sender.as_mut();
         if let Some(thread) = sender.and_then(|sender| sender.thread.take()) {
             // What is on its way to the broker has a moment.
@@ -225,8 +260,13 @@ impl Agent<'_> {
         ended
     }
 
-    /// Says what the sender has to say.
+    /// Says what sender and archive have to say.
     fn turn(&mut self) {
+        if let Some(history) = &mut self.history {
+            for words in history.news() {
+                say(self.global, &words);
+            }
+        }
         let Some(sender) = &mut self.sender else {
             return;
         };
@@ -281,6 +321,7 @@ fn open_store(path: &Path, limit: u64, seats: &[Seat]) -> Outcome<Arc<Store>> {
 /// What is told where.
 fn tell_beginning(
     global: &Global,
+    wish: &cli::Agent,
     seats: &[Seat],
     broker: Option<&Broker>,
     sets: bool,
@@ -311,6 +352,11 @@ fn tell_beginning(
             });
             if let Some(broker) = broker {
                 json.text("broker", &broker.address.to_string());
+            }
+            if let Some(archive) = &wish.archive {
+                json.text("archive", &archive.display().to_string());
+            }
+            if broker.is_some() || wish.archive.is_some() {
                 json.text("store", &path.display().to_string());
             }
             if let Some(figures) = &figures {
@@ -334,12 +380,33 @@ fn tell_beginning(
             );
             text.push_str(line.get(global.lang()));
         }
+    }
+    if let Some(archive) = &wish.archive {
         let line = both!(
-            "kept in {path} until the broker has it\n",
-            "在代理服务器收到之前保存在 {path}\n",
-            path = path.display()
+            "written to {archive} each hour\n",
+            "每小时写入 {archive}\n",
+            archive = archive.display()
         );
         text.push_str(line.get(global.lang()));
+    }
+    let path = path.display();
+    let kept = match (broker.is_some(), wish.archive.is_some()) {
+        (true, false) => Some(both!(
+            "kept in {path} until the broker has it\n",
+            "在代理服务器收到之前保存在 {path}\n"
+        )),
+        (true, true) => Some(both!(
+            "kept in {path} until the broker has it and it is in a file\n",
+            "在代理服务器收到并写入文件之前保存在 {path}\n"
+        )),
+        (false, true) => Some(both!(
+            "kept in {path} until it is in a file\n",
+            "在写入文件之前保存在 {path}\n"
+        )),
+        (false, false) => None,
+    };
+    if let Some(kept) = kept {
+        text.push_str(kept.get(global.lang()));
     }
     if let Some(figures) = figures {
         let line = both!("figures are at {figures}\n", "指标地址：{figures}\n");

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use leadscrew_agent::StoreError;
+use leadscrew_agent::archive::ArchiveError;
 use leadscrew_agent::mqtt::{Fault, WireError};
 use leadscrew_agent::sender::{News, Trouble};
 
@@ -40,6 +41,21 @@ pub fn store(path: &Path, error: &StoreError) -> Failure {
 /// The store takes records again.
 pub fn kept_again() -> Both {
     both!("what the board tells is kept again", "控制板的数据恢复保存")
+}
+
+/// A file of the archive that cannot be written.
+pub fn archive(folder: &Path, error: &ArchiveError) -> Both {
+    let folder = folder.display();
+    both!(
+        "the archive `{folder}` is not written: {error}; see that it is there, may be written and has room; all is kept \
+         meanwhile",
+        "无法写入归档 `{folder}`：{error}；请检查文件夹是否存在、可写且有空间；数据仍在保存"
+    )
+}
+
+/// The archive is written again.
+pub fn archived_again() -> Both {
+    both!("the archive is written again", "归档恢复写入")
 }
 
 /// How the sending is going.
