@@ -88,6 +88,9 @@ pub struct Memory {
     run: Option<(u32, u64)>,
     /// A program has ended, and its result is to be told; true: it finished.
     ended: Option<bool>,
+    /// The tick of the end of a program that finished, and the ticks from there to the next alarm.
+    #[serde(default)]
+    finished: Option<(u64, Option<u64>)>,
     identity: Option<Identity>,
     /// The set in force. Earlier versions did not remember it.
     #[serde(default)]
@@ -290,8 +293,17 @@ impl Model {
             (self.memory.last_event, self.memory.event_tick) = (entry.number, entry.tick);
             let Some(what) = &entry.what else { continue };
             match what {
-                What::Finished => self.memory.ended = Some(true),
-                What::Alarm(_) => self.memory.ended = Some(false),
+                What::Finished => {
+                    self.memory.ended = Some(true);
+                    self.memory.finished = Some((entry.tick, None));
+                }
+                What::Alarm(_) => match &mut self.memory.finished {
+                    // Of the machine at rest, or of a program that has begun since.
+                    Some((at, alarm)) => {
+                        alarm.get_or_insert(entry.tick.saturating_sub(*at));
+                    }
+                    None => self.memory.ended = Some(false),
+                },
                 What::Reset => {
                     self.memory.ended.get_or_insert(false);
                 }
@@ -330,7 +342,10 @@ impl Model {
                 cut.clone(),
             )));
         }
+        let alarm = self.memory.finished.take().and_then(|(_, alarm)| alarm);
         if let Some(finished) = self.memory.ended.take() {
+            // A run that is longer than the time from an end to an alarm is the one that finished.
+            let finished = finished && alarm.is_none_or(|ticks| run.ticks > ticks);
             let this = Some((run.program, run.ticks));
             if run.ticks > 0 && self.memory.run != this {
                 self.memory.run = this;

@@ -152,6 +152,37 @@ fn threads_are_told_once_they_have_ended_and_gaps_are_counted() {
     );
 }
 
+/// An alarm that comes between the end of a program and the next look at the log is not the program's.
+#[test]
+fn a_program_that_has_finished_stays_so_where_an_alarm_comes_after_it() {
+    let ended = |ticks: u64, entries: Vec<Entry>| {
+        let mut model = known();
+        bodies(&mut model, HOUR, &Observation::Log(entries));
+        let seen = Observation::Certificates(run(3, ticks), Vec::new());
+        let told = bodies(&mut model, HOUR, &seen);
+        let [Body::Run(told)] = &told[..] else {
+            panic!("{told:?}");
+        };
+        told.finished
+    };
+    let last = known().memory().last_event;
+    let finish = entry(last + 1, Some(What::Finished));
+    let alarm = |number| {
+        let trouble = Trouble {
+            number: 4300,
+            line: 0,
+            cause: "c".to_owned(),
+            remedy: "r".to_owned(),
+        };
+        entry(number, Some(What::Alarm(trouble)))
+    };
+    assert!(ended(500, vec![finish.clone()]));
+    assert!(ended(500, vec![finish.clone(), alarm(last + 2)]));
+    assert!(!ended(500, vec![alarm(last + 1)]));
+    // The alarm is 20 ticks after the end: a run of 15 is another one.
+    assert!(!ended(15, vec![finish, alarm(last + 3)]));
+}
+
 #[test]
 fn a_new_start_counts_its_threads_anew() {
     let mut model = known();
