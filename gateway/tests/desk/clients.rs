@@ -3,17 +3,24 @@
 use std::io::{Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::process::Stdio;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 use crate::{LONG, User, bad, good};
 
-/// Reads until so many lines have come.
-fn lines(client: &mut UnixStream, count: usize) -> Vec<String> {
-    let mut text = Vec::new();
-    while text.iter().filter(|byte| **byte == b'\r').count() < count {
+/// Reads until 3000 lines have come since it is `over`.
+fn lines_until(client: &mut UnixStream, over: &AtomicBool) -> Vec<String> {
+    const REST: usize = 3000;
+    let (mut text, mut rest) = (Vec::new(), REST);
+    while rest > 0 {
         let mut bytes = [0; 4096];
         let read = client.read(&mut bytes).unwrap();
         assert!(read > 0, "the machine has closed the connection");
-        text.extend(&bytes[..read]);
+        let read = &bytes[..read];
+        if over.load(Ordering::Relaxed) {
+            rest = rest.saturating_sub(read.iter().filter(|byte| **byte == b'\r').count());
+        }
+        text.extend(read);
     }
     let text = String::from_utf8(text).unwrap();
     // The last one may be cut.
@@ -25,20 +32,30 @@ fn lines(client: &mut UnixStream, count: usize) -> Vec<String> {
 fn two_clients_see_the_same_frames_in_the_same_order() {
     let user = User::with_machine();
     let (mut a, mut b) = (user.client(), user.client());
-    // Two commands at once, whose frames and answers are among those of the board.
-    let looks: Vec<_> = (0..2)
-        .map(|_| {
-            let mut look = user.command(&["status", "--json"]);
-            look.stdout(Stdio::piped()).spawn().unwrap()
-        })
-        .collect();
-    for look in looks {
-        assert!(look.wait_with_output().unwrap().status.success());
-    }
-    let (seen_by_b, mut seen_by_a) = (lines(&mut b, 3000), lines(&mut a, 3000));
-    seen_by_a.extend(lines(&mut a, 1000));
+    // Both read from the beginning: a client that does not is dropped.
+    let over = [AtomicBool::new(false), AtomicBool::new(false)];
+    let (seen_by_a, seen_by_b) = thread::scope(|scope| {
+        let [a_is_over, b_is_over] = &over;
+        let a = scope.spawn(move || lines_until(&mut a, a_is_over));
+        let b = scope.spawn(move || lines_until(&mut b, b_is_over));
+        // Two commands at once, whose frames and answers are among those of the board.
+        let looks: Vec<_> = (0..2)
+            .map(|_| {
+                let mut look = user.command(&["status", "--json"]);
+                look.stdout(Stdio::piped()).spawn().unwrap()
+            })
+            .collect();
+        for look in looks {
+            assert!(look.wait_with_output().unwrap().status.success());
+        }
+        // A reads on where B has ended.
+        b_is_over.store(true, Ordering::Relaxed);
+        let b = b.join().unwrap();
+        a_is_over.store(true, Ordering::Relaxed);
+        (a.join().unwrap(), b)
+    });
     // Two answers to commands come first; B has begun to listen when A was listening, or the other way round.
-    let (seen_by_a, seen_by_b) = (&seen_by_a[2..], &seen_by_b[2..2500]);
+    let (seen_by_a, seen_by_b) = (&seen_by_a[2..], &seen_by_b[2..]);
     assert!(
         seen_by_b.iter().any(|line| line.starts_with("t601")),
         "a request"

@@ -130,7 +130,10 @@ impl Operator {
                 });
             }
             63..=66 => inputs(bench),
-            67..=70 => bench.order(Order::Run),
+            67..=70 if bench.sim.board().device().mode().runs() => bench.order(Order::Run),
+            // In another mode it is refused, and drops a program that is just coming in [D316]. The shift would wait for
+            // the end of that program.
+            67..=70 => {}
             71..=73 => quiet(bench),
             74..=76 => refused_write(bench),
             77..=79 => hush(bench),
