@@ -7,9 +7,9 @@
 //! looks ─► Tracker (mean angle, speed, acceleration; swings that are learned) ─► Follower (within limits) ─► angle
 //! ```
 //!
-//! Angles are turns in 2⁻³² and 2⁻⁴⁸, times are ticks. This crate knows no units of a machine, no axes and no
-//! programs. It is a crate of its own because it is built for size: it runs for encoders of few counts alone, whose
-//! ticks have room.
+//! [`Gains`] and [`exp_of_minus`] serve the quick observer too. Angles are turns in 2⁻³² and 2⁻⁴⁸, times are ticks.
+//! This crate knows no units of a machine, no axes and no programs. It is a crate of its own because it is built for
+//! size: it runs for encoders of few counts alone, whose ticks have room.
 
 #![no_std]
 
@@ -19,5 +19,6 @@ mod tracker;
 mod wave;
 
 pub use follower::{Follower, Limits};
+pub use looks::{Gains, exp_of_minus};
 pub use tracker::{Look, Prediction, Tracker};
 pub use wave::Differences;

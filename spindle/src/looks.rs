@@ -11,13 +11,35 @@ use fixed::types::{I32F32, U32F32};
 /// The shares of the difference between the measured and the predicted angle that an observer adds to angle, speed and
 /// acceleration (turns, turns per tick, turns per tick²).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Gains {
+pub struct Gains {
     /// Of the angle.
     pub alpha: I32F32,
     /// Of the speed.
     pub beta: I32F32,
     /// Of the acceleration.
     pub gamma: I32F32,
+}
+
+impl Gains {
+    /// The gains of an observer with all poles at `theta`, whose samples are a tick apart.
+    #[must_use]
+    pub const fn of_theta(theta: U32F32) -> Self {
+        let rest = U32F32::ONE.wrapping_sub(theta);
+        let square = rest.wrapping_mul(rest);
+        let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
+        let beta = square.wrapping_mul(U32F32::ONE.wrapping_add(theta));
+        let half = U32F32::from_bits(beta.to_bits() >> 1);
+        Self {
+            alpha: signed(U32F32::ONE.wrapping_sub(cube)),
+            beta: signed(beta.wrapping_add(half)),
+            gamma: signed(square.wrapping_mul(rest)),
+        }
+    }
+}
+
+/// What is below 2³¹.
+const fn signed(value: U32F32) -> I32F32 {
+    I32F32::from_bits(value.to_bits() as i64)
 }
 
 /// An angle of 2π, 2⁻²⁸.
@@ -36,20 +58,17 @@ pub(crate) fn gains(pole: u32, ticks: u32, is_timed: bool) -> Gains {
     let angle = u64::from(pole)
         .wrapping_mul(u64::from(ticks))
         .min(u64::from(most));
-    let theta = exp_of_minus(angle as u32);
-    let one = U32F32::ONE;
-    let rest = one.wrapping_sub(theta);
-    let square = rest.wrapping_mul(rest);
-    let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
-    let beta = square.wrapping_mul(one.wrapping_add(theta));
-    let beta = beta.wrapping_add(U32F32::from_bits(beta.to_bits() >> 1));
+    let Gains { alpha, beta, gamma } = Gains::of_theta(exp_of_minus(angle as u32));
     let part = u64::from(u32::MAX.checked_div(ticks).unwrap_or(u32::MAX));
-    let per_tick = |value: U32F32| U32F32::from_bits(value.to_bits().wrapping_mul(part) >> 32);
-    let signed = |value: U32F32| I32F32::from_bits(value.to_bits() as i64);
+    // No gain is negative.
+    let per_tick = |value: I32F32| {
+        let bits = (value.to_bits() as u64).wrapping_mul(part) >> 32;
+        I32F32::from_bits(bits as i64)
+    };
     Gains {
-        alpha: signed(one.wrapping_sub(cube)),
-        beta: signed(per_tick(beta)),
-        gamma: signed(per_tick(per_tick(square.wrapping_mul(rest)))),
+        alpha,
+        beta: per_tick(beta),
+        gamma: per_tick(per_tick(gamma)),
     }
 }
 
@@ -64,8 +83,10 @@ pub(crate) const fn pole(bandwidth: u32, tick_us: u32) -> u32 {
     }
 }
 
-/// exp(−x) for x < 0.6, 2⁻³²: the sum of its series up to the fifth power, within 7·10⁻⁵.
-pub(crate) const fn exp_of_minus(x: u32) -> U32F32 {
+/// exp(−x) for x below 0.8 (2⁻³²), within 4·10⁻⁴, and below 0.6 within 7·10⁻⁵: its series up to the fifth power, without a
+/// division.
+#[must_use]
+pub const fn exp_of_minus(x: u32) -> U32F32 {
     const ONE: u64 = 1 << 32;
     let x = x as u64;
     // 1 − x·(1 − x/2·(1 − x/3·(1 − x/4·(1 − x/5)))), each quotient by its reciprocal in 2⁻³².

@@ -27,7 +27,7 @@
 
 use fixed::types::{I16F48, I32F32, U1F63, U8F56, U32F32, U48F16};
 
-use leadscrew_spindle::Look;
+use leadscrew_spindle::{Gains, Look};
 
 use super::looks;
 use crate::units::{Ticks, TurnRate, Turns};
@@ -85,33 +85,9 @@ const OLDEST_EDGE_OF_FEW: u32 = 240;
 /// 2π, rounded to the nearest.
 const TWO_PI: U32F32 = U32F32::from_bits(26_986_075_409);
 
-/// The shares of the difference between the measured and the predicted angle that the tracker adds to angle, speed and
-/// acceleration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Gains {
-    pub alpha: I32F32,
-    pub beta: I32F32,
-    pub gamma: I32F32,
-}
-
-impl Gains {
-    /// The gains of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
-    pub const fn new(bandwidth: u32, tick_us: u32) -> Self {
-        Self::of_theta(exp_of_minus(pole(bandwidth, tick_us)))
-    }
-
-    /// The gains of a tracker with all poles at `theta`.
-    pub const fn of_theta(theta: U32F32) -> Self {
-        let rest = U32F32::ONE.wrapping_sub(theta);
-        let square = rest.wrapping_mul(rest);
-        let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
-        let beta = square.wrapping_mul(U32F32::ONE.wrapping_add(theta));
-        Self {
-            alpha: signed(U32F32::ONE.wrapping_sub(cube)),
-            beta: signed(beta.wrapping_add(half(beta))),
-            gamma: signed(square.wrapping_mul(rest)),
-        }
-    }
+/// The gains of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
+pub(super) const fn steady(bandwidth: u32, tick_us: u32) -> Gains {
+    Gains::of_theta(exp_of_minus(pole(bandwidth, tick_us)))
 }
 
 /// 2π·f·T, the angle by which the poles of a bandwidth turn in a tick: at most 63, and a million times as much is still
@@ -203,7 +179,7 @@ impl Observer {
                 OLDEST_EDGE_TICKS
             }),
             ticks_per_second: U48F16::from_bits(divide(1_000_000 << 16, tick_us as u64)),
-            gains: Gains::new(bandwidth, tick_us),
+            gains: steady(bandwidth, tick_us),
             few: if counts < looks::FEW {
                 Some(Few {
                     pole: short(pole(bandwidth, tick_us)),
@@ -556,15 +532,6 @@ const fn nearest(value: I16F48) -> I32F32 {
 
 const fn half_of(value: I16F48) -> I16F48 {
     I16F48::from_bits(value.to_bits() >> 1)
-}
-
-const fn half(value: U32F32) -> U32F32 {
-    U32F32::from_bits(value.to_bits() >> 1)
-}
-
-/// A gain, which is far below what a sign leaves room for.
-const fn signed(gain: U32F32) -> I32F32 {
-    I32F32::from_bits(gain.to_bits() as i64)
 }
 
 const fn clamp(value: u32, low: u32, high: u32) -> u32 {

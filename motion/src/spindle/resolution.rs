@@ -7,8 +7,9 @@
 //! nothing of this module.
 
 use super::looks::FEW;
-use super::observer::Gains;
+use super::observer::steady;
 use crate::units::{Acceleration, Lead, Length, Rpm, Ticks, mul_div, signed};
+use leadscrew_spindle::Gains;
 
 /// Counts a second for each hertz of the observer's bandwidth. The speed is then within 15 % at a steady spindle. With 12
 /// counts it is within 23 %, with 6 within 45 %; with one count it is four times too fast. (Simulated over all phases,
@@ -152,7 +153,7 @@ impl Resolution {
 
     /// The predicted angle's second differences after a single error of one: the sum of their magnitudes, in 2⁻³².
     fn second_difference(self, ahead: Ticks) -> u64 {
-        let Gains { alpha, beta, gamma } = Gains::new(self.bandwidth_hz, self.tick_us);
+        let Gains { alpha, beta, gamma } = steady(self.bandwidth_hz, self.tick_us);
         let (alpha, beta, gamma) = (alpha.to_bits(), beta.to_bits(), gamma.to_bits());
         let one = 1_i64 << 32;
         let ahead = i64::from(ahead.raw());

@@ -2,9 +2,8 @@
 
 extern crate std;
 
-use std::f64::consts::TAU;
-
 use super::super::*;
+use super::swinging::{LEAD_UM, Swinging, UNIT};
 use crate::units::Ticks;
 
 /// A spindle with a swing, on an encoder whose edges are timed.
@@ -27,48 +26,23 @@ struct Largest {
     speed: f64,
 }
 
-const LEAD_UM: f64 = 6000.0;
-const UNIT: f64 = (1_u64 << 32) as f64;
-
 /// Ticks of a millisecond, a bandwidth of 35 Hz.
 fn run(case: Case) -> Largest {
-    let turns = case.rpm / 60.0;
-    let (part, hz) = case.swing;
-    let omega = TAU * hz;
-    let size = part * turns / omega;
-    let at = |t: f64| turns * t + size * (1.0 - (omega * t).cos());
-    let speed = |t: f64| turns + size * omega * (omega * t).sin();
-    let counts = f64::from(case.counts);
+    let mut spindle = Swinging::new(case.counts, case.rpm, case.swing);
     let mut observer = Observer::new(case.counts, 35, 1000);
-    let mut last = 0_i64;
     let mut before = [0.0; 2];
     let mut largest = Largest::default();
     for tick in 1..10_000 {
         let t = f64::from(tick) * 1e-3;
-        let count = (at(t) * counts).floor() as i64;
-        // The edge: the boundary that was passed last.
-        let boundary = if turns > 0.0 { count } else { count + 1 };
-        let mut edge = t;
-        for _ in 0..8 {
-            edge -= (at(edge) - boundary as f64 / counts) / speed(edge);
-        }
-        let turn = |count: i64| count.div_euclid(case.counts.into());
-        let passed = turn(count) != turn(last);
-        let zero = turn(count.max(last)) * i64::from(case.counts);
-        last = count;
-        observer.tick(EncoderSample {
-            count: count as i32,
-            edge_age_ns: Some(((t - edge) * 1e9) as u32),
-            index: passed.then_some(zero as i32),
-        });
+        observer.tick(spindle.sample(t, true));
         let shown = observer.predict(Ticks::ONE).raw() as f64 / UNIT * LEAD_UM;
         let [a, b] = before;
         before = [b, shown];
         if tick <= 5_000 {
             continue;
         }
-        let beside = (shown - at(t + 1e-3) * LEAD_UM).abs();
-        let wrong = observer.speed().raw() as f64 / UNIT / speed(t) - 1.0;
+        let beside = (shown - spindle.at(t + 1e-3) * LEAD_UM).abs();
+        let wrong = observer.speed().raw() as f64 / UNIT / spindle.speed(t) - 1.0;
         largest.beside = largest.beside.max(beside);
         largest.acceleration = largest.acceleration.max((shown - 2.0 * b + a).abs());
         largest.speed = largest.speed.max(wrong.abs());
