@@ -5,7 +5,7 @@ use std::time::Duration;
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
-use leadscrew_core::bus::{BoardState, FdFrame, Frame, NodeId};
+use leadscrew_core::bus::{Abort, BoardState, CobId, FdFrame, Frame, NodeId, Service};
 use leadscrew_core::call::Position;
 use leadscrew_core::link::{Status, VERSION};
 use leadscrew_core::params::Params;
@@ -90,6 +90,32 @@ struct Between<S, H> {
     heard: H,
     /// The next frame to hear, before frames of the board.
     next: Option<Frame>,
+}
+
+/// A client on whose end of the bus a node does not do what is written to it where that `is_meant` (the first four bytes
+/// of the request, as SDO has them: command, index, sub-index): it `says` so, or nothing at all.
+pub fn wayward(
+    inside: &Inside,
+    node: NodeId,
+    is_meant: impl Fn([u8; 4]) -> bool + Send + 'static,
+    says: bool,
+) -> Link {
+    let sent = move |frame: &Frame| {
+        let request = CobId::of(Service::SdoRequest, node);
+        let [command, low, high, sub, ..] = *frame.payload() else {
+            return Fate::Arrives;
+        };
+        if frame.id() != request || !is_meant([command, low, high, sub]) {
+            return Fate::Arrives;
+        }
+        let [a, b, c, d] = Abort::Access.code().to_le_bytes();
+        let refusal = [0x80, low, high, sub, a, b, c, d];
+        let refusal = Frame::new(CobId::of(Service::SdoReply, node), &refusal);
+        Fate::Lost(refusal.filter(|_| says))
+    };
+    let mut link = between(inside, sent, |frame| frame);
+    link.set_patience(Duration::from_millis(50));
+    link
 }
 
 /// A client whose frames to and from the board pass through `sent` and `heard`.

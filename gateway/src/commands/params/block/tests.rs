@@ -1,14 +1,11 @@
 //! Against a block as delivered, and a board inside this process.
 
-use std::time::Duration;
-
 use leadscrew_board_sim::plant::{BlockOptions, Flash, PlantOptions};
-use leadscrew_core::bus::{Abort, CobId, Frame, Service};
 use leadscrew_core::params::Entry;
 
 use super::*;
 use crate::link::Inside;
-use crate::link::bench::{Fate, between, link, machine, machine_with};
+use crate::link::bench::{self, link, machine, machine_with};
 
 const NODE: u8 = 5;
 
@@ -33,22 +30,10 @@ fn board() -> (Params, Inside) {
 /// On this end of the bus the block does not take what is written to it `at` (index, sub-index): it `says` so, or nothing.
 fn wayward(inside: &Inside, at: (u16, u8), says: bool) -> Link {
     let node = NodeId::new(NODE).unwrap();
-    let sent = move |frame: &Frame| {
-        let request = CobId::of(Service::SdoRequest, node);
-        let [0x20..=0x3F, low, high, sub, ..] = *frame.payload() else {
-            return Fate::Arrives;
-        };
-        if frame.id() != request || (u16::from_le_bytes([low, high]), sub) != at {
-            return Fate::Arrives;
-        }
-        let [a, b, c, d] = Abort::Access.code().to_le_bytes();
-        let refusal = [0x80, low, high, sub, a, b, c, d];
-        let refusal = Frame::new(CobId::of(Service::SdoReply, node), &refusal);
-        Fate::Lost(refusal.filter(|_| says))
+    let is_meant = move |[command, low, high, sub]: [u8; 4]| {
+        (0x20..=0x3F).contains(&command) && (u16::from_le_bytes([low, high]), sub) == at
     };
-    let mut link = between(inside, sent, |frame| frame);
-    link.set_patience(Duration::from_millis(50));
-    link
+    bench::wayward(inside, node, is_meant, says)
 }
 
 /// What is not as wanted, in words.

@@ -4,14 +4,12 @@ use std::time::Duration;
 
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::bus::{
-    Abort, CobId, Frame, Mapped, NmtCommand, NodeId, Object, Service, Setpoints,
-};
+use leadscrew_core::bus::{Abort, CobId, Mapped, NmtCommand, NodeId, Object, Service, Setpoints};
 use leadscrew_core::params::{Entry, Params};
 
 use super::{Found, Pending, apply, check_setpoints, read, with_drives};
 use crate::failure::{Failure, Outcome};
-use crate::link::bench::{Fate, between, link, machine, machine_of};
+use crate::link::bench::{self, Fate, between, link, machine, machine_of};
 use crate::link::{Inside, Link, Trouble};
 use crate::params::drives::{Drive, DriveName, Kind, Wanted};
 
@@ -30,21 +28,7 @@ fn board() -> Inside {
 /// On this end of the bus the drive of X does not do what is written to it `at` (command, index, sub-index, as SDO has it):
 /// it `says` so, or nothing at all.
 fn wayward(inside: &Inside, at: [u8; 4], says: bool) -> Link {
-    let node = X.node;
-    let sent = move |frame: &Frame| {
-        let request = CobId::of(Service::SdoRequest, node);
-        if frame.id() != request || !frame.payload().starts_with(&at) {
-            return Fate::Arrives;
-        }
-        let [_, low, high, sub] = at;
-        let [a, b, c, d] = Abort::Access.code().to_le_bytes();
-        let refusal = [0x80, low, high, sub, a, b, c, d];
-        let refusal = Frame::new(CobId::of(Service::SdoReply, node), &refusal);
-        Fate::Lost(refusal.filter(|_| says))
-    };
-    let mut link = between(inside, sent, |frame| frame);
-    link.set_patience(Duration::from_millis(50));
-    link
+    bench::wayward(inside, X.node, move |request| request == at, says)
 }
 
 /// The limit of X's velocity is to be another one.
