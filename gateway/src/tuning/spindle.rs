@@ -347,22 +347,23 @@ fn sources(run_ups: &[RunUp], known: &Known) -> Vec<Source> {
         };
         let of_hertz =
             |(_, other): &(usize, Line)| (other.hertz - line.hertz).abs() <= width && alike(other);
-        let count = |same: &dyn Fn(&(usize, Line)) -> bool| {
-            let mut seen: Vec<usize> = left.iter().filter(|of| same(of)).map(|of| of.0).collect();
-            seen.sort_unstable();
-            seen.dedup();
-            seen.len()
-        };
-        let (orders, hertz) = (count(&of_order), count(&of_hertz));
+        let (orders, hertz) = (over(&left, &of_order), over(&left, &of_hertz));
+        // A mixture that has the frequency by chance weighs less than a line that keeps its size.
+        let heavier =
+            |of: Seen, than: Seen| of.speeds > 1 && of.weight - than.weight > ALIKE * line.share;
         let kind = match own {
-            Some(order) if orders > hertz => Kind::Order(order),
-            _ if hertz > orders && hertz > 1 => Kind::Hertz(line.hertz),
+            Some(order) if heavier(orders, hertz) => Kind::Order(order),
+            _ if heavier(hertz, orders) => Kind::Hertz(line.hertz),
             _ => Kind::Unknown(line.hertz),
         };
         sources.push(Source {
             kind,
             share: line.share,
-            seen: orders.max(hertz),
+            seen: match kind {
+                Kind::Order(_) => orders.speeds,
+                Kind::Hertz(_) => hertz.speeds,
+                Kind::Unknown(_) => orders.speeds.max(hertz.speeds),
+            },
         });
         match kind {
             Kind::Order(_) => left.retain(|of| !of_order(of)),
@@ -371,6 +372,31 @@ fn sources(run_ups: &[RunUp], known: &Known) -> Vec<Source> {
         }
     }
     sources
+}
+
+/// Where a line was seen.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Speeds.
+    speeds: usize,
+    /// The sum of its share over these.
+    weight: f64,
+}
+
+/// The lines that are the same, the largest of each speed; `lines` have the largest first.
+fn over(lines: &[(usize, Line)], same: &dyn Fn(&(usize, Line)) -> bool) -> Seen {
+    let mut places = Vec::new();
+    let mut weight = 0.0;
+    for (place, line) in lines.iter().filter(|of| same(of)) {
+        if !places.contains(place) {
+            places.push(*place);
+            weight += line.share;
+        }
+    }
+    Seen {
+        speeds: places.len(),
+        weight,
+    }
 }
 
 fn mean(of: impl Iterator<Item = f64>) -> f64 {

@@ -155,6 +155,21 @@ fn a_much_smaller_line_of_another_speed_is_another_one() {
     assert_eq!((sources[0].share, sources[0].seen), (0.02, 2));
 }
 
+/// At the second speed the mixture 2 × 14.74 − 5.73 Hz lies beside the second order of the first speed, 2 × 11.78 Hz; the
+/// third speed has its second order above the band.
+#[test]
+fn a_mixture_beside_an_order_of_another_speed_does_not_hide_the_order() {
+    let model = Model {
+        up: 0.926,
+        down: 1.055,
+        slip: 1.0085,
+        swings: vec![Swing::Hertz(5.732, 0.05), Swing::Order(2.0, 0.0372)],
+    };
+    let found = model.found(&[701.0, 877.0, 1103.0]).unwrap();
+    assert_eq!(found.sources[1].kind, Kind::Order(2), "{:?}", found.sources);
+    assert_eq!(found.sources[1].seen, 2);
+}
+
 /// At half the speed the second order has the frequency of the first one: nobody can tell which of both it is.
 #[test]
 fn speeds_that_are_multiples_do_not_tell_lines_apart() {
