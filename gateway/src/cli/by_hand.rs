@@ -309,8 +309,8 @@ pub struct Tune {
     /// How well that age is known, plus or minus; with `--write` it becomes 9075 of the axis
     #[arg(long, value_name = "US", requires = "age", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     pub age_within: Option<u32>,
-    /// Write 9003, 9070, 9071 and 9072 of the axis, or 9004 of the spindle, and 9010 where its speed varies more, as one
-    /// transaction
+    /// Write 9003, 9070, 9071 and 9072 of the axis, or 9004 of the spindle, 9010 where its speed varies more, and
+    /// 9034 where its encoder learns a swing, as one transaction
     #[arg(long)]
     pub write: bool,
     /// Write the result: `.svg`, `.png`, `.html` or `.json`

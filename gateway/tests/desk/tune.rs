@@ -120,6 +120,19 @@ fn the_ramp_and_the_ripple_of_a_known_spindle_are_found_and_written() {
     assert!(drawn.contains("<polyline") && drawn.contains("S503"));
 }
 
+/// An encoder of 4096 counts whose edges have no times learns a swing of a known frequency.
+#[test]
+fn the_swing_of_the_drive_is_written_where_the_encoder_learns_it() {
+    let user = User::new();
+    good(&user.does(&["up", "--spindle-ripple", "4@5.3"]));
+    good(&user.does(&["params", "set", "9006.0=0"]));
+    let two = ["tune", "spindle", "--speeds", "211,503", "--seconds", "5"];
+    good(&user.does(&[&two[..], &["--write"]].concat()));
+    let got = user.json(&["params", "get", "9034"]);
+    let written = got["params"][0]["value"].as_f64().unwrap();
+    assert!((written - 5300.0).abs() < 50.0, "{got}");
+}
+
 #[test]
 fn a_spindle_is_not_tuned_without_speeds_or_while_it_turns() {
     let user = User::with_machine();

@@ -75,6 +75,26 @@ impl Resolution {
         self.counts < few
     }
 
+    /// The same spindle and encoder where the frequency with which the drive swings is known.
+    #[must_use]
+    pub const fn with_swing(self) -> Self {
+        Self {
+            swing_known: true,
+            ..self
+        }
+    }
+
+    /// The bandwidth of the observer in Hz where the spindle turns at `rpm`: an encoder of few counts narrows it.
+    #[must_use]
+    pub fn bandwidth_at(self, rpm: u32) -> u32 {
+        if self.counts >= FEW {
+            return self.bandwidth_hz;
+        }
+        let a_second = self.counts.saturating_mul(rpm) / 60;
+        let most = a_second.checked_div(self.to_bandwidth());
+        self.bandwidth_hz.min(most.unwrap_or(u32::MAX))
+    }
+
     /// The largest acceleration that reading whole counts, without the times of edges, can give an axis on this lead. The
     /// axis's setpoints are predicted `ahead` of the sample.
     ///
@@ -113,8 +133,12 @@ impl Resolution {
 
     /// The counts a second that the bandwidth needs.
     fn of_bandwidth(self) -> u32 {
-        let to_bandwidth = if self.timed { TIMED } else { UNTIMED };
-        self.bandwidth_hz.saturating_mul(to_bandwidth)
+        self.bandwidth_hz.saturating_mul(self.to_bandwidth())
+    }
+
+    /// Counts a second for each hertz of the bandwidth.
+    const fn to_bandwidth(self) -> u32 {
+        if self.timed { TIMED } else { UNTIMED }
     }
 
     /// The speed that gives so many counts a second, rounded up.

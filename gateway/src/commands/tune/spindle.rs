@@ -15,7 +15,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::Rpm;
 
 use super::telling;
-use super::turned::{self, Told};
+use super::turned::{self, Swing, Told};
 use crate::cli::{Global, Run, Tune};
 use crate::commands::board::{Greeted, Machine, Work, perform_on};
 use crate::failure::{Failure, Outcome};
@@ -69,12 +69,16 @@ pub fn run(global: &Global, args: &Tune) -> Outcome {
     let asked: Vec<f64> = args.speeds.iter().copied().map(f64::from).collect();
     let known = Known {
         seconds: f64::from(seconds),
-        band: band(&params),
+        band: band(&params, &args.speeds),
     };
     let found = look(&looks, &asked, &known).map_err(|why| turned::refusal(&why))?;
     let told = Told {
         ramp_ms: params.spindle_ramp_ms(),
         variation: params.spindle_variation_percent().into(),
+        swing: Swing {
+            before: params.spindle_swing(),
+            is_learned: params.resolution().with_swing().is_learned(),
+        },
         known,
         looks,
         found,
@@ -130,13 +134,13 @@ fn lines(speeds: &[u16], seconds: u16, ramp_ms: u32) -> String {
     lines
 }
 
-/// What changes faster than this is not seen whole: half of the rate of looks with some room, and the board's observer.
-fn band(params: &Params) -> f64 {
+/// What changes faster than this is not seen whole: half of the rate of looks with some room, and the board's observer at
+/// the lowest of the speeds.
+fn band(params: &Params, speeds: &[u16]) -> f64 {
     let looks_a_second = 1000.0 / f64::from(params.status_period_ms());
-    f64::min(
-        0.4 * looks_a_second,
-        f64::from(params.observer_bandwidth_hz()),
-    )
+    let slowest = speeds.iter().copied().min().unwrap_or(0);
+    let observer = params.resolution().bandwidth_at(slowest.into());
+    f64::min(0.4 * looks_a_second, f64::from(observer))
 }
 
 /// The spindle stands, and its override leaves the speeds as they are.
@@ -279,6 +283,8 @@ impl Can for Overheard {
 
 #[cfg(test)]
 mod tests {
+    use leadscrew_core::params::Entry;
+
     use super::*;
 
     #[test]
@@ -287,6 +293,25 @@ mod tests {
             lines(&[200, 500], 20, 600),
             "G97\nG4 P2000\nM3 S200\nG4 P22360\nM5\nG4 P2360\nM3 S500\nG4 P22900\nM5\nG4 P2900\n"
         );
+    }
+
+    #[test]
+    fn what_an_encoder_of_few_counts_hides_is_not_looked_for() {
+        let of = |sets: &[(&str, i64)]| {
+            let mut params = Params::slant_bed();
+            for (number, value) in sets {
+                params
+                    .set(Entry::find_text(number).unwrap(), *value)
+                    .unwrap();
+            }
+            band(&params, &[500, 211])
+        };
+        // 35 Hz of 9005, and statuses every 10 ms.
+        assert_eq!(of(&[]), 35.0);
+        assert_eq!(of(&[("9022", 20)]), 20.0);
+        // 64 counts at 211 rpm are 225 a second: an eighth of them with times, a twentieth without.
+        assert_eq!(of(&[("3720", 64), ("9006.0", 1)]), 28.0);
+        assert_eq!(of(&[("3720", 64), ("9006.0", 0)]), 11.0);
     }
 
     #[test]

@@ -18,12 +18,35 @@ pub struct Told {
     pub ramp_ms: u32,
     /// 9010 before, in per cent.
     pub variation: u32,
+    pub swing: Swing,
     pub known: Known,
     pub looks: Vec<Look>,
     pub found: Found,
 }
 
+/// What the machine has of the drive's swing.
+pub struct Swing {
+    /// 9034 before, in 0.001 Hz; 0: not known.
+    pub before: u32,
+    /// The encoder has so few counts that it learns a swing whose frequency is known.
+    pub is_learned: bool,
+}
+
+/// A swing that is smaller, as a share of the speed, is not worth being learned.
+const LEAST_SWING: f64 = 0.01;
+
 impl Told {
+    /// 9034 for this spindle, in 0.001 Hz: the largest swing of its own, where the encoder learns it.
+    fn swing(&self) -> Option<u32> {
+        let own = |source: &Source| match source.kind {
+            Kind::Hertz(hertz) if source.share >= LEAST_SWING => Some(hertz),
+            _ => None,
+        };
+        let found = self.found.sources.iter().find_map(own);
+        let hertz = found.filter(|_| self.swing.is_learned)?;
+        Some((hertz * 1000.0).round() as u32)
+    }
+
     /// 9004 for this spindle: no shorter than what was found.
     fn ramp(&self) -> u32 {
         (self.found.ramp * 1000.0).ceil() as u32
@@ -62,10 +85,12 @@ impl Tells for Told {
     }
 
     fn values(&self) -> Vec<String> {
-        vec![
+        let mut values = vec![
             format!("9004={}", self.ramp()),
             format!("9010={}", self.room()),
-        ]
+        ];
+        values.extend(self.swing().map(|swing| format!("9034={swing}")));
+        values
     }
 
     fn words(&self) -> Both {
@@ -94,6 +119,17 @@ impl Tells for Told {
             zh,
             "9004 每 1000 r/min {ramp} ms（现为 {before}）；9010 {room} %（现为 {percent}；不会减小：切削时波动更大）"
         );
+        if let Some(swing) = self.swing() {
+            let [hertz, before] = [swing, self.swing.before].map(|of| f64::from(of) / 1000.0);
+            let _ = writeln!(
+                en,
+                "9034 {hertz:.3} Hz (now {before:.3}; 0 is not known): an encoder of so few counts learns this swing"
+            );
+            let _ = writeln!(
+                zh,
+                "9034 {hertz:.3} Hz（现为 {before:.3}；0 表示未知）：这样少线数的编码器会学习此波动"
+            );
+        }
         for source in &self.found.sources {
             let of = self.source(source);
             en += &of.en;
@@ -128,6 +164,14 @@ impl Tells for Told {
         json.integer("ramp_ms_before", self.ramp_ms.into());
         json.integer("variation_percent", self.room().into());
         json.integer("variation_percent_before", self.variation.into());
+        match self.swing() {
+            Some(swing) => json.number("swing_hz", format!("{:.3}", f64::from(swing) / 1000.0)),
+            None => json.null("swing_hz"),
+        }
+        json.number(
+            "swing_hz_before",
+            format!("{:.3}", f64::from(self.swing.before) / 1000.0),
+        );
         json.array_at("lines", |json| {
             for source in &self.found.sources {
                 json.object(|json| {
@@ -245,4 +289,51 @@ pub fn refusal(why: &Refusal) -> Failure {
             "S{asked:.0}：M5 之后主轴未在 9004 的三倍时间内停止：没有制动，或 9004 设得太短"
         ),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(sources: &[(Kind, f64)], is_learned: bool) -> Told {
+        let source = |&(kind, share): &(Kind, f64)| Source {
+            kind,
+            share,
+            seen: 3,
+        };
+        Told {
+            ramp_ms: 500,
+            variation: 15,
+            swing: Swing {
+                before: 0,
+                is_learned,
+            },
+            known: Known {
+                seconds: 20.0,
+                band: 35.0,
+            },
+            looks: Vec::new(),
+            found: Found {
+                run_ups: Vec::new(),
+                ramp: 0.8,
+                variation: 0.2,
+                sources: sources.iter().map(source).collect(),
+            },
+        }
+    }
+
+    #[test]
+    fn the_largest_swing_of_its_own_is_written_where_it_is_learned() {
+        let both = [
+            (Kind::Order(1), 0.06),
+            (Kind::Hertz(5.3004), 0.04),
+            (Kind::Hertz(13.1), 0.02),
+        ];
+        let values = told(&both, true).values();
+        assert_eq!(values, ["9004=800", "9010=20", "9034=5300"]);
+        assert_eq!(told(&both, false).values(), ["9004=800", "9010=20"]);
+        // Too small, and a line that may as well turn with the spindle.
+        let none = [(Kind::Unknown(4.0), 0.04), (Kind::Hertz(5.3), 0.009)];
+        assert_eq!(told(&none, true).values(), ["9004=800", "9010=20"]);
+    }
 }
