@@ -1,6 +1,7 @@
 // Puts the parts of the page together: editor, machine, pictures and settings.
 
 import { Editor } from "./editor.js";
+import { Measured } from "./measured.js";
 import { Phase } from "./phase.js";
 import { Plot } from "./plot.js";
 import { Runner } from "./runner.js";
@@ -10,12 +11,16 @@ import * as link from "./link.js";
 
 const CHECK_AFTER_MS = 200;
 const COUNTS = ["", 100, 500, 1024, 2048, 3600];
+const FAULTS = ["estop", "spindle_stalls", "spindle_slow", "encoder_slips", "drive_hot", "drive_silent", "axis_blocked",
+  "bus_unplugged"];
+const SETTINGS = ["ripple", "hertz", "counts", "kv", "speed"];
 
 const of = (id) => document.getElementById(id);
 const machine = open();
 const editor = new Editor({ text: of("text"), numbers: of("numbers"), marks: of("marks"), changed: later });
 const plot = new Plot(of("plot"));
 const phase = new Phase(of("phase"));
+const measured = new Measured({ list: of("threads"), canvas: of("profile") });
 const runner = new Runner({ ask: machine.ask, speed, seen, failed });
 let examples = [];
 let folder = "";
@@ -39,6 +44,7 @@ function job(what) {
     ripple: ripple ? [ripple, hertz] : null,
     counts: counts ? Number(counts) : null,
     kv: kv || null,
+    measure: of("measure").checked,
   };
 }
 
@@ -85,7 +91,7 @@ async function run() {
   runner.stop();
   clearTimeout(timer);
   of("alarm").textContent = "";
-  phase.clear();
+  clear();
   const said = await machine.ask(job("load")).catch((failure) => ({ failure }));
   if (said.failure || said.refused) return failed(said);
   found(said);
@@ -99,24 +105,35 @@ async function run() {
   runner.start();
 }
 
+function clear() {
+  phase.clear();
+  measured.clear();
+  of("measured").hidden = true;
+}
+
 function buttons(now) {
   running = now;
+  of("inject").disabled = !running;
   of("hold").disabled = !running || held;
   of("resume").disabled = !running || !held;
 }
 
-function seen({ state, samples, told }) {
+function seen({ state, samples, threads, told }) {
   const millimetres = (nm) => (nm / 1e6).toFixed(4);
-  of("x").textContent = millimetres(2 * state.x);
-  of("z").textContent = millimetres(state.z);
+  const [x, z] = plot.at(state.x, state.z, state.line);
+  of("x").textContent = millimetres(2 * x);
+  of("z").textContent = millimetres(z);
   of("rpm").textContent = state.rpm;
   of("mode").textContent = state.doing;
   of("line").textContent = state.line;
   of("time").textContent = `${(state.time_ms / 1000).toFixed(1)} s`;
   of("worst").textContent = `${(state.worst_nm / 1000).toFixed(2)} µm`;
   editor.here(state.line);
-  plot.at(state.x, state.z);
   phase.add(samples);
+  if (threads.length) {
+    of("measured").hidden = false;
+    measured.add(threads);
+  }
   if (told.length) of("alarm").textContent = told.map(words).join("\n");
   if (!state.over) return;
   const factor = state.time_ms / Math.max(performance.now() - started, 1);
@@ -130,9 +147,15 @@ function failed({ refused, figure, failure }) {
   buttons(false);
 }
 
+// What a message brings back is shown with what time brings.
+async function sayTo(message) {
+  const said = await machine.ask(message).catch((failure) => ({ failure }));
+  if (said.failure || said.refused) return failed(said);
+  seen(said);
+}
+
 async function order(what) {
-  const said = await machine.ask({ do: what });
-  if (said.refused) return failed(said);
+  await sayTo({ do: what });
   held = what === "hold";
   buttons(running);
 }
@@ -140,7 +163,7 @@ async function order(what) {
 async function reset() {
   runner.stop();
   await machine.ask({ do: "reset" });
-  phase.clear();
+  clear();
   for (const id of ["x", "z", "rpm", "mode", "line", "time", "worst", "hash"]) of(id).textContent = "–";
   of("factor").textContent = "";
   buttons(false);
@@ -167,12 +190,15 @@ function language(zh) {
   of("language").textContent = zh ? "English" : "中文";
   of("text").setAttribute("aria-label", word("text"));
   of("counts").options[0].textContent = word("own");
+  for (const option of of("fault").options) option.textContent = word(option.value);
+  measured.say();
   say();
 }
 
 async function share() {
   const settings = { text: editor.value, folder };
-  for (const id of ["ripple", "hertz", "counts", "kv", "speed"]) settings[id] = of(id).value;
+  for (const id of SETTINGS) settings[id] = of(id).value;
+  settings.measure = of("measure").checked;
   history.replaceState(null, "", `#${link.write(settings)}`);
   const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
   of("share").textContent = word(copied ? "shared" : "address");
@@ -181,6 +207,7 @@ async function share() {
 
 async function start() {
   for (const count of COUNTS) of("counts").add(new Option(String(count), String(count)));
+  for (const fault of FAULTS) of("fault").add(new Option(fault, fault));
   language(navigator.language.startsWith("zh"));
   examples = await machine.ask({ do: "examples" });
   for (const [n, one] of examples.entries()) {
@@ -190,7 +217,8 @@ async function start() {
   of("example").value = String(Math.max(first, 0));
   const linked = link.read(location.hash);
   if (linked) {
-    for (const id of ["ripple", "hertz", "counts", "kv", "speed"]) if (linked[id] !== undefined) of(id).value = linked[id];
+    for (const id of SETTINGS) if (linked[id] !== undefined) of(id).value = linked[id];
+    of("measure").checked = linked.measure !== false;
     folder = linked.folder;
     editor.value = linked.text;
     of("example").selectedIndex = -1;
@@ -207,6 +235,7 @@ of("run").addEventListener("click", run);
 of("hold").addEventListener("click", () => order("hold"));
 of("resume").addEventListener("click", () => order("resume"));
 of("reset").addEventListener("click", reset);
+of("inject").addEventListener("click", () => sayTo({ do: "fault", what: of("fault").value }));
 of("fit").addEventListener("click", () => plot.view.fit());
 of("share").addEventListener("click", share);
 of("language").addEventListener("click", () => {
@@ -214,6 +243,6 @@ of("language").addEventListener("click", () => {
   if (!running) check();
 });
 for (const id of ["speed", "ripple", "hertz", "kv"]) of(id).addEventListener("input", say);
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [plot, phase].forEach((one) => one.view.redraw()));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [plot, phase, measured].forEach((one) => one.view.redraw()));
 buttons(false);
 start().catch((failure) => failed({ failure }));

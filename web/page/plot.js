@@ -1,4 +1,5 @@
-// The path in the plane Z-X: rapids dashed, passes in turn in the colours, and the tool. X is shown as a diameter elsewhere.
+// The path in the plane Z-X, in the coordinates of the program: rapids dashed, passes in turn in the colours, and the tool.
+// X is shown as a diameter elsewhere.
 
 import { COLOURS, View, colour, grid, tip } from "./view.js";
 
@@ -13,7 +14,11 @@ export class Plot {
   }
 
   show(path) {
-    this.path = path;
+    const of = ([x, z], [ox, oz]) => [x - ox, z - oz];
+    this.path = path.map((piece) => ({ ...piece, from: of(piece.from, piece.origin), to: of(piece.to, piece.origin) }));
+    this.origins = new Map(path.map((piece) => [piece.line, piece.origin]));
+    this.origin = path[0]?.origin ?? [0, 0];
+    path = this.path;
     this.tool = null;
     const cuts = path.filter((piece) => piece.kind !== "rapid");
     const ends = (cuts.length ? cuts : path).flatMap((piece) => [piece.from, piece.to]);
@@ -27,9 +32,12 @@ export class Plot {
     this.view.show(ends.length ? box : [-MILLIMETRE, MILLIMETRE, -MILLIMETRE, MILLIMETRE]);
   }
 
-  at(x, z) {
-    this.tool = [x, z];
+  // The place of a machine position in the program's coordinates, while a line runs.
+  at(x, z, line) {
+    this.origin = this.origins.get(line) ?? this.origin;
+    this.tool = [x - this.origin[0], z - this.origin[1]];
     this.view.redraw();
+    return this.tool;
   }
 
   #draw(context, at, size) {

@@ -10,6 +10,7 @@ mod examples;
 mod machine;
 mod messages;
 mod program;
+mod thread;
 
 pub use examples::{FOLDERS, Folder};
 pub use messages::{Session, answer};

@@ -2,14 +2,18 @@
 //!
 //! Does what `leadscrew simulate` does, tick by tick. Knows no words of the page.
 
-use leadscrew_board_sim::plant::{PlantOptions, ServoOptions};
+use leadscrew_board_sim::line::{Faults, Span as Ticks};
+use leadscrew_board_sim::plant::{PlantOptions, ServoOptions, Trouble};
 use leadscrew_board_sim::{Doing, Row, Sim, SimError};
 use leadscrew_core::alarm::{Alarm, Span};
-use leadscrew_core::board::{Command, Event, State};
+use leadscrew_core::board::{Command, Event, Inputs, State};
 use leadscrew_core::call::{Call, CallKind, Position, TapSpindle};
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::Params;
-use serde::Serialize;
+use leadscrew_core::units::{Axis, Length};
+use leadscrew_inspection::{Cut, Cutting, Instant};
+use leadscrew_metrology::{Mm, Turns};
+use serde::{Deserialize, Serialize};
 
 /// Ticks that give one sample of the error: the greatest of them.
 const TICKS_A_SAMPLE: u32 = 8;
@@ -22,6 +26,34 @@ pub struct Sample {
     error: i64,
     line: u32,
     step: u32,
+}
+
+/// Counts by which interference moves the encoder's counter.
+const SLIP: i32 = 40;
+
+/// The error code of a drive in fault: over-temperature of the drive.
+const HOT: u16 = 0x4210;
+
+/// What goes wrong; it stays wrong until the next machine.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fault {
+    /// The emergency stop is pressed.
+    Estop,
+    /// The spindle stands against its command.
+    SpindleStalls,
+    /// Its drive is overloaded, and it turns at seven tenths of its speed.
+    SpindleSlow,
+    /// Interference moves the encoder's counter.
+    EncoderSlips,
+    /// The drive of Z is too hot.
+    DriveHot,
+    /// It answers no more.
+    DriveSilent,
+    /// The axis is blocked.
+    AxisBlocked,
+    /// The cable of the bus is pulled out.
+    BusUnplugged,
 }
 
 /// A machine at work.
@@ -37,6 +69,10 @@ pub struct Machine {
     of_sample: u32,
     samples: Vec<Sample>,
     worst_nm: i64,
+    /// The threads, where they are to be measured.
+    cutting: Option<Cutting>,
+    /// Those measured and not told yet.
+    cuts: Vec<Cut>,
     stopping: bool,
     over: bool,
     /// Alarms and warnings not told yet.
@@ -44,7 +80,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// A machine at power-up that carries out these calls.
+    /// A machine at power-up that carries out these calls, and cuts these threads.
     ///
     /// # Errors
     /// No such machine.
@@ -52,6 +88,7 @@ impl Machine {
         params: &Params,
         options: &PlantOptions,
         mut calls: Vec<Call>,
+        cutting: Option<Cutting>,
     ) -> Result<Self, SimError> {
         // Without M02 or M30 a call tells the board that no more come.
         if !calls
@@ -77,6 +114,8 @@ impl Machine {
             of_sample: 0,
             samples: Vec::new(),
             worst_nm: 0,
+            cutting,
+            cuts: Vec::new(),
             stopping: false,
             over: false,
             told: Vec::new(),
@@ -86,6 +125,32 @@ impl Machine {
     /// Gives an operator's command.
     pub fn command(&mut self, command: Command) {
         self.sim.command(command);
+    }
+
+    /// Something goes wrong.
+    pub fn fault(&mut self, fault: Fault) {
+        let sim = &mut self.sim;
+        match fault {
+            Fault::Estop => sim.set_pins(Inputs {
+                stop: true,
+                ..Inputs::default()
+            }),
+            Fault::SpindleStalls => sim.plant().spindle().disturb(0),
+            Fault::SpindleSlow => sim.plant().spindle().disturb(70),
+            Fault::EncoderSlips => sim.plant().encoder().slip(SLIP),
+            Fault::DriveHot => sim.plant().drive(Axis::Z).trouble(Trouble::Fault(HOT)),
+            Fault::DriveSilent => sim.plant().drive(Axis::Z).trouble(Trouble::Silent),
+            Fault::AxisBlocked => sim.plant().drive(Axis::Z).trouble(Trouble::Stuck),
+            Fault::BusUnplugged => {
+                let from_now = Ticks {
+                    from: sim.ticks(),
+                    to: u64::MAX,
+                };
+                let mut faults = Faults::NONE;
+                faults.cable_out = Some(from_now);
+                sim.spoil(faults);
+            }
+        }
     }
 
     /// Lets so many ticks pass, or fewer if the program ends.
@@ -135,6 +200,12 @@ impl Machine {
             self.sim.last_rows(|row| rest.push(row));
             rest.iter().for_each(|row| self.take(row));
             self.close_sample();
+            // A thread that an alarm has ended is not whole.
+            if let Some(cutting) = &mut self.cutting
+                && !self.stopping
+            {
+                self.cuts.extend(cutting.finish());
+            }
         }
     }
 
@@ -144,6 +215,10 @@ impl Machine {
             .find_map(|spindle| Some((*spindle, row.angle(*spindle).set?)));
         self.hash
             .push(row.position, spindle, row.doing == Doing::Run);
+        if let Some(cutting) = &mut self.cutting {
+            cutting.take(&instant(row));
+            self.cuts.append(&mut cutting.done());
+        }
         let error = row.cut.map(|cut| cut.error).or(row.error);
         self.row = Some(*row);
         let Some(error) = error.map(|error| error.nm()) else {
@@ -175,6 +250,11 @@ impl Machine {
     /// The samples since the last call.
     pub fn samples(&mut self) -> Vec<Sample> {
         std::mem::take(&mut self.samples)
+    }
+
+    /// The threads that were measured since the last call.
+    pub fn cuts(&mut self) -> Vec<Cut> {
+        std::mem::take(&mut self.cuts)
     }
 
     /// What it is doing.
@@ -212,6 +292,18 @@ pub struct MachineState {
     /// Of the setpoints so far.
     pub setpoint_hash: String,
     hashed_ticks: u64,
+}
+
+/// Where the tool is at a tick: where its drives have moved it, or where ideal ones are told to be.
+fn instant(row: &Row) -> Instant {
+    let mm = |length: Length| Mm(length.nm() as f64 / 1e6);
+    let [x, z] = row.actual.unwrap_or([row.position.x, row.position.z]);
+    Instant {
+        step: row.number.into(),
+        angle: Turns(row.spindle.micro_turns() as f64 / 1e6),
+        x: mm(x),
+        z: mm(z),
+    }
 }
 
 /// A drive with this gain of its position loop in 1/s: without feed-forward, friction or play, so that its lag shows.

@@ -5,12 +5,14 @@ use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::board::Command;
 use leadscrew_core::params::{Entry, Params};
+use leadscrew_inspection::Cutting;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::examples::FOLDERS;
-use crate::machine::{Machine, drive};
+use crate::machine::{Fault, Machine, drive};
 use crate::program::{Found, Program};
+use crate::thread::Thread;
 
 /// What stays between two messages: at most one machine, and the language.
 #[derive(Default)]
@@ -35,6 +37,8 @@ enum Ask {
     Hold,
     /// On after feed hold.
     Resume,
+    /// Something goes wrong.
+    Fault { what: Fault },
     /// No machine any more.
     Reset,
 }
@@ -52,6 +56,9 @@ struct Job {
     counts: Option<u32>,
     /// Gain of the drives' position loops in 1/s; ideal drives where there is none.
     kv: Option<u32>,
+    /// The threads are cut and measured.
+    #[serde(default)]
+    measure: bool,
 }
 
 /// A refusal that is no alarm of the machine, by its key in the words of the page.
@@ -88,6 +95,10 @@ impl Session {
             }
             Ask::Hold => self.command(Command::Hold),
             Ask::Resume => self.command(Command::Resume),
+            Ask::Fault { what } => {
+                self.at_work()?.fault(what);
+                self.state()
+            }
             Ask::Reset => {
                 self.machine = None;
                 Ok(json!({}))
@@ -102,7 +113,9 @@ impl Session {
         let mut program = job.read(&params)?;
         if program.is_good() {
             let calls = std::mem::take(&mut program.calls);
-            let machine = Machine::new(&params, &job.options()?, calls);
+            let threads = std::mem::take(&mut program.threads);
+            let cutting = job.measure.then(|| Cutting::new(threads));
+            let machine = Machine::new(&params, &job.options()?, calls, cutting);
             self.machine = Some(machine.map_err(|error| match error {
                 SimError::Board(alarm) => refused("alarm", Found::new(&alarm, self.lang, false)),
                 SimError::Plant(error) => refused("plant", format!("{error:?}")),
@@ -128,6 +141,7 @@ impl Session {
         Ok(json!({
             "state": machine.state(),
             "samples": machine.samples(),
+            "threads": machine.cuts().iter().map(Thread::of).collect::<Vec<_>>(),
             "told": told.collect::<Vec<_>>(),
         }))
     }

@@ -10,6 +10,7 @@ use leadscrew_core::cycle::{self, Context};
 use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
+use leadscrew_inspection::{Finder, Job, Wish};
 use leadscrew_language::flow::{Rules, Trouble};
 use leadscrew_language::heading::Heading;
 use leadscrew_language::lines::Lines;
@@ -61,6 +62,8 @@ pub struct Piece {
     pass: u32,
     from: [i64; 2],
     to: [i64; 2],
+    /// Where X0 Z0 of the program is.
+    origin: [i64; 2],
     /// Centre minus start in X and Z, and 1 for G02.
     #[serde(skip_serializing_if = "Option::is_none")]
     arc: Option<[i64; 3]>,
@@ -73,6 +76,8 @@ pub struct Program {
     pub calls: Vec<Call>,
     /// In order.
     pub path: Vec<Piece>,
+    /// Its threads, in order.
+    pub threads: Vec<Job>,
     /// In order.
     pub found: Vec<Found>,
     /// It is longer than a tab takes.
@@ -106,6 +111,7 @@ impl Program {
             .found
             .extend(first.map(|alarm| Found::new(alarm, lang, false)));
         let mut at = options.position;
+        let mut finder = Finder::default();
         let mut reader = Reader::new(text, params, options, Kept::default(), rules);
         let mut events = Vec::new();
         while heading.alarm.is_none()
@@ -118,9 +124,10 @@ impl Program {
             for event in events.drain(..) {
                 match event {
                     Event::Call(call) => {
-                        program.call(&call, params, &mut at, |alarm| {
+                        program.call(&call, params, &mut at, &mut finder, |alarm| {
                             Found::new(alarm, lang, inch)
                         });
+                        finder.call(&call);
                     }
                     Event::Warning(alarm) => program.tell(Found::new(&alarm, lang, inch)),
                 }
@@ -131,6 +138,10 @@ impl Program {
                 Err(Trouble::Unreadable(error)) => return Err(error),
             }
         }
+        // No name was given that could be refused.
+        program.threads = finder
+            .plan(&Wish::default())
+            .map_or_else(|_| Vec::new(), |plan| plan.jobs);
         Ok(program)
     }
 
@@ -146,6 +157,7 @@ impl Program {
         call: &Call,
         params: &Params,
         at: &mut Position,
+        finder: &mut Finder,
         words: impl Fn(&Alarm) -> Found,
     ) {
         self.calls.push(*call);
@@ -164,12 +176,13 @@ impl Program {
             self.tell(words(&alarm));
         }
         for step in moves {
-            self.piece(*at, &step);
+            finder.step(&step);
+            self.piece(*at, &step, call.origin);
             *at = step.to;
         }
     }
 
-    fn piece(&mut self, from: Position, step: &Move) {
+    fn piece(&mut self, from: Position, step: &Move, origin: Position) {
         let arc = match step.kind {
             MoveKind::Arc {
                 i, k, clockwise, ..
@@ -195,6 +208,7 @@ impl Program {
             pass: step.tag.map_or(0, |tag| tag.pass),
             from,
             to,
+            origin: place(origin),
             arc,
         });
     }

@@ -76,3 +76,101 @@ fn every_refusal_has_a_key_of_the_words() {
     assert_eq!(found["found"][0]["line"], 2, "{found}");
     assert_eq!(found["good"], false);
 }
+
+/// Runs a program to its end or to its alarm, and gives the answers of the steps; `fault` comes after five seconds.
+fn steps(job: &Value, fault: Option<&str>) -> Vec<Value> {
+    let mut session = Session::default();
+    let mut ask = |message: &Value| -> Value {
+        serde_json::from_slice(&answer(&mut session, message.to_string().as_bytes())).expect("JSON")
+    };
+    let loaded = ask(job);
+    assert_eq!(loaded["good"], true, "{loaded}");
+    let mut said = vec![ask(&json!({"do": "step", "ticks": 5_000}))];
+    if let Some(what) = fault {
+        said.push(ask(&json!({"do": "fault", "what": what})));
+    }
+    while said
+        .last()
+        .is_some_and(|last| last["state"]["over"] == false)
+    {
+        said.push(ask(&json!({"do": "step", "ticks": 1_000})));
+        assert!(said.len() < 300, "it does not end: {:?}", said.last());
+    }
+    said
+}
+
+fn list<'a>(said: &'a [Value], key: &str) -> Vec<&'a Value> {
+    let each = said.iter().map(|one| one[key].as_array().expect("a list"));
+    each.flatten().collect()
+}
+
+const SHAFT: &str = include_str!("../../examples/shaft.nc");
+
+/// The figures are those of `leadscrew measure examples/shaft.nc`.
+#[test]
+fn threads_are_measured_where_that_is_asked() {
+    let mut wanted = job("load", "", SHAFT);
+    let plain = steps(&wanted, None);
+    assert_eq!(list(&plain, "threads"), Vec::<&Value>::new());
+    wanted["measure"] = json!(true);
+    let said = steps(&wanted, None);
+    let state = |said: &[Value]| said.last().expect("a step")["state"].clone();
+    assert_eq!(state(&said), state(&plain));
+    let threads = list(&said, "threads");
+    let [thread] = threads[..] else {
+        panic!("{threads:?}");
+    };
+    assert_eq!(
+        (&thread["name"], &thread["line"], &thread["cut_in"]),
+        (&json!("M40x3-6g"), &json!(44), &json!("trailing"))
+    );
+    let pitch = &thread["measured"]["rows"][1];
+    assert_eq!(pitch["feature"], "pitch");
+    let found = pitch["found"].as_f64().expect("a number");
+    assert!((found - 38.0521).abs() < 1e-4, "{pitch}");
+    // It is cut to the basic profile, and 6g begins 48 µm below.
+    assert_eq!(
+        (&pitch["high"], &thread["good"]),
+        (&json!(38.003), &json!(false))
+    );
+    assert_eq!(thread["chips"].as_array().map(Vec::len), Some(10));
+    // Four pitches: crests at 20 mm, roots below 18.2.
+    let profile = thread["profile"].as_array().expect("a list");
+    let radii = profile.iter().filter_map(|point| point[1].as_i64());
+    let (low, high) = radii.fold((i64::MAX, 0), |(low, high), x| (low.min(x), high.max(x)));
+    assert_eq!(high, 20_000_000);
+    assert!((18_100_000..18_200_000).contains(&low), "{low}");
+}
+
+/// What the page offers is what the machine knows, and each fault ends in the alarm that names it.
+#[test]
+fn each_fault_has_its_alarm() {
+    const PAGE: &str = include_str!("../page/page.js");
+    let list_of = PAGE.split_once("const FAULTS = [").expect("the list").1;
+    let names = list_of.split_once("];").expect("its end").0;
+    let names: Vec<&str> = names.split('"').skip(1).step_by(2).collect();
+    let alarms = [
+        ("estop", 4300),
+        ("spindle_stalls", 4303),
+        ("spindle_slow", 4303),
+        ("encoder_slips", 4261),
+        ("drive_hot", 4357),
+        ("drive_silent", 4360),
+        ("axis_blocked", 4361),
+        ("bus_unplugged", 4360),
+    ];
+    assert_eq!(names, alarms.map(|(name, _)| name));
+    for (what, alarm) in alarms {
+        let mut wanted = job("load", "", SHAFT);
+        wanted["measure"] = json!(true);
+        let said = steps(&wanted, Some(what));
+        let told: Vec<&Value> = list(&said, "told")
+            .into_iter()
+            .map(|one| &one["number"])
+            .collect();
+        assert_eq!(told, [&json!(alarm)], "{what}");
+        // No thread was finished, but for what the next index sets right.
+        let threads = list(&said, "threads").len();
+        assert_eq!(threads, usize::from(what == "encoder_slips"), "{what}");
+    }
+}

@@ -4,9 +4,10 @@ use std::num::NonZeroU32;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use leadscrew_inspection::Edge;
 
 use crate::features::Width;
-use crate::inspection::edge::{Edge, Millimetres};
+use crate::inspection::edge::{Millimetres, edge};
 use crate::profiles::Choice;
 use crate::values::{Ripple, Tolerance};
 
@@ -100,7 +101,7 @@ pub struct Plot {
     pub path: bool,
     /// The edge of a threading tool: `V60:r0.1`, `T3=V30/27:f0.2` (repeatable) [default: the thread's angle and the norm's
     /// root]
-    #[arg(long, value_name = "[Tn=]SHAPE")]
+    #[arg(long, value_name = "[Tn=]SHAPE", value_parser = edge)]
     pub tool: Vec<Edge>,
     /// The width of a grooving tool, from its programmed corner toward +Z: `T2=4` (repeatable)
     #[arg(long, value_name = "Tn=MM")]
@@ -125,7 +126,7 @@ pub struct Measure {
     ///
     /// V and the angle between the flanks, or both from the normal of the axis, that towards -Z first; `:r` the radius of
     /// the tip, `:f` its width, mm.
-    #[arg(long, value_name = "[TN=]EDGE")]
+    #[arg(long, value_name = "[TN=]EDGE", value_parser = edge)]
     pub tool: Vec<Edge>,
     /// Width of a grooving tool from its programmed corner toward +Z, of G74 away from the axis, mm: `T2=4` (repeatable)
     /// [default: not known, and its grooves are not measured]

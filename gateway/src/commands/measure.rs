@@ -1,14 +1,16 @@
 //! `measure`: what a program cuts, measured as an inspector does.
 
+use leadscrew_inspection::{Cut, Wish};
+
 use super::picture::{self, Format, PictureFormat};
 use crate::cli::Measure;
 use crate::diagnostics;
 use crate::execution::Execution;
 use crate::failure::{Failure, Outcome};
-use crate::inspection::plan::{Wish, plan};
-use crate::inspection::samples::Cutting;
+use crate::inspection::plan::plan;
+use crate::inspection::samples::Threads;
 use crate::inspection::turned::{self, Found, Turning};
-use crate::inspection::{Cut, picture as sheets, result, sheet};
+use crate::inspection::{picture as sheets, result, sheet};
 use crate::json::Json;
 use crate::machine::Observer;
 use crate::output;
@@ -38,7 +40,7 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
     let planned = plan(setup, &source, &wish)?;
     let along_x = planned.along_x.len();
     let mut all = All {
-        threads: Cutting::new(Summary::new(&setup.params), planned.jobs),
+        threads: Threads::new(Summary::new(&setup.params), planned.jobs),
         turning: Turning::new(turned::plan(setup, &source, &args.tool_width)?),
     };
     execution.run(&args.drive, servos, &mut all)?;
@@ -83,7 +85,7 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
 
 /// All that is cut while the program runs.
 struct All {
-    threads: Cutting,
+    threads: Threads,
     turning: Turning,
 }
 

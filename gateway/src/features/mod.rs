@@ -10,6 +10,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Aux, Call, Position};
 use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
 use leadscrew_core::units::Length;
+use leadscrew_inspection::{Edge, Wish, tool_of};
 use leadscrew_language::stock::Stock as Declared;
 use leadscrew_metrology::Mm;
 
@@ -20,8 +21,7 @@ use self::thread::{Lathe, Threads};
 use crate::checking::Report;
 use crate::drawing::{self, mm};
 use crate::failure::Outcome;
-use crate::inspection::edge::Edge;
-use crate::inspection::plan::{Wish, plan, tool_of};
+use crate::inspection::plan::plan;
 use crate::movelist::cycle_name;
 use crate::number::measured;
 use crate::plot::{Across, Column, Contour, Feature, Groove, Piece, Shape, Stock};

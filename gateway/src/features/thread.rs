@@ -5,13 +5,12 @@ use leadscrew_core::call::{Call, CallKind, ChainPart};
 use leadscrew_core::cycle;
 use leadscrew_core::moves::{Move, Stage, ThreadMove};
 use leadscrew_core::params::Params;
+use leadscrew_inspection::{Assumed, Job, Plan};
 use leadscrew_metrology::{Side, Tool};
 
 use super::PIECES;
 use crate::drawing::mm;
 use crate::inspection::edge::typed;
-use crate::inspection::plan::Plan;
-use crate::inspection::{Assumed, Job};
 use crate::number::measured;
 use crate::plot::{Across, Pass, Shape, Thread};
 use crate::words::both;

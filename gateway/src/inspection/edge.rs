@@ -2,19 +2,11 @@
 
 use std::str::FromStr;
 
+use leadscrew_inspection::Edge;
 use leadscrew_metrology::{Degrees, Mm, Nose, Tool};
 
 use crate::number::measured;
 use crate::values::{Mistake, decimal, mistake};
-
-/// The edge of one tool, or of all.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edge {
-    /// Number of the tool; `None` for all.
-    pub tool: Option<u32>,
-    /// Its shape.
-    pub shape: Tool,
-}
 
 /// A length in millimetres, to four decimals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,12 +45,12 @@ fn value(text: &str) -> Option<f64> {
     Some(value as f64 / 1e4)
 }
 
-impl FromStr for Edge {
-    type Err = Mistake;
-
-    fn from_str(text: &str) -> Result<Self, Mistake> {
-        read(text).ok_or_else(|| wrong(text))
-    }
+/// An edge as it is typed.
+///
+/// # Errors
+/// It is none.
+pub fn edge(text: &str) -> Result<Edge, Mistake> {
+    read(text).ok_or_else(|| wrong(text))
 }
 
 /// The shape of a tool as it is typed.
@@ -111,17 +103,17 @@ mod tests {
 
     #[test]
     fn edges_as_they_are_typed() {
-        let read = |text: &str| text.parse::<Edge>().ok();
-        let edge = read("T3=V30/27:f0.2").unwrap();
-        assert_eq!(edge.tool, Some(3));
+        let read = |text: &str| edge(text).ok();
+        let named = read("T3=V30/27:f0.2").unwrap();
+        assert_eq!(named.tool, Some(3));
         assert_eq!(
-            (edge.shape.minus, edge.shape.plus),
+            (named.shape.minus, named.shape.plus),
             (Degrees(30.0), Degrees(27.0))
         );
-        assert_eq!(edge.shape.nose, Nose::Flat(Mm(0.2)));
-        let edge = read("V60:r0.1").unwrap();
-        assert_eq!((edge.tool, edge.shape.minus), (None, Degrees(30.0)));
-        assert_eq!(edge.shape.nose, Nose::Round(Mm(0.1)));
+        assert_eq!(named.shape.nose, Nose::Flat(Mm(0.2)));
+        let all = read("V60:r0.1").unwrap();
+        assert_eq!((all.tool, all.shape.minus), (None, Degrees(30.0)));
+        assert_eq!(all.shape.nose, Nose::Round(Mm(0.1)));
         for shape in ["V60:r0.866", "V30/27:f0.2", "V55.5:f0"] {
             assert_eq!(typed(&read(shape).unwrap().shape), shape);
         }

@@ -1,9 +1,10 @@
 //! From a thread that was cut to its picture.
 
 use leadscrew_core::alarm::Lang;
+use leadscrew_inspection::Cut;
 use leadscrew_metrology::{Band, Designation, Inspection, Measured, Mm, Series, Side, Turns, Work};
 
-use super::{Cut, sheet};
+use super::sheet;
 use crate::number;
 use crate::plot::{Across, Along, Chip, Course, Curve, Line, Sheet};
 use crate::words::both;

@@ -1,8 +1,8 @@
 //! The result of an inspection for a program: `threads` of `measure --json`.
 
+use leadscrew_inspection::{Cut, Job};
 use leadscrew_metrology::{Feature, Inspection, Measured, Mm, Nose, Origin, Row, Side};
 
-use super::{Cut, Job};
 use crate::json::Json;
 
 /// Millimetres to a nanometre.

@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 
 use leadscrew_core::alarm::Lang;
+use leadscrew_inspection::{Cut, Job};
 use leadscrew_metrology::{
     Feature, Inspection, Measured, Mm, NoThread, Nose, Origin, Row, Side, Tool,
 };
 
-use super::{Cut, Job};
 use crate::number::measured;
 use crate::words::{Both, both};
 

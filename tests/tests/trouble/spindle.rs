@@ -1,6 +1,7 @@
 //! A spindle that does not turn as it should, and an encoder that does not count as it should.
 
 use leadscrew_board_sim::{Doing, Row};
+use leadscrew_core::board::Command;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 use leadscrew_seed::amount;
@@ -59,6 +60,39 @@ fn spindle_trouble(percent: i16, alarm: u16, within: u64) {
         bench.sim.plant().spindle().disturb(100);
         bench.reset(&what);
         bench.stands(&what);
+        bench.next(&what);
+    }
+}
+
+/// The feed stands with its spindle, as long as the spindle may take to its speed, and no longer.
+#[test]
+fn a_spindle_that_stands_in_a_feed_per_turn() {
+    const TURNING: &str = "G99\nM3 S300\nG0 X40 Z2\nG1 Z-20 F0.2\nM30\n";
+    let params = Params::sheets();
+    for tick in (3_000..20_000).step_by(amount(6_000, 1_000)) {
+        let what = format!("from {tick} on");
+        let mut bench = Lathe::new(&params);
+        bench.load(TURNING);
+        bench.until(&what, tick, |bench| bench.ticks == tick);
+        // A short stall ends by itself, and whoever holds the feed may turn the spindle by hand.
+        bench.sim.plant().spindle().disturb(0);
+        bench.until(&what, 2_000, |bench| bench.ticks == tick + 2_000);
+        bench.sim.command(Command::Hold);
+        bench.until(&what, 10_000, |bench| bench.ticks == tick + 12_000);
+        bench.sim.plant().spindle().disturb(100);
+        bench.until(&what, 1_000, |bench| bench.ticks == tick + 13_000);
+        bench.sim.command(Command::Resume);
+        bench.until(&what, 1_000, |bench| bench.ticks == tick + 14_000);
+        assert_eq!(bench.alarm, None, "{what}");
+        bench.sim.plant().spindle().disturb(0);
+        // Twice the ramp to 3000 rpm and a second: 4 s, and the ramp down.
+        bench.until(&what, 4_500, |bench| bench.alarm.is_some());
+        let number = bench.alarm.map(|alarm| alarm.number());
+        assert_eq!(number, Some(4303), "{what}");
+        bench.until_on_alarm(&what, PATIENCE);
+        brakes_at_once(&bench.rows, &params, &what);
+        bench.sim.plant().spindle().disturb(100);
+        bench.reset(&what);
         bench.next(&what);
     }
 }

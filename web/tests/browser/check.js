@@ -50,6 +50,14 @@ async function page() {
   const hash = of("hash").textContent;
   const result_ms = performance.now() - before;
   const alarm = of("alarm").textContent;
+  const measured = of("threads").textContent;
+  // The spindle is too slow for the thread: an alarm, and no thread.
+  of("run").click();
+  while (of("inject").disabled) await pause(5);
+  of("fault").value = "spindle_slow";
+  of("inject").click();
+  while (!of("inject").disabled) await pause(20);
+  const faulty = { alarm: of("alarm").textContent, hidden: of("measured").hidden };
   // A wrong word is marked, and told with its remedy.
   of("text").value = "G0 X10\nG1 Q\n";
   of("text").dispatchEvent(new Event("input"));
@@ -57,7 +65,7 @@ async function page() {
   const found = of("found").textContent;
   of("language").click();
   while (of("found").textContent === found) await pause(20);
-  return { hash, ready_ms, result_ms, alarm, found, run: of("run").textContent };
+  return { hash, ready_ms, result_ms, alarm, measured, faulty, found, run: of("run").textContent };
 }
 
 const report = await jobs()

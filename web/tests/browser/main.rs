@@ -121,6 +121,15 @@ fn check(seed: u64) {
     assert_eq!(used["hash"], host["hash"], "{used}");
     assert_eq!(used["alarm"], "", "{used}");
     assert_eq!(used["run"], "运行", "{used}");
+    let text = |of: &Value| of.as_str().expect("a text").to_owned();
+    let measured = text(&used["measured"]);
+    assert!(
+        measured.contains("M40x3-6g") && measured.contains("38.0521"),
+        "{measured}"
+    );
+    let faulty = &used["faulty"];
+    assert!(text(&faulty["alarm"]).contains("4303"), "{faulty}");
+    assert_eq!(faulty["hidden"], true, "{faulty}");
     let found = used["found"].as_str().expect("a text");
     assert!(found.contains(" 2:") && found.contains("Remedy"), "{found}");
     println!(

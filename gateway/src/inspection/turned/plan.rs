@@ -8,11 +8,11 @@ use super::{Groove, Outline, Piece, Plan};
 use crate::drawing::mm;
 use crate::failure::Outcome;
 use crate::features::Width;
-use crate::inspection::plan::tool_of;
 use crate::plot::Across;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::walk::Walk;
+use leadscrew_inspection::tool_of;
 
 /// The most cuts of a contour: more are a picture, not a part that is measured.
 const PIECES: usize = 5_000;

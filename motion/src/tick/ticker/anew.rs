@@ -32,6 +32,7 @@ impl Ticker {
             awaits,
             switching,
             stood,
+            stalled,
             course,
             away,
             left,
@@ -66,6 +67,7 @@ impl Ticker {
             false => Switching::Reset,
         };
         *stood = 0;
+        *stalled = 0;
         let epoch = course.begin_anew();
         *away = Away::new();
         *left = None;
