@@ -18,7 +18,7 @@ use super::run::Run;
 use super::segment::{Action, Plan, Stops, Task};
 use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
-use crate::alarm::{Alarm, Code, Span};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::Position;
 use crate::spindle::{Learner, Observer};
 use crate::units::{Divisor, Length, Rpm, Ticks, TurnRate, Turns};
@@ -182,6 +182,8 @@ pub struct Executor {
     crossed: bool,
     /// What the axes of a pass go after, if the spindle's angle is learned.
     followers: Option<Followers>,
+    /// Where a feed per turn stands with its spindle, and for how many ticks.
+    stalled: (Position, u32),
     run: Run,
 }
 
@@ -218,6 +220,7 @@ impl Executor {
             taken: false,
             crossed: false,
             followers: None,
+            stalled: (Self::ZERO, 0),
         }
     }
 
@@ -237,6 +240,7 @@ impl Executor {
             taken,
             crossed,
             followers,
+            stalled,
         } = self;
         run.begin_anew();
         *active = Active::Free;
@@ -247,6 +251,7 @@ impl Executor {
         (*aborting, *turned) = (false, false);
         (*taken, *crossed) = (false, false);
         *followers = None;
+        *stalled = (Self::ZERO, 0);
     }
 
     /// Sets the position at which the machine stands. Has an effect only while nothing is under way.
@@ -462,14 +467,8 @@ impl Executor {
             return self.stand(now, setpoint);
         };
         match (&self.active, &segment.action, plan) {
-            (Active::Timed, Action::Timed(timed), _) => {
-                self.move_on(now, timed, setpoint);
-                Ok(())
-            }
-            (Active::Joined, Action::Timed(timed), _) => {
-                self.flow_on(now, timed, setpoint);
-                Ok(())
-            }
+            (Active::Timed, Action::Timed(timed), _) => self.move_on(now, timed, setpoint),
+            (Active::Joined, Action::Timed(timed), _) => self.flow_on(now, timed, setpoint),
             (Active::Tap(_), _, Some(Plan::Tap(tap))) => {
                 self.tap_on(now, tap, setpoint);
                 Ok(())
@@ -533,7 +532,12 @@ impl Executor {
     }
 
     /// A tick of a move that is driven by time.
-    fn move_on(&mut self, now: &Conditions<'_>, timed: &Timed, setpoint: &mut Setpoint) {
+    fn move_on(
+        &mut self,
+        now: &Conditions<'_>,
+        timed: &Timed,
+        setpoint: &mut Setpoint,
+    ) -> Result<(), Alarm> {
         let hold = now.hold && !self.stops.hold_not_inside;
         let rate = if hold {
             Rate::HOLD
@@ -541,22 +545,60 @@ impl Executor {
             now.rate(timed.scaling)
         };
         let step = self.run.tick(rate, timed);
-        self.moved(hold, step.done, setpoint);
+        self.moved(now, timed, hold, step.done, setpoint)
     }
 
     /// The run has made its tick.
     #[inline]
-    fn moved(&mut self, hold: bool, done: bool, setpoint: &mut Setpoint) {
+    fn moved(
+        &mut self,
+        now: &Conditions<'_>,
+        timed: &Timed,
+        hold: bool,
+        done: bool,
+        setpoint: &mut Setpoint,
+    ) -> Result<(), Alarm> {
         self.position = self.run.position();
         if done {
             self.active = Active::Free;
         }
-        let motion = if hold && self.run.at_rest() && !done {
-            Motion::Hold
-        } else {
-            Motion::Run
+        let is_still = self.run.at_rest() && !done;
+        let motion = match hold && is_still {
+            true => Motion::Hold,
+            false => Motion::Run,
         };
         self.tell(setpoint, motion);
+        if is_still && !hold {
+            return self.await_turns(now, timed);
+        }
+        Ok(())
+    }
+
+    /// A feed per turn stands while the spindle stands, but no longer than a stroke waits for it [D46].
+    #[cold]
+    #[inline(never)]
+    fn await_turns(&mut self, now: &Conditions<'_>, timed: &Timed) -> Result<(), Alarm> {
+        let Scaling::Turns(commanded) = timed.scaling else {
+            return Ok(());
+        };
+        if now.observer.is_turning() || self.stalled.0 != self.position {
+            self.stalled = (self.position, 0);
+            return Ok(());
+        }
+        let (_, ticks) = &mut self.stalled;
+        *ticks = ticks.saturating_add(1);
+        if *ticks <= self.arrival.speed_ticks {
+            return Ok(());
+        }
+        self.stalled = (self.position, 0);
+        // 2⁻¹⁶ turns per second, to the nearest.
+        let rpm = u64::from(commanded.get())
+            .saturating_mul(60)
+            .saturating_add(1 << 15)
+            >> 16;
+        let rpm = Rpm::new(i32::try_from(rpm).unwrap_or(i32::MAX));
+        let figures = [now.observer.speed().rpm(), rpm].map(Arg::Rpm);
+        Err(Alarm::new(Code::SpindleNotArrived, self.span).with(figures))
     }
 
     /// True while an abort is bringing the axes to rest.

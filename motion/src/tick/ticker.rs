@@ -73,7 +73,7 @@ use crate::bus::Frame;
 use crate::bus::Setpoints;
 use crate::call::Position;
 use crate::journal::TapRecord;
-use crate::motion::{AxisTravel, Conditions, Epoch, Executor, Jog, Scaling, Setpoint, Task};
+use crate::motion::{AxisTravel, Conditions, Epoch, Executor, Jog, Setpoint, Task};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Learner, Observer, SpindleEvent};
 use crate::tick::Event;
@@ -135,8 +135,6 @@ pub struct Ticker {
     now: u32,
     /// Ticks since the machine came to rest on its alarm.
     stood: u32,
-    /// Ticks for which a feed per turn has waited for a spindle that stands.
-    stalled: u32,
     operator: Operator,
     given: Given,
     observer: Observer,
@@ -180,7 +178,6 @@ impl Ticker {
             switching: Switching::Nothing,
             now: 0,
             stood: 0,
-            stalled: 0,
             course: Course::new(),
             away: Away::new(),
             left: None,
@@ -345,14 +342,8 @@ impl Ticker {
             },
         };
         let current = self.course.current(ends);
-        let turns = current
-            .and_then(Task::timed)
-            .is_some_and(|timed| matches!(timed.scaling, Scaling::Turns(_)));
         if let Err(alarm) = self.executor.tick(&conditions, current, setpoint) {
             self.raise(&alarm, ends);
-        }
-        if turns {
-            self.await_turns(ends);
         }
         if is_joined {
             if self.executor.has_taken() {

@@ -1,6 +1,7 @@
 //! Joined cuts in the executor: one tick, and the change from one cut to the next.
 
 use super::{Conditions, Executor, Setpoint};
+use crate::alarm::Alarm;
 use crate::motion::plan::Timed;
 use crate::motion::rate::Rate;
 use crate::motion::segment::{Action, Task};
@@ -23,12 +24,17 @@ impl Executor {
 
     /// A tick of a cut that is joined to others.
     #[inline(never)]
-    pub(super) fn flow_on(&mut self, now: &Conditions<'_>, timed: &Timed, setpoint: &mut Setpoint) {
+    pub(super) fn flow_on(
+        &mut self,
+        now: &Conditions<'_>,
+        timed: &Timed,
+        setpoint: &mut Setpoint,
+    ) -> Result<(), Alarm> {
         let hold = now.hold;
         let rate = |scaling| if hold { Rate::HOLD } else { now.rate(scaling) };
         let step = self.run.flow(timed, now.stretch, now.single, rate);
         (self.taken, self.crossed) = (step.taken, step.crossed);
-        self.moved(hold, step.done, setpoint);
+        self.moved(now, timed, hold, step.done, setpoint)
     }
 
     /// The tool has passed the end of a joined cut of the length `last`, and is in `next` now. Writes the setpoint of this

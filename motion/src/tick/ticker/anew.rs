@@ -32,7 +32,6 @@ impl Ticker {
             awaits,
             switching,
             stood,
-            stalled,
             course,
             away,
             left,
@@ -67,7 +66,6 @@ impl Ticker {
             false => Switching::Reset,
         };
         *stood = 0;
-        *stalled = 0;
         let epoch = course.begin_anew();
         *away = Away::new();
         *left = None;

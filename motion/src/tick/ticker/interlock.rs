@@ -190,20 +190,6 @@ impl Ticker {
         self.go_back();
     }
 
-    /// A feed per turn stands while the spindle stands, but no longer than a stroke waits for it [D46].
-    pub(super) fn await_turns(&mut self, ends: &mut Ends<'_>) {
-        if self.observer.is_turning() || self.operator.hold || !self.spindle.is_to_turn() {
-            self.stalled = 0;
-            return;
-        }
-        self.stalled = self.stalled.saturating_add(1);
-        if self.stalled > self.given.arrival.speed_ticks {
-            self.stalled = 0;
-            let figures = [self.observer.speed().rpm(), self.spindle.commanded()].map(Arg::Rpm);
-            self.raise(&Alarm::of(Code::SpindleNotArrived, &figures), ends);
-        }
-    }
-
     /// The spindle was stopped by the door, and the program goes on once it is at its speed again.
     fn await_spindle(&mut self, ends: &mut Ends<'_>) {
         let Some(ticks) = &mut self.resuming else {

@@ -129,11 +129,6 @@ impl SpindleMode {
         was && self.speed.get() != 0
     }
 
-    /// A speed is commanded, and nothing keeps the spindle from it.
-    pub(super) const fn is_to_turn(&self) -> bool {
-        self.speed.get() != 0 && !self.suspended && matches!(self.rigid, Rigid::Off)
-    }
-
     /// The spindle turns, or is to turn when the program goes on.
     pub(super) const fn is_ordered(&self) -> bool {
         self.speed.get() != 0 || !matches!(self.rigid, Rigid::Off)
