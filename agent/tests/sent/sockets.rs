@@ -130,6 +130,7 @@ fn run(
         }),
         tls: Some(Tls::of(&file(authority)).unwrap()),
         names: names(),
+        primary: None,
     };
     let shared = Arc::new(Shared::default());
     let (tell, news) = channel();
