@@ -157,6 +157,7 @@ fn run(
         assert_eq!(*has, expected.collect::<BTreeMap<_, _>>());
     }
     let _ = std::fs::remove_file(&path);
+    let _ = std::fs::remove_file(format!("{}.reserve", path.display()));
     all
 }
 
