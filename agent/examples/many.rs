@@ -1,9 +1,10 @@
 //! An agent for a load test: store, sender and archive are those of `leadscrew agent`, and its machines are made up.
 //!
-//! `many BROKER FOLDER NAME MACHINES BEGIN PERIOD THREADS STATES`: machines `NAME-0`, `NAME-1`, … have been cutting a
+//! `many BROKER FOLDER NAME MACHINES BEGIN PERIOD THREADS STATES STORE`: machines `NAME-0`, `NAME-1`, … have been cutting a
 //! thread every PERIOD ms since BEGIN (ms since 1970), THREADS in all, and tell STATES states for each. What one has cut
 //! follows from the clock, so an agent that was killed finds a board that went on meanwhile, and forgot all but its last
-//! five certificates. It ends at the end of its input.
+//! five certificates. The store is in the folder STORE. What finds no room there is read again, as `leadscrew agent` does
+//! it. It ends at the end of its input.
 
 use std::error::Error;
 use std::io::Read as _;
@@ -144,6 +145,11 @@ fn certificate(number: u32) -> (ThreadCertificate, Cut) {
     (ThreadCertificate { number, record }, Cut::Measured(cut))
 }
 
+/// What went wrong, which is tried again.
+fn tell(name: &str, error: &dyn Error) {
+    eprintln!("{name}: {error}");
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [
@@ -155,15 +161,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         period,
         threads,
         states,
+        kept,
     ] = args.as_slice()
     else {
-        return Err("usage: many BROKER FOLDER NAME MACHINES BEGIN PERIOD THREADS STATES".into());
+        return Err(
+            "usage: many BROKER FOLDER NAME MACHINES BEGIN PERIOD THREADS STATES STORE".into(),
+        );
     };
     let machines: Vec<String> = (0..machines.parse()?)
         .map(|number: u32| format!("{name}-{number}"))
         .collect();
     let folder = Path::new(folder);
-    let store = Store::open(&folder.join(format!("{name}.redb")), LIMIT, now())?;
+    let store = Store::open(&Path::new(kept).join(format!("{name}.redb")), LIMIT, now())?;
     let store = Arc::new(store);
     store.serve(Readers {
         broker: true,
@@ -175,6 +184,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         login: None,
         tls: None,
         names: Names::new("shop", name, machines.iter().map(String::as_str))?,
+        primary: None,
     };
     let sender = {
         let (store, shared) = (Arc::clone(&store), Arc::clone(&shared));
@@ -197,7 +207,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             serial: u32::try_from(place)? + 1,
             read: None,
         };
-        machine.meet(now(), &shared)?;
+        while let Err(error) = machine.meet(now(), &shared) {
+            tell(name, &*error);
+            thread::sleep(LOOK);
+        }
         all.push(machine);
     }
     let origin = Origin {
@@ -207,10 +220,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let archive = Archive::new(origin, Folder::new(folder.join("archive")));
     while !over.load(Ordering::Relaxed) {
         for machine in &mut all {
-            machine.look(now(), &shared)?;
+            if let Err(error) = machine.look(now(), &shared) {
+                tell(name, &*error);
+            }
         }
-        archive.attend(&store, now(), false)?;
+        if let Err(error) = archive.attend(&store, now(), false) {
+            tell(name, &error);
+        }
         thread::sleep(LOOK);
+    }
+    for machine in &mut all {
+        machine.look(now(), &shared)?;
     }
     archive.attend(&store, now(), true)?;
     shared.end();

@@ -44,6 +44,12 @@ impl Keeper {
         &self.model
     }
 
+    /// The disk is full, and states go for want of room on it.
+    #[must_use]
+    pub fn is_tight(&self) -> bool {
+        self.store.as_ref().is_some_and(|store| store.is_tight())
+    }
+
     /// Keeps what an observation tells. Where nothing is new, nothing is written.
     ///
     /// # Errors

@@ -20,6 +20,7 @@ pub mod metrics;
 pub mod model;
 pub mod mqtt;
 pub mod record;
+mod reserve;
 pub mod sender;
 pub mod set;
 pub mod sparkplug;

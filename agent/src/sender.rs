@@ -1,5 +1,8 @@
 //! Sends what is kept, in order, and removes it when the broker has it.
 //!
+//! Where the shop names a primary host, nothing is sent while that is away: what the broker takes then, nobody might hear
+//! [D436].
+//!
 //! The set in force of each machine is a state: it is sent where no record waits, and the newest is what counts [D417].
 //!
 //! A connection that ends is begun anew after a pause; what the broker had not said it has is sent again, with the number
@@ -13,7 +16,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use crate::mqtt::{Address, Client, Fault, Login, Said, Tls, Wire, WireError};
 use crate::record::{Moment, Numbered};
 use crate::set::{Set, Sets};
-use crate::sparkplug::{Machines, Message, Names, Session};
+use crate::sparkplug::{Host, Machines, Message, Names, Session};
 use crate::store::{Store, StoreError};
 
 /// Messages on their way at a time: a broker gives each of its readers about as many.
@@ -26,6 +29,8 @@ const PAUSES: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(60)];
 const WORKED: Duration = Duration::from_secs(60);
 /// Between two looks at the end during a pause.
 const NAP: Duration = Duration::from_millis(50);
+/// What a broker retains of the primary host has come by then.
+const RETAINED: Duration = Duration::from_secs(2);
 /// For the last messages of an agent that ends.
 const FAREWELL: Duration = Duration::from_secs(2);
 
@@ -40,6 +45,8 @@ pub struct Broker {
     pub tls: Option<Tls>,
     /// What the agent is called there.
     pub names: Names,
+    /// The host that has to be there.
+    pub primary: Option<Host>,
 }
 
 /// Why a connection has ended.
@@ -51,6 +58,8 @@ pub enum Trouble {
     Broker(Fault),
     /// The store cannot be read or written.
     Store(StoreError),
+    /// The primary host has gone.
+    Host,
 }
 
 /// What there is to say of the sending.
@@ -58,6 +67,8 @@ pub enum Trouble {
 pub enum News {
     /// The broker takes what is kept.
     Connected,
+    /// It would, and the primary host is not there.
+    Waiting,
     /// It does not any more.
     Trouble(Trouble),
 }
@@ -148,21 +159,31 @@ fn connection(
     let mut sending = Sending::new(broker, store, began.elapsed()).map_err(Trouble::Store)?;
     let mut room = [0; 4096];
     let mut last = None;
+    let mut is_told = false;
     loop {
         let output = sending.client.output();
         wire.write(output).map_err(Trouble::Wire)?;
         output.clear();
         let bytes = wire.read(&mut room).map_err(Trouble::Wire)?;
-        let was_accepted = sending.accepted;
-        sending.take(bytes, &shared.machines(), now(), began.elapsed())?;
+        let was_born = sending.born;
+        let taken = sending.take(bytes, &shared.machines(), now(), began.elapsed());
+        if matches!(taken, Err(Trouble::Host)) {
+            sending.farewell(began.elapsed());
+            wire.write(sending.client.output()).map_err(Trouble::Wire)?;
+        }
+        taken?;
         sending.retain(&shared.sets(), began.elapsed());
-        if sending.accepted && !was_accepted {
+        if sending.born && !was_born {
             shared.connected.store(true, Ordering::Relaxed);
             tell(News::Connected);
         }
+        if sending.accepted && !sending.born && !is_told && began.elapsed() > RETAINED {
+            is_told = true;
+            tell(News::Waiting);
+        }
         if shared.is_over() {
             let end = *last.get_or_insert(began.elapsed() + FAREWELL);
-            if !sending.accepted || sending.is_done() || began.elapsed() > end {
+            if !sending.born || sending.is_done() || began.elapsed() > end {
                 sending.farewell(began.elapsed());
                 return wire.write(sending.client.output()).map_err(Trouble::Wire);
             }
@@ -177,6 +198,9 @@ pub struct Sending<'a> {
     session: Session,
     names: Names,
     accepted: bool,
+    /// The births have been told.
+    born: bool,
+    host: Option<Host>,
     /// The last number that was handed to the client.
     handed: u64,
     /// All that was kept at the last look has been handed.
@@ -201,6 +225,9 @@ impl<'a> Sending<'a> {
             session,
             names: broker.names.clone(),
             accepted: false,
+            born: false,
+            // What was heard of it in another connection may be over.
+            host: broker.primary.clone(),
             handed: 0,
             empty: false,
             sets: BTreeMap::new(),
@@ -236,12 +263,18 @@ impl<'a> Sending<'a> {
                     Said::Accepted => {
                         self.accepted = true;
                         self.client.subscribe(&self.names.orders(), now);
-                        self.births(machines, at, now);
+                        match &self.host {
+                            Some(host) => self.client.subscribe(host.topic(), now),
+                            None => self.births(machines, at, now),
+                        }
                     }
                     Said::Has(number) => has = has.max(Some(number)),
                     Said::Message { topic, payload, .. } => {
-                        if self.session.asks_for_births(&topic, &payload) {
+                        if self.born && self.session.asks_for_births(&topic, &payload) {
                             self.births(machines, at, now);
+                        }
+                        if let Some(host) = &mut self.host {
+                            host.take(&topic, &payload);
                         }
                     }
                     Said::Huge(_) | Said::Subscribed | Said::Alive => {}
@@ -251,13 +284,19 @@ impl<'a> Sending<'a> {
                 self.store.acknowledge(number).map_err(Trouble::Store)?;
             }
         }
-        if self.accepted {
+        match self.host.as_ref().map(Host::is_online) {
+            Some(true) if !self.born => self.births(machines, at, now),
+            Some(false) if self.born => return Err(Trouble::Host),
+            _ => {}
+        }
+        if self.born {
             self.hand(machines, at, now).map_err(Trouble::Store)?;
         }
         self.client.attend(now).map_err(Trouble::Broker)
     }
 
     fn births(&mut self, machines: &Machines, at: Moment, now: Duration) {
+        self.born = true;
         for message in self.session.births(at, machines) {
             self.client.publish(message, None, now);
         }
@@ -290,7 +329,7 @@ impl<'a> Sending<'a> {
     /// Gives the broker the sets that it has not been given, where there is room. [`Sending::take`] has filled that with
     /// records before: where one waits, there is none.
     pub fn retain(&mut self, sets: &Sets, now: Duration) {
-        if !self.accepted {
+        if !self.born {
             return;
         }
         for (machine, number, payload) in sets.iter() {
@@ -307,7 +346,7 @@ impl<'a> Sending<'a> {
 
     /// The death that the broker would tell, told in time, and the end.
     fn farewell(&mut self, now: Duration) {
-        if self.accepted {
+        if self.born {
             let death = self.session.death();
             self.client.publish(death, None, now);
         }

@@ -3,7 +3,8 @@
 //! One transaction keeps the records of an observation with the memory that follows from it, so a kill at any point leaves
 //! both or neither. A record goes when all have it for whom it is kept: the broker has acknowledged it, and it is in a file
 //! of the archive. Each of the two goes on from a number of its own. Where room is short, the oldest states go, then the
-//! oldest events; certificates never do, and a record tells what went [D407].
+//! oldest events; certificates never do, and a record tells what went [D407]. A disk that is full has no room for another
+//! state either: then the store lives on what it has, and on its reserve [D435].
 //!
 //! One store is for all machines of an agent: its numbers count all of their records, and what is remembered is remembered
 //! for each [D394].
@@ -23,6 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::Memory;
 use crate::record::{Body, Class, Loss, Moment, Numbered, Record};
+use crate::reserve::{self, Reserve};
 
 const STATES: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("states");
 const EVENTS: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("events");
@@ -72,6 +74,15 @@ impl fmt::Display for StoreError {
 }
 
 impl std::error::Error for StoreError {}
+
+impl StoreError {
+    fn is_full(&self) -> bool {
+        let Self::File(error) = self else {
+            return false;
+        };
+        matches!(error.as_ref(), redb::Error::Io(error) if reserve::is_full(error))
+    }
+}
 
 impl<E: Into<redb::Error>> From<E> for StoreError {
     fn from(error: E) -> Self {
@@ -152,6 +163,12 @@ struct Inside {
     readers: Readers,
     /// Numbers up to this have been handed to a broker that has not acknowledged them all.
     handed: u64,
+    /// Room for a disk that is full.
+    reserve: Option<Reserve>,
+    /// The disk is full.
+    full: bool,
+    /// Then records have no more room than they had.
+    tight: Option<u64>,
 }
 
 /// A store.
@@ -176,8 +193,11 @@ impl Store {
         if !path.exists() {
             make(&path, at)?;
         }
-        let opener = move || builder().open(&path).map_err(Into::into);
-        Self::of(Box::new(opener), limit, at)
+        let opener = {
+            let path = path.clone();
+            move || builder().open(&path).map_err(Into::into)
+        };
+        Self::reserved(Box::new(opener), &path, limit, at)
     }
 
     /// The same of what `opener` opens.
@@ -185,6 +205,18 @@ impl Store {
     /// # Errors
     /// As of `opener`.
     pub fn of(opener: Opener, limit: u64, at: Moment) -> StoreResult<Self> {
+        Self::with(opener, None, limit, at)
+    }
+
+    /// The same, with a reserve beside the file of that path.
+    ///
+    /// # Errors
+    /// As of `opener`.
+    pub fn reserved(opener: Opener, path: &Path, limit: u64, at: Moment) -> StoreResult<Self> {
+        Self::with(opener, Some(Reserve::new(path, at.0)), limit, at)
+    }
+
+    fn with(opener: Opener, reserve: Option<Reserve>, limit: u64, at: Moment) -> StoreResult<Self> {
         let store = Self {
             inside: Mutex::new(Inside {
                 opener,
@@ -194,6 +226,9 @@ impl Store {
                     archive: false,
                 },
                 handed: 0,
+                reserve,
+                full: false,
+                tight: None,
             }),
             limit,
         };
@@ -225,12 +260,18 @@ impl Store {
         self.limit
     }
 
+    /// The disk is full, and states go for want of room on it.
+    #[must_use]
+    pub fn is_tight(&self) -> bool {
+        self.inside().full
+    }
+
     fn inside(&self) -> MutexGuard<'_, Inside> {
         self.inside.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// One transaction: all of it, or nothing.
-    fn write<T>(&self, work: impl FnOnce(&WriteTransaction) -> StoreResult<T>) -> StoreResult<T> {
+    fn write<T>(&self, work: impl Fn(&WriteTransaction) -> StoreResult<T>) -> StoreResult<T> {
         self.inside().write(work)
     }
 
@@ -264,7 +305,11 @@ impl Store {
         memory: &Memory,
     ) -> StoreResult<Vec<Numbered>> {
         let mut inside = self.inside();
-        let (readers, handed, limit) = (inside.readers, inside.handed, self.limit);
+        if let Some(last) = records.last() {
+            inside.attend(last.at)?;
+        }
+        let (readers, handed) = (inside.readers, inside.handed);
+        let limit = inside.tight.unwrap_or(self.limit).min(self.limit);
         inside.write(|writing| {
             let mut head = writing.open_table(HEAD)?;
             let mut figures: Figures = get(&head, FIGURES)?.unwrap_or_default();
@@ -350,7 +395,7 @@ impl Store {
     }
 
     /// Somebody has come further: what all have is removed.
-    fn pass(&self, come: impl FnOnce(&mut Figures)) -> StoreResult {
+    fn pass(&self, come: impl Fn(&mut Figures)) -> StoreResult {
         let mut inside = self.inside();
         let readers = inside.readers;
         inside.write(|writing| {
@@ -453,9 +498,25 @@ impl Inside {
         Ok(done)
     }
 
-    fn write<T>(
+    /// A transaction. Where the disk is full it is tried again with the room of the reserve.
+    fn write<T>(&mut self, work: impl Fn(&WriteTransaction) -> StoreResult<T>) -> StoreResult<T> {
+        let done = self.transact(&work);
+        match &mut self.reserve {
+            Some(reserve) if done.as_ref().is_err_and(StoreError::is_full) => {
+                self.full = true;
+                if reserve.give() {
+                    self.transact(&work)
+                } else {
+                    done
+                }
+            }
+            _ => done,
+        }
+    }
+
+    fn transact<T>(
         &mut self,
-        work: impl FnOnce(&WriteTransaction) -> StoreResult<T>,
+        work: impl Fn(&WriteTransaction) -> StoreResult<T>,
     ) -> StoreResult<T> {
         self.attempt(|database| {
             let writing = database.begin_write()?;
@@ -463,6 +524,25 @@ impl Inside {
             writing.commit()?;
             Ok(done)
         })
+    }
+
+    /// Sees how it stands with the disk.
+    fn attend(&mut self, at: Moment) -> StoreResult {
+        if self
+            .reserve
+            .as_mut()
+            .is_some_and(|reserve| reserve.attend(at.0))
+        {
+            (self.full, self.tight) = (false, None);
+        }
+        if self.full && self.tight.is_none() {
+            let figures: Option<Figures> = self.attempt(|database| {
+                let reading = database.begin_read()?;
+                get(&reading.open_table(HEAD)?, FIGURES)
+            })?;
+            self.tight = figures.map(|figures| figures.bytes);
+        }
+        Ok(())
     }
 }
 
@@ -558,6 +638,8 @@ impl Figures {
     ) -> StoreResult {
         if let Some((number, before)) = self.loss.filter(|(number, _)| *number > told) {
             lost = before.with(&lost);
+            // The number of the record that this one replaces is missing as well.
+            lost.last = lost.last.max(number);
             let mut table = writing.open_table(CERTIFICATES)?;
             let old = table.remove(number)?.map(|old| old.value().len() as u64);
             if let Some(bytes) = old {

@@ -10,7 +10,7 @@ COPY (
     FROM (
         SELECT TIMESTAMP '2026-01-01' + to_seconds(31535999.0 * i / getvariable('certificates')) AS at_utc,
                'made-up' AS shop, 'desk' AS node, 'lathe' || (i // 10 % 200) AS machine, TIMESTAMP '2026-01-01' AS store,
-               i + 1 AS number,
+               i + 1 AS number, 1 AS start,
                printf('%08x/1/%d', 40960 + i // 10 % 200, i // 2000 * 10 + i % 10) AS thread_key,
                i // 2000 AS thread_program, 10 + i % 10 AS thread_line,
                CASE WHEN i % 10 < 7 THEN 'thread' ELSE 'rigid_tap' END AS thread_kind, 'finished' AS thread_end,
@@ -34,7 +34,7 @@ COPY (
     FROM (
         SELECT TIMESTAMP '2026-01-01' + to_milliseconds(31535999000 * (i + 1) // (getvariable('certificates') // 10 + 1)) AS at_utc,
                'made-up' AS shop, 'desk' AS node, 'lathe' || (i % 200) AS machine, TIMESTAMP '2026-01-01' AS store,
-               getvariable('certificates') + i + 1 AS number,
+               getvariable('certificates') + i + 1 AS number, 1 AS start, i // 200 AS run_program,
                printf('%08x/1/%d', 40960 + i % 200, i // 200) AS run_key, true AS run_finished, 60000 AS run_ticks,
                printf('%016x', i % 3) AS run_setpoint_hash, 0 AS run_late, 40000 AS run_measured,
                7.0 AS run_largest_error_um, 1.5 AS run_rms_error_um

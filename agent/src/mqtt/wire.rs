@@ -107,6 +107,8 @@ pub enum WireError {
     NoCertificate,
     /// It holds no private key.
     NoKey,
+    /// It holds a certificate that no authority can have.
+    Authority(rustls::Error),
     /// This processor lacks what TLS is computed with.
     Processor,
     /// TLS cannot be had, or the broker's certificate is not what it has to be.
@@ -126,7 +128,7 @@ impl fmt::Display for WireError {
             }
             Self::NoCertificate => f.write_str("it holds no certificate"),
             Self::NoKey => f.write_str("it holds no private key"),
-            Self::Tls(error) => error.fmt(f),
+            Self::Tls(error) | Self::Authority(error) => error.fmt(f),
         }
     }
 }
@@ -177,7 +179,7 @@ impl Tls {
     /// Those of the authorities in a file, and no others.
     ///
     /// # Errors
-    /// [`WireError::Processor`], [`WireError::NoCertificate`], [`WireError::Tls`].
+    /// [`WireError::Processor`], [`WireError::NoCertificate`], [`WireError::Authority`], [`WireError::Tls`].
     pub fn of(authorities: &Path) -> Result<Self, WireError> {
         Self::with(authorities, None)
     }
@@ -193,7 +195,7 @@ impl Tls {
         let file = fs::read(authorities).map_err(WireError::File)?;
         let mut roots = RootCertStore::empty();
         for certificate in certificates(&file)? {
-            roots.add(certificate).map_err(WireError::Tls)?;
+            roots.add(certificate).map_err(WireError::Authority)?;
         }
         let provider = Arc::new(rustls_graviola::default_provider());
         let config = ClientConfig::builder_with_provider(provider)

@@ -1,6 +1,7 @@
 //! A disk whose power fails at a chosen operation: what was not synced is there in part.
 
 use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use leadscrew_agent::{Moment, Store, StoreError};
@@ -22,9 +23,20 @@ struct Inside {
     /// Operations so far.
     done: u64,
     failed: bool,
+    /// Bytes that there is room for, together with a file that somebody may remove.
+    room: Option<(usize, PathBuf)>,
 }
 
 impl Inside {
+    /// Where writing ends for want of room.
+    fn end(&self) -> usize {
+        let beside = |path| std::fs::metadata(path).map_or(0, |file| file.len() as usize);
+        match &self.room {
+            Some((room, path)) => room.saturating_sub(beside(path)),
+            None => usize::MAX,
+        }
+    }
+
     fn step(&mut self) -> Result<(), io::Error> {
         self.done += 1;
         if let Some(left) = &mut self.left {
@@ -65,6 +77,16 @@ impl Disk {
         self.with(|inside| inside.left = Some(operations));
     }
 
+    /// So many bytes have been written at most.
+    pub fn length(&self) -> usize {
+        self.with(|inside| inside.now.iter().rposition(|byte| *byte != 0).unwrap_or(0))
+    }
+
+    /// There is so much room for it and for the file of that name together.
+    pub fn has_room(&self, bytes: usize, beside: &Path) {
+        self.with(|inside| inside.room = Some((bytes, beside.to_owned())));
+    }
+
     /// It has failed.
     pub fn has_failed(&self) -> bool {
         self.with(|inside| inside.failed)
@@ -97,12 +119,20 @@ impl Disk {
 
     /// A store on it.
     pub fn store(&self, limit: u64) -> Result<Store, StoreError> {
+        Store::of(self.opener(), limit, Moment(1))
+    }
+
+    /// The same with a reserve beside a file of that name.
+    pub fn reserved(&self, path: &Path, limit: u64) -> Result<Store, StoreError> {
+        Store::reserved(self.opener(), path, limit, Moment(1))
+    }
+
+    fn opener(&self) -> Box<dyn Fn() -> Result<Database, redb::Error> + Send> {
         let disk = self.clone();
-        let opener = move || {
+        Box::new(move || {
             let database = Database::builder().create_with_backend(disk.clone());
             database.map_err(redb::Error::from)
-        };
-        Store::of(Box::new(opener), limit, Moment(1))
+        })
     }
 }
 
@@ -147,6 +177,9 @@ impl StorageBackend for Disk {
     fn write(&self, offset: u64, data: &[u8]) -> Result<(), io::Error> {
         self.with(|inside| {
             inside.step()?;
+            if offset as usize + data.len() > inside.end() {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
             let change = Change::Bytes(offset, data.to_vec());
             apply(&mut inside.now, &change);
             inside.since.push(change);

@@ -5,6 +5,7 @@ mod archive;
 mod bound;
 mod disk;
 mod earlier;
+mod full;
 mod killed;
 mod machine;
 mod process;

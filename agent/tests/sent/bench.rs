@@ -24,6 +24,7 @@ pub fn nowhere() -> Broker {
         login: None,
         tls: None,
         names: names(),
+        primary: None,
     }
 }
 

@@ -2,5 +2,6 @@
 
 mod bench;
 mod births;
+mod host;
 mod sets;
 mod sockets;

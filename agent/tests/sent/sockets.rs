@@ -130,6 +130,7 @@ fn run(
         }),
         tls: Some(Tls::of(&file(authority)).unwrap()),
         names: names(),
+        primary: None,
     };
     let shared = Arc::new(Shared::default());
     let (tell, news) = channel();
@@ -156,6 +157,7 @@ fn run(
         assert_eq!(*has, expected.collect::<BTreeMap<_, _>>());
     }
     let _ = std::fs::remove_file(&path);
+    let _ = std::fs::remove_file(format!("{}.reserve", path.display()));
     all
 }
 

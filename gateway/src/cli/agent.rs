@@ -38,6 +38,9 @@ pub struct Agent {
     /// Device in the topics: the machine [default: bus and node]
     #[arg(long, value_name = "NAME")]
     pub machine: Option<String>,
+    /// The primary host of Sparkplug: while it does not say that it is there, all is kept and nothing is sent
+    #[arg(long, value_name = "ID", requires = "broker")]
+    pub primary_host: Option<String>,
     /// Where what is told is kept until the broker and the archive have it
     /// [default: agent-MACHINE.redb, with several boards agent-NAME.redb, in $STATE_DIRECTORY, else in leadscrew/ of
     /// $XDG_STATE_HOME, else of ~/.local/state]

@@ -96,7 +96,10 @@ fn wrong_authority(path: &Path, error: &WireError) -> Failure {
              your own",
             "此处理器不支持所需的 TLS 指令：{error}；请使用另一台计算机，或在自有网络中使用 mqtt://"
         ),
-        other => both!("cannot use `{path}`: {other}", "无法使用 `{path}`：{other}"),
+        other => both!(
+            "cannot use `{path}` of --ca: {other}",
+            "无法使用 --ca 的 `{path}`：{other}"
+        ),
     })
 }
 

@@ -407,6 +407,32 @@ fn what_cannot_be_is_refused_with_what_helps() {
         "holds a private key: chmod 600",
     );
     refused(&["--broker", "mqtts://x", "--identity", login], "--ca");
+    // What is wrong with the authority is not blamed on a good identity.
+    let file = |name: &str| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../agent/tests/sent/tls");
+        fs::read_to_string(folder.join(name)).unwrap()
+    };
+    let [authority, good] = ["authority", "identity"].map(|name| user.0.join(name));
+    let nothing = "-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n";
+    fs::write(&authority, nothing).unwrap();
+    fs::write(&good, file("broker.pem") + &file("broker.key")).unwrap();
+    fs::set_permissions(&good, fs::Permissions::from_mode(0o600)).unwrap();
+    let files = ["--ca", "--identity"].into_iter().zip([&authority, &good]);
+    let files: Vec<_> = files
+        .flat_map(|(option, path)| [option, path.to_str().unwrap()])
+        .collect();
+    refused(
+        &[&["--broker", "mqtts://x"], &files[..]].concat(),
+        "authority` of --ca",
+    );
+    refused(
+        &["--broker", "mqtt://x", "--primary-host", "a/b"],
+        "no part of a topic",
+    );
+    refused(
+        &["--metrics", "127.0.0.1:0", "--primary-host", "scada"],
+        "--broker",
+    );
     refused(&["--broker", "mqtt://x", "--bus", "sim"], "sim");
     let boards = |boards: &[&str], words: &str| {
         refused(&[&["--metrics", "127.0.0.1:0"], boards].concat(), words);

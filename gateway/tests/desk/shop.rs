@@ -5,8 +5,9 @@ use std::net::TcpListener;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::PathBuf;
 use std::process::{Command, Output};
+use std::time::Instant;
 
-use crate::{User, good, text};
+use crate::{LIMIT, User, good, text};
 
 /// The shop of a user, with programs that do nothing in the place of those of a distribution.
 struct Shop {
@@ -74,6 +75,15 @@ fn a_shop_is_ended_as_it_was_begun() {
     }
     for machine in ["lathe1", "lathe2"] {
         assert!(status.contains(&format!("{machine}: node 1 ")), "{status}");
+    }
+    let pages = || {
+        good(&shop.does("status", usual))
+            .matches("page http://127.0.0.1:")
+            .count()
+    };
+    let end = Instant::now() + LIMIT;
+    while pages() < 2 {
+        assert!(Instant::now() < end, "no pages");
     }
     // A second one in its place is refused, and the first stays.
     let second = shop.does("up", usual);

@@ -29,7 +29,7 @@ use std::time::Duration;
 use leadscrew_agent::archive::Origin;
 use leadscrew_agent::metrics::{Metrics, Server};
 use leadscrew_agent::sender::{Broker, News, Shared, now, send};
-use leadscrew_agent::sparkplug::Names;
+use leadscrew_agent::sparkplug::{Host, Names};
 use leadscrew_agent::store::Readers;
 use leadscrew_agent::{Keeper, Store, StoreError};
 
@@ -130,6 +130,7 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
         shared: Arc::clone(&shared),
         path,
         full: AtomicBool::new(false),
+        tight: AtomicBool::new(false),
         metrics: metrics.map(|(metrics, _)| metrics),
         alone: seats.len() == 1,
         sets,
@@ -155,13 +156,15 @@ fn broker_of(wish: &cli::Agent, seats: &[Seat]) -> Outcome<Option<Broker>> {
         return Ok(None);
     };
     let machines = seats.iter().map(|seat| seat.machine.as_str());
-    let names = Names::new(&wish.access.group, &agent_name(wish, seats), machines)
+    let all = machines.chain(wish.primary_host.as_deref());
+    let names = Names::new(&wish.access.group, &agent_name(wish, seats), all)
         .map_err(|error| broker::wrong_name(&error))?;
     Ok(Some(Broker {
         address: address.clone(),
         login: broker::login(&wish.access)?,
         tls: broker::tls(address, &wish.access)?,
         names,
+        primary: wish.primary_host.as_deref().map(Host::new),
     }))
 }
 

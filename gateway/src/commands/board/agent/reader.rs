@@ -36,6 +36,8 @@ pub struct Common {
     pub path: PathBuf,
     /// The store takes nothing; that was said.
     pub full: AtomicBool,
+    /// The store takes what it has room for, because the disk is full; that was said.
+    pub tight: AtomicBool,
     /// The figures.
     pub metrics: Option<Arc<Metrics>>,
     /// There is one board alone.
@@ -105,6 +107,10 @@ impl Reader {
                 common.shared.take(&kept);
                 if let Some(metrics) = &common.metrics {
                     metrics.take(&kept);
+                }
+                let is_tight = self.keeper.is_tight();
+                if common.tight.swap(is_tight, Ordering::Relaxed) != is_tight {
+                    say(self.global(), &words::tight(&common.path, is_tight));
                 }
                 // Where nothing is new, nothing was written.
                 if !kept.is_empty() && common.full.swap(false, Ordering::Relaxed) {

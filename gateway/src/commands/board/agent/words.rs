@@ -38,6 +38,23 @@ pub fn store(path: &Path, error: &StoreError) -> Failure {
     })
 }
 
+/// The disk of the store is full, or is so no more.
+pub fn tight(path: &Path, is_tight: bool) -> Both {
+    let path = path.display();
+    if is_tight {
+        both!(
+            "the disk of `{path}` is full: the oldest states go, certificates stay as long as the store has room of its own; \
+             make room",
+            "`{path}` 所在的磁盘已满：删除最早的状态，只要还有预留空间就保留精度证书；请腾出空间"
+        )
+    } else {
+        both!(
+            "the disk of `{path}` has room again: nothing goes any more",
+            "`{path}` 所在的磁盘又有空间：不再删除数据"
+        )
+    }
+}
+
 /// The store takes records again.
 pub fn kept_again() -> Both {
     both!("what the board tells is kept again", "控制板的数据恢复保存")
@@ -62,15 +79,23 @@ pub fn archived_again() -> Both {
 pub fn news(news: &News) -> Both {
     match news {
         News::Connected => both!("the broker takes what is kept", "代理服务器正在接收数据"),
+        News::Waiting => both!(
+            "the primary host is not there: all is kept until it says that it is",
+            "主站（primary host）不在线：在其上线之前数据一直保存"
+        ),
+        News::Trouble(Trouble::Host) => both!(
+            "the primary host has gone: all is kept until it is back",
+            "主站（primary host）已离线：在其恢复之前数据一直保存"
+        ),
         News::Trouble(Trouble::Broker(Fault::Login)) => both!(
             "the broker refuses user and password: look at the file of --login, and at the broker's list of users; all is \
              kept meanwhile",
             "代理服务器拒绝用户名和密码：请检查 --login 的文件和代理服务器的用户表；数据仍在保存"
         ),
         News::Trouble(Trouble::Broker(Fault::Orders)) => both!(
-            "the broker does not let the agent hear requests for births (NCMD): its access list is in docs/agent.md; all is \
+            "the broker does not let the agent hear requests for births (NCMD) or the state of the primary host (STATE): its access list is in docs/agent.md; all is \
              kept meanwhile",
-            "代理服务器不允许接收出生证请求（NCMD）：访问列表见 docs/agent.md；数据仍在保存"
+            "代理服务器不允许接收出生证请求（NCMD）或主站状态（STATE）：访问列表见 docs/agent.md；数据仍在保存"
         ),
         News::Trouble(Trouble::Broker(fault)) => both!(
             "no broker takes what is kept: {fault}; all is kept meanwhile",
