@@ -3,12 +3,12 @@
 
 use leadscrew_core::bus::Scale;
 use leadscrew_core::call::Position;
-use leadscrew_core::params::{BY_DRIVE, Params};
+use leadscrew_core::params::{BY_DRIVE, HomeSwitch, Params};
 use leadscrew_core::units::{Angle, Axis, Length};
 
 use crate::plant::{HomingOptions, Plant};
 
-/// Gives the drive of each axis that homes by itself its reference switch.
+/// Gives each axis its reference switch that is wired to its drive.
 pub fn fit_switches(plant: &mut Plant, params: &Params) {
     for axis in Axis::ALL {
         if let Some(options) = switch(axis, params) {
@@ -19,13 +19,38 @@ pub fn fit_switches(plant: &mut Plant, params: &Params) {
     }
 }
 
-/// The reference switch of an axis whose drive homes by itself: at the plus end, with its edge at the position of the mark
-/// [D310].
+/// The reference switch of an axis that is wired to its drive, with its edge at the position of the mark. Of an axis whose
+/// drive homes by itself it is a home switch at the plus end [D310]; of one whose switch the board looks for it is the one
+/// of 9051, a home switch on the side of 9052.
 #[must_use]
 pub fn switch(axis: Axis, params: &Params) -> Option<HomingOptions> {
     let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))?;
     let mark = scale.increments(params.home_position(axis))?;
-    (params.home_method(axis) == BY_DRIVE).then(|| HomingOptions::at_plus_end(mark.get().into()))
+    let mark = i64::from(mark.get());
+    if params.home_method(axis) == BY_DRIVE {
+        return Some(HomingOptions::at_plus_end(mark));
+    }
+    let HomeSwitch::Drive(bit) = params.home_switch(axis)? else {
+        return None;
+    };
+    let far = HomingOptions::FAR;
+    Some(match bit {
+        1 => HomingOptions {
+            negative: mark,
+            ..far
+        },
+        2 => HomingOptions {
+            positive: mark,
+            ..far
+        },
+        _ => HomingOptions {
+            home: match params.home_towards(axis) {
+                Some(0) => (far.negative, mark),
+                _ => (mark, far.positive),
+            },
+            ..far
+        },
+    })
 }
 
 /// Where the axes stand, whatever their drives count.

@@ -149,5 +149,41 @@ class HomeTest(Machine):
         self.has_not_jumped("held")
 
 
+class BoardLooksTest(Machine):
+    """The switch is an input of the drive, and the board looks for it (9050 = 2): the drive follows its targets."""
+
+    def starts_with(self, number, start):
+        self.drive = HomingDrive(16, START, Homing(Bed(home=(100_000, FAR)), 35), start)
+        # It is in this mode from the beginning, and nobody tells it another.
+        self.drive.mode = self.drive.wanted = POSITION
+        self.addCleanup(self.drive.end)
+        others = [setting for setting in SETTINGS if not setting.startswith("9050.X")]
+        self.starts(BOARD, [*others, "9050.X=2", f"9051.X={number}"])
+
+    def homes(self, edge, what):
+        self.assertIn("referenced X Z C", self.does("home", "X"), what)
+        self.assertEqual(self.drive.mode, POSITION, what)
+        # 5 mm before the mark, by what the board says and by where the axis is: three looks at 1 µm a tick, and one more.
+        x = float(self.status()["mx"]) / 2
+        self.assertAlmostEqual(x, MARK - 5, delta=INCREMENT, msg=what)
+        off = self.drive.place - (edge - 50_000)
+        self.assertLessEqual(abs(off), 40, what)
+        self.assertTrue(all(abs(step) <= FASTEST for step in self.drive.steps), what)
+        return off
+
+    def test_the_board_looks_for_a_switch_at_the_drive(self):
+        self.starts_with(35, 20_000)
+        first = self.homes(100_000, "from before it")
+        again = self.homes(100_000, "again")
+        # The way of a tick.
+        self.assertLessEqual(abs(again - first), 10)
+
+    def test_a_drive_that_says_nothing_of_its_inputs(self):
+        self.starts_with(34, 20_000)
+        self.drive.report = lambda: None
+        self.assertIn("4532", self.does("home", "X", code=4))
+        self.assertEqual(set(self.drive.steps), {0})
+
+
 if __name__ == "__main__":
     unittest.main()

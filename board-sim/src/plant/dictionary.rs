@@ -62,6 +62,8 @@ pub(super) struct Settings {
     homing_acceleration: u32,
     /// 607Ch.
     home_offset: i32,
+    /// 1801h:05h: mode and inputs are told again after this time; 0: on change alone. Any other counts as 16 SYNCs.
+    report_again: u16,
     /// 6065h and 6066h.
     following: Following,
 }
@@ -258,6 +260,7 @@ impl Settings {
             homing_speed: [200_000, 20_000],
             homing_acceleration: 2_000_000,
             home_offset: 0,
+            report_again: 16,
             following: Following {
                 window: Following::OFF,
                 timeout_ms: 0,
@@ -268,6 +271,12 @@ impl Settings {
     /// Switches on what an axis with a reference needs.
     pub(super) fn with_reference(mut self, node: NodeId) -> Self {
         self.mode = Pdo::new(Service::Rpdo2, node, 254, &AxisMode::MAPPING);
+        self.report = Pdo::new(Service::Tpdo2, node, 254, &AxisReport::MAPPING);
+        self
+    }
+
+    /// Switches on what an axis needs whose switch is at its drive.
+    pub(super) fn with_inputs(mut self, node: NodeId) -> Self {
         self.report = Pdo::new(Service::Tpdo2, node, 254, &AxisReport::MAPPING);
         self
     }
@@ -313,6 +322,16 @@ impl Settings {
     /// Mode and inputs are sent.
     pub(super) const fn reports(&self) -> bool {
         self.report.works()
+    }
+
+    /// The mode is among what is sent then.
+    pub(super) const fn reports_mode(&self) -> bool {
+        self.report.count as usize == AxisReport::MAPPING.len()
+    }
+
+    /// They are sent without a change, too.
+    pub(super) const fn reports_again(&self) -> bool {
+        self.report_again > 0
     }
 
     /// 6098h.
@@ -487,7 +506,8 @@ impl Numbers for Dictionary<'_> {
             (0x1600, sub) => settings.command.mapped(sub),
             (0x1601, sub) if now.spindle => settings.spindle.mapped(sub),
             (0x1601, sub) => settings.mode.mapped(sub),
-            (0x1801, sub) if !now.spindle => settings.report.told(2, sub),
+            (0x1801, 5) if !now.spindle => Ok((2, u32::from(settings.report_again))),
+            (0x1801, sub) if !now.spindle => settings.report.told(5, sub),
             (0x1A01, sub) if !now.spindle => settings.report.mapped(sub),
             (0x1800, 6) => Ok((1, u32::from(settings.start))),
             (0x1800, sub) => settings.status.told(6, sub),
@@ -553,6 +573,7 @@ impl Numbers for Dictionary<'_> {
                 settings.spindle.communication(sub, value)?
             }
             (0x1401, sub @ 1..) => settings.mode.communication(sub, value)?,
+            (0x1801, 5) => settings.report_again = value as u16,
             (0x1801, sub @ 1..) => settings.report.communication(sub, value)?,
             (0x1800, 6) if value <= 240 => settings.start = value as u8,
             (0x1800, 6) => return Err(Abort::TooHigh),
@@ -581,7 +602,15 @@ impl Numbers for Dictionary<'_> {
             (0x1601, sub) if !self.now.spindle => {
                 settings.mode.map(sub, value, &AxisMode::MAPPING)?
             }
-            (0x1A01, sub) => settings.report.map(sub, value, &AxisReport::MAPPING)?,
+            (0x1A01, sub) => {
+                let report = &mut settings.report;
+                report
+                    .map(sub, value, &AxisReport::MAPPING)
+                    .or_else(|abort| {
+                        let alone = report.map(sub, value, &[AxisReport::INPUTS]);
+                        alone.map_err(|_| abort)
+                    })?;
+            }
             (0x1601, sub) => settings.spindle.map(sub, value, &SpindleCommand::MAPPING)?,
             (0x1A00, sub) => settings.status.map(sub, value, &DriveStatus::MAPPING)?,
             (0x6007, 0) => settings.stop = StopOption::of(value)?,

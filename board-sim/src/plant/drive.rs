@@ -12,8 +12,8 @@ use super::power::Power;
 use super::servo::{Following, Servo};
 use leadscrew_core::bus::{
     AxisReport, BlockSize, CobId, DriveCommand, DriveStatus, Emcy, FdFrame, Frame, Increments,
-    MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, SdoServer, Setpoints, SpindleCommand,
-    Statusword,
+    MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, SdoServer, Service, Setpoints,
+    SpindleCommand, Statusword,
 };
 use leadscrew_core::units::Length;
 
@@ -35,6 +35,8 @@ pub enum Trouble {
     Silent,
     /// Its cable is out: it receives nothing, stays at its last target, and sends nothing.
     CutOff,
+    /// It works, and tells nothing of mode and inputs any more.
+    Unreported,
     /// It gets targets, and does not move.
     Stuck,
     /// It goes into fault with this emergency error code and cannot be reset.
@@ -188,6 +190,14 @@ impl Drive {
     #[must_use]
     pub(super) fn with_reference(mut self) -> Self {
         self.settings = self.settings.with_reference(self.node);
+        self.kept = self.settings;
+        self
+    }
+
+    /// The drive of an axis whose switch is one of its inputs: it tells mode and inputs.
+    #[must_use]
+    pub(super) fn with_inputs(mut self) -> Self {
+        self.settings = self.settings.with_inputs(self.node);
         self.kept = self.settings;
         self
     }
@@ -669,6 +679,9 @@ impl Drive {
 
     /// TPDO2: on change, and at every 16th SYNC.
     fn report(&mut self, mut send: impl FnMut(Frame)) {
+        if self.trouble == Trouble::Unreported {
+            return;
+        }
         if !self.settings.reports() || self.nmt != NmtState::Operational {
             self.reported = None;
             return;
@@ -678,10 +691,18 @@ impl Drive {
             inputs: self.homing.inputs(),
         };
         self.since = self.since.saturating_add(1);
-        if self.reported != Some(report) || self.since >= 16 {
+        let again = self.since >= 16 && self.settings.reports_again();
+        if self.reported != Some(report) || again {
             self.reported = Some(report);
             self.since = 0;
-            send(report.frame(self.node));
+            let alone = report.inputs.to_le_bytes();
+            let frame = match self.settings.reports_mode() {
+                true => Some(report.frame(self.node)),
+                false => Frame::new(CobId::of(Service::Tpdo2, self.node), &alone),
+            };
+            if let Some(frame) = frame {
+                send(frame);
+            }
         }
     }
 

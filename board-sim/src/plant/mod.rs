@@ -496,6 +496,7 @@ pub fn axis_drive(
     };
     Ok(match params.home_method(axis) {
         BY_DRIVE => drive.with_reference(),
+        _ if params.drive_tells_inputs(axis) => drive.with_inputs(),
         _ => drive,
     })
 }

@@ -635,8 +635,8 @@ codes! {
     GainTooLow = 4434, "a position loop with a gain of {1} times 0.1 /s ({0}) is too slow to be made up for", "write the gain of the drive, 50 (5 /s) or more, or 0 where nothing is to be taken off",
         "位置环增益 {1} × 0.1 /s（{0}）过低，无法补偿", "请填写驱动器的增益（至少 50，即 5 /s），不补偿时填 0";
     /// An axis that homes by a switch at the board, and no input is that switch.
-    HomeSwitchNone = 4435, "axis {0} homes by a switch at the board (9050.{0} = 2), and no input is its switch", "set 9051.{0} to the input of the machine to which the switch is wired, 1 to 32",
-        "{0} 轴用接在控制板上的开关回零（9050.{0} = 2），但未指定开关的输入", "请将 9051.{0} 设为开关所接的机床输入（1 至 32）";
+    HomeSwitchNone = 4435, "axis {0} homes by a switch at the board (9050.{0} = 2), and no input is its switch", "set 9051.{0} to the input of the machine to which the switch is wired, 1 to 32, or to that of its drive, 33 to 35",
+        "{0} 轴用接在控制板上的开关回零（9050.{0} = 2），但未指定开关的输入", "请将 9051.{0} 设为开关所接的机床输入（1 至 32），或其驱动器的输入（33 至 35）";
     /// The node of the input and output block is that of a drive, or the board's own.
     BlockNodeTaken = 4436, "the input and output block (9461) cannot have node {0}: a drive has it, or the board itself", "set the switch of the block to a node that is free, and 9461 to the same; drives are 9015 and 9016",
         "输入输出模块（9461）不能使用节点号 {0}：已由驱动器或控制板占用", "请将模块的节点开关和 9461 设为同一个空闲节点号；驱动器的节点号见 9015 和 9016";
@@ -1218,9 +1218,9 @@ codes! {
     /// The drive has not found its mark within 9061 and 9062.
     HomeNotFound = 4520, "axis {0} has not found its reference mark within what 9061 and 9062 allow", "look whether the switch and its wire work, and at the way to home (9050, 9052; 6098h in the drive); then reset and home again",
         "{0} 轴在 9061 和 9062 允许的时间或距离内未找到参考标记", "请检查开关及其接线，以及回零方式（9050、9052；驱动器的 6098h）；然后复位并重新回零";
-    /// A switch at the board that stays on, is not where it was left, or that nobody tells; {1} its input.
-    HomeSwitchStuck = 4526, "the reference switch of axis {0}, input {1}, does not follow the axis: it stays on, is not where the axis has left it, or is not told at all", "look at the switch, its wire and its level (9421); it has to stay on over the way in which the axis brakes from 9053, and be off within 9062",
-        "{0} 轴的参考点开关（输入 {1}）不随轴动作：一直接通、不在轴离开它的位置，或没有输入信号", "请检查开关、接线及电平（9421）；从 9053 制动的距离内开关应保持接通，并在 9062 之内断开";
+    /// A switch that stays on, is not where it was left, or that nobody tells; {1} its number (9051).
+    HomeSwitchStuck = 4526, "the reference switch of axis {0}, input {1}, does not follow the axis: it stays on, is not where the axis has left it, or is not told at all", "look at the switch, its wire and its level (9421; at the drive, inputs 33 to 35, the drive's own setting); it has to stay on over the way in which the axis brakes from 9053, and be off within 9062",
+        "{0} 轴的参考点开关（输入 {1}）不随轴动作：一直接通、不在轴离开它的位置，或没有输入信号", "请检查开关、接线及电平（9421；驱动器上的输入 33 至 35 由驱动器设定）；从 9053 制动的距离内开关应保持接通，并在 9062 之内断开";
     /// A homing was ended by the operator, by a stop, or by the loss of its operator.
     HomeCancelled = 4521, "homing was cancelled: its axis is not referenced", "home again, after a reset where the machine stands on this alarm",
         "回零已取消：该轴未回零", "请重新回零；机床处于此报警时请先复位";
@@ -1239,6 +1239,9 @@ codes! {
     /// A drive stays in its mode instead of homing; {0} the axis, {1} 6061h.
     HomeModeRefused = 4530, "the drive of axis {0} does not go into homing: its mode (6061h) is {1}", "look whether it has mode 6, and map 6060h into its RPDO2, and 6061h and 60FDh into its TPDO2 (`params push` with its section)",
         "{0} 轴驱动器未进入回零模式：其运行模式（6061h）为 {1}", "请确认其支持模式 6，并将 6060h 映射到其 RPDO2，将 6061h 和 60FDh 映射到其 TPDO2（用 `params push` 及其驱动器段）";
+    /// A drive does not tell its inputs, one of which is the switch; {1} its number (9051).
+    HomeInputsUntold = 4532, "the drive of axis {0} does not tell its inputs (60FDh), and its reference switch is one of them (9051.{0} = {1})", "map 60FDh into its TPDO2, sent on change and at every 16th SYNC at least (1801h:02 = 255, 1801h:05 its event time; `params push` with its section); then reset and home again",
+        "{0} 轴驱动器未报告其输入（60FDh），而参考点开关是其中之一（9051.{0} = {1}）", "请将 60FDh 映射到其 TPDO2，变化时发送且至少每 16 个 SYNC 发送一次（1801h:02 = 255，1801h:05 为其事件时间；用 `params push` 及其驱动器段）；然后复位并重新回零";
     /// A drive moves by itself where it should stand: letter, node, how far it is from where it is held.
     DriveMovesOn = 4523, "drive {0} (node {1}) does not stand after homing: it is {2} from where it is told to be", "look at the drive's settings for halt and quick stop (605Dh, 605Ah) and at its load; then reset and home again",
         "驱动器 {0}（节点 {1}）回零后未停止：距指令位置 {2}", "请检查驱动器的暂停与急停设置（605Dh、605Ah）及负载；然后复位并重新回零";

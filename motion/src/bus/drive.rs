@@ -33,7 +33,7 @@ mod tick;
 
 pub use config::{DriveConfig, FollowingLimit, Phase, Step};
 use home::Home;
-pub use home::{HomeEnd, HomeLimits, HomeStep};
+pub use home::{HomeEnd, HomeLimits, HomeStep, Inputs};
 pub use tick::DriveOutput;
 
 use super::cia402::State;

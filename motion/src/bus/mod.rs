@@ -41,8 +41,8 @@ pub use board_pdo::{
 pub use cia402::{Controlword, HomingState, State, Statusword};
 pub use controller::{BusState, Controller, ErrorCounts};
 pub use drive::{
-    DriveConfig, DriveMaster, DriveOutput, FollowingLimit, HomeEnd, HomeLimits, HomeStep, Phase,
-    Step,
+    DriveConfig, DriveMaster, DriveOutput, FollowingLimit, HomeEnd, HomeLimits, HomeStep, Inputs,
+    Phase, Step,
 };
 pub use emcy::Emcy;
 pub use emcy_producer::EmcyProducer;

@@ -6,7 +6,7 @@
 //! | RPDO2, spindles | 6060h mode of operation (8 bit), 60FFh target velocity (32 bit, 0.001 rpm) |
 //! | RPDO2, axes that home by themselves | 6060h mode of operation (8 bit) |
 //! | TPDO1 | 6041h statusword (16 bit), 6064h actual position (32 bit, drive increments) |
-//! | TPDO2, axes with a reference | 6061h mode in force (8 bit), 60FDh inputs (32 bit) |
+//! | TPDO2, axes with a reference | 6061h mode in force (8 bit), 60FDh inputs (32 bit); where the board looks for the switch, 60FDh alone will do |
 //!
 //! All values are little-endian. The spindle's velocity unit is that of object 60A9h = FDB44700h (milli-revolutions per
 //! minute). A drive with another unit scales the velocity by its own factors.
@@ -174,7 +174,7 @@ impl AxisMode {
 /// 16th SYNC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisReport {
-    /// 6061h.
+    /// 6061h; 0: it is not told.
     pub mode: u8,
     /// 60FDh.
     pub inputs: u32,
@@ -182,7 +182,10 @@ pub struct AxisReport {
 
 impl AxisReport {
     /// The objects that the drive must map into this PDO.
-    pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6061, 0, 8), Mapped::new(0x60FD, 0, 32)];
+    pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6061, 0, 8), Self::INPUTS];
+
+    /// The one that is enough where the drive does not home by itself.
+    pub const INPUTS: Mapped = Mapped::new(0x60FD, 0, 32);
 
     /// The frame from `node`.
     #[must_use]
@@ -193,10 +196,14 @@ impl AxisReport {
 
     /// The report in a frame that is known to carry one.
     pub(super) fn payload(frame: &Frame) -> Option<Self> {
-        let [mode, a, b, c, d] = frame.exactly()?;
+        let (mode, inputs) = match *frame.payload() {
+            [mode, a, b, c, d] => (mode, [a, b, c, d]),
+            [a, b, c, d] => (0, [a, b, c, d]),
+            _ => return None,
+        };
         Some(Self {
             mode,
-            inputs: u32::from_le_bytes([a, b, c, d]),
+            inputs: u32::from_le_bytes(inputs),
         })
     }
 }

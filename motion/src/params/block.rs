@@ -20,7 +20,11 @@ impl Params {
     /// An input or output that is used and is the block's.
     #[inline(never)]
     pub(super) fn contact_of_block(&self) -> Option<u8> {
-        let home = |axis| self.home_input(axis).unwrap_or(0);
+        // Those behind the machine's are inputs of the drive.
+        let home = |axis| match self.home_input(axis).and_then(Contact::new) {
+            Some(contact) => contact.number(),
+            None => 0,
+        };
         let wheel = match self.wheel_inputs() {
             0 => 0,
             first => first.saturating_add(3),

@@ -30,7 +30,7 @@ const HALF_TURN: u32 = 30_000_000;
 /// The value of 9050 for an axis whose drive homes by itself.
 pub const BY_DRIVE: u8 = 1;
 
-/// The value of 9050 for an axis that homes by a switch at the board. C has no such switch.
+/// The value of 9050 for an axis whose switch the board looks for. C has no such switch.
 pub const BY_SWITCH: u8 = 2;
 
 /// The lowest gain of a position loop, in tenths per second: below it an axis is a fifth of a second behind, and what

@@ -12,6 +12,7 @@ mod block;
 mod check;
 mod entry;
 mod gear;
+mod home;
 mod row;
 mod set;
 #[cfg(test)]
@@ -23,6 +24,7 @@ pub use check::{BY_DRIVE, BY_SWITCH, PROFILE_TICKS, metres};
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};
 pub use gear::{GEARS, Gear, gear_of_code};
+pub use home::HomeSwitch;
 pub use row::{
     Action as FunctionAction, Answer, CONTACTS, Contact, FIRST_OF_BLOCK, FunctionRow, ROWS,
 };

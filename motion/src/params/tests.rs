@@ -393,6 +393,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xBCF5_5FED),
     // A spindle whose angle is learned: 9034, 9035.
     (2, 0xC89C_910C),
+    // A reference switch at the drive: 9051 up to 35.
+    (2, 0xEAA7_8BFB),
 ];
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod bench;
 mod faults;
+mod inputs;
 mod methods;
 mod options;
 mod orders;

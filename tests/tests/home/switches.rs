@@ -11,10 +11,10 @@ use leadscrew_tests::random::Random;
 use crate::bench::{Bench, MARK};
 
 /// The edge of the switch, in increments of 100 nm: where 9058 says that the mark is.
-const EDGE: i64 = MARK / 100;
+pub const EDGE: i64 = MARK / 100;
 
 /// Towards the mark 1 mm/s: a micrometre, or ten increments, a tick.
-const MARK_SPEED: i64 = 10;
+pub const MARK_SPEED: i64 = 10;
 
 /// X has its switch at input 5, on the plus side unless told otherwise.
 fn params(more: &[(&str, i64)]) -> Params {
@@ -30,7 +30,17 @@ fn params(more: &[(&str, i64)]) -> Params {
 
 /// A machine whose X is at this place, and whose drive counts from somewhere else.
 fn at(params: &Params, place: i64, counts_from: i64) -> Bench {
-    let mut bench = Bench::unprepared(params, place, HomingOptions::FAR);
+    with_options(params, HomingOptions::FAR, place, counts_from)
+}
+
+/// The same with switches at the drive.
+pub fn with_options(
+    params: &Params,
+    options: HomingOptions,
+    place: i64,
+    counts_from: i64,
+) -> Bench {
+    let mut bench = Bench::unprepared(params, place, options);
     // A drive that is switched on counts from where it likes.
     bench.drive().count_from(counts_from);
     bench.drive().restart();
@@ -45,7 +55,7 @@ fn at(params: &Params, place: i64, counts_from: i64) -> Bench {
 }
 
 /// The speed and the acceleration of every target of X are within its limits, and none jumps; in increments, a tick.
-fn judge_targets(bench: &Bench, what: &str) {
+pub fn judge_targets(bench: &Bench, what: &str) {
     let targets: Vec<i64> = bench
         .told
         .iter()

@@ -11,7 +11,9 @@ use leadscrew_core::bus::{
 use leadscrew_core::params::Params;
 
 use super::objects::{DriveName, Kind, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE};
-use super::{HOMING_METHOD, Setting, Wanted, command_mapping, homes, mode, period_of};
+use super::{
+    HOMING_METHOD, Setting, Wanted, command_mapping, homes, mode, period_of, tells_inputs,
+};
 use crate::params::Loader;
 use crate::profiles::Profile;
 use crate::words::{Both, both};
@@ -26,6 +28,10 @@ const AT_SYNC: i64 = 1;
 const REPORT: Object = Object::new(0x1801, 2);
 /// When something changes.
 const AT_CHANGE: i64 = 255;
+/// 1801h:05h.
+const REPORT_AGAIN: Object = Object::new(0x1801, 5);
+/// The board waits for this many SYNCs and for two times more, until a drive that was to tell its inputs does not.
+const REPORTS: u32 = 16;
 /// 6060h.
 const MODE: Object = Object::new(0x6060, 0);
 /// 60C0h.
@@ -84,9 +90,14 @@ fn wanted(profile: &Profile, drive: DriveName, params: &Params) -> Result<Vec<Wa
         Kind::U8,
         i64::from(params.drive_status_syncs()),
     ));
-    if homes(drive, params) {
+    if tells_inputs(drive, params) {
         all.push(number(REPORT, Kind::U8, AT_CHANGE));
-    } else if !drive.is_spindle() {
+    }
+    if !homes(drive, params) && tells_inputs(drive, params) {
+        let ms = REPORTS.saturating_mul(params.tick_us()).div_ceil(1000);
+        all.push(number(REPORT_AGAIN, Kind::U16, i64::from(ms)));
+    }
+    if !homes(drive, params) && !drive.is_spindle() {
         // Who homes or is a spindle is told its mode in process data.
         all.push(number(MODE, Kind::I8, mode as i64));
     }
@@ -153,7 +164,10 @@ fn pdos(profile: &Profile, drive: DriveName, params: &Params) -> Result<Vec<Want
         () if homes => &AxisMode::MAPPING,
         () => &[],
     };
-    let report: &[Mapped] = if homes { &AxisReport::MAPPING } else { &[] };
+    let report: &[Mapped] = match tells_inputs(drive, params) {
+        true => &AxisReport::MAPPING,
+        false => &[],
+    };
     let node = drive.among(&DriveNodes::of(params)).node;
     let mut all = Vec::new();
     for ((service, objects), (_, mapping, communication)) in [
@@ -299,6 +313,47 @@ mod tests {
             (0x60C2, 2, -3),
         ];
         assert_eq!(told(&load(text), DriveName::X), (expected, 4));
+    }
+
+    #[test]
+    fn a_drive_with_the_switch_that_the_board_looks_for_tells_its_inputs() {
+        let text = "9050.X = 2\n9051.X = 35\n[drive.X]\nprofile = \"kollmorgen-akd\"\n";
+        let loaded = load(text);
+        let (numbers, mappings) = told(&loaded, DriveName::X);
+        // RPDO1, TPDO1 and TPDO2: its mode does not change, so it is written once.
+        assert_eq!(mappings, 3);
+        for wanted in [
+            (0x1801, 1, 0x290),
+            (0x1801, 2, 255),
+            // At every 16th SYNC of 1 ms.
+            (0x1801, 5, 16),
+            (0x6060, 0, 8),
+        ] {
+            assert!(numbers.contains(&wanted), "{wanted:?}: {numbers:?}");
+        }
+        assert!(!numbers.iter().any(|(object, ..)| *object == 0x1401));
+        // With a switch at the board it needs none of that.
+        let (numbers, mappings) = told(&load(&text.replace("35", "5")), DriveName::X);
+        assert_eq!(mappings, 2);
+        assert!(!numbers.iter().any(|(object, ..)| *object == 0x1801));
+    }
+
+    #[test]
+    fn the_inputs_alone_are_enough_where_the_board_looks_for_the_switch() {
+        let refused = |params: &str, objects: &str| {
+            let loaded = load(&format!("{params}[drive.X]\ntpdo2 = [{objects}]\n"));
+            loaded.diagnostics.first().map(|first| first.number)
+        };
+        let (by_board, by_drive) = ("9050.X = 2\n9051.X = 33\n", "9050.X = 1\n");
+        let (alone, both) = ("\"60FD/32\"", "\"6061/8\", \"60FD/32\"");
+        let mapping = Some(Code::DriveMapping.number());
+        assert_eq!(refused(by_board, alone), None);
+        assert_eq!(refused(by_board, both), None);
+        assert_eq!(refused(by_board, "\"6061/8\""), mapping);
+        assert_eq!(refused(by_drive, alone), mapping);
+        assert_eq!(refused(by_drive, both), None);
+        // Nobody looks at it.
+        assert_eq!(refused("9050.X = 2\n9051.X = 3\n", "\"6061/8\""), None);
     }
 
     #[test]

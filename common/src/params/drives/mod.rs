@@ -245,10 +245,14 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                     0x1601 if drive.is_spindle() => &SpindleCommand::MAPPING,
                     0x1601 if homes(drive, params) => &AxisMode::MAPPING,
                     0x1A00 => &DriveStatus::MAPPING,
-                    0x1A01 if homes(drive, params) => &AxisReport::MAPPING,
+                    0x1A01 if tells_inputs(drive, params) => &AxisReport::MAPPING,
                     _ => continue,
                 };
-                if objects != board {
+                // Where the board looks for the switch, it needs the inputs alone.
+                let is_enough = *mapping == 0x1A01
+                    && !homes(drive, params)
+                    && objects[..] == [AxisReport::INPUTS];
+                if objects != board && !is_enough {
                     conflict(
                         Code::DriveMapping,
                         [
@@ -292,6 +296,13 @@ fn homes(drive: DriveName, params: &Params) -> bool {
         .is_some_and(|axis| params.home_method(axis) == leadscrew_core::params::BY_DRIVE)
 }
 
+/// The drive of an axis that tells its inputs: it homes by itself, or the board looks for a switch at it.
+fn tells_inputs(drive: DriveName, params: &Params) -> bool {
+    drive
+        .axis()
+        .is_some_and(|axis| params.drive_tells_inputs(axis))
+}
+
 /// The mapping of RPDO1 that the board needs of a drive: its own objects, after those of other drives where all drives get
 /// one frame (9031).
 #[must_use]
@@ -326,7 +337,7 @@ fn cob_id_conflict(
         (0x1400, 1) => Service::Rpdo1,
         (0x1401, 1) if drive.is_spindle() || homes(drive, params) => Service::Rpdo2,
         (0x1800, 1) => Service::Tpdo1,
-        (0x1801, 1) if homes(drive, params) => Service::Tpdo2,
+        (0x1801, 1) if tells_inputs(drive, params) => Service::Tpdo2,
         _ => return None,
     };
     let theirs = value & !i64::from(NO_REMOTE);

@@ -330,6 +330,14 @@ pub const KNOWN: &[Known] = &[
         "TPDO2 的传输类型",
     ),
     known(
+        "tpdo2_event_time",
+        0x1801,
+        5,
+        Kind::U16,
+        "Time after which TPDO2 is sent again without a change, in milliseconds",
+        "TPDO2 无变化时再次发送的时间（毫秒）",
+    ),
+    known(
         "abort_connection_option",
         0x6007,
         0,

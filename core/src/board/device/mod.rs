@@ -491,8 +491,8 @@ impl Device {
     }
 }
 
-/// Axes whose drives tell mode and inputs: those that home by themselves.
+/// Axes whose drives tell mode and inputs.
 fn homing(params: &Params) -> u32 {
-    let with = |axis: &Axis| params.home_method(*axis) == crate::params::BY_DRIVE;
+    let with = |axis: &Axis| params.drive_tells_inputs(*axis);
     Axis::ALL.iter().filter(|axis| with(axis)).count() as u32
 }

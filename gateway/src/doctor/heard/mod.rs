@@ -392,7 +392,8 @@ impl Heard {
                 }
             }
             Service::Tpdo2 => {
-                if let Some(mode) = frame.payload().first() {
+                // The inputs alone are four bytes.
+                if let [mode, _, _, _, _, ..] = frame.payload() {
                     drive.tells_mode(at, *mode, packet);
                 }
             }

@@ -93,7 +93,7 @@ rules! {
     48 homing
         ("homing fails", "回零失败"),
         ("look at the switch and at the method (6098h)", "检查开关和方法（6098h）"),
-        ("bit 13 in homing, the board says 4520, 4522 or 4530, or three homings end without bit 12; not one cancelled by hand", "回零中第 13 位，或控制板报 4520、4522、4530，或三次回零结束而无第 12 位；手动取消除外");
+        ("bit 13 in homing, the board says 4520, 4522, 4526, 4530 or 4532, or three homings end without bit 12; not one cancelled by hand", "回零中第 13 位，或控制板报 4520、4522、4526、4530、4532，或三次回零结束而无第 12 位；手动取消除外");
 }
 
 /// A sign at each drive, with words for it.
@@ -456,7 +456,7 @@ fn homing(heard: &Heard) -> Verdict {
             )
         },
     ));
-    for alarm in [4520, 4522, 4530] {
+    for alarm in [4520, 4522, 4526, 4530, 4532] {
         let hits = heard.board.alarms.get(&alarm);
         if let Some(hits) = hits.filter(|hits| hits.enough() && hits.longest > Duration::ZERO)
             && all.is_empty()

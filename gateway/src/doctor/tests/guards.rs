@@ -191,6 +191,11 @@ pub fn all() -> Vec<(u8, Scene)> {
     homes.frame(0, 0x310, &[6]);
     guard(34, homes);
     guard(35, object(0x6061, 0, 8));
+    // All three switches are on: no mode.
+    let mut inputs = Scene::new();
+    inputs.frame(600, 0x290, &[7, 0, 0, 0]);
+    inputs.frame(1000, 0x290, &[7, 0, 0, 0]);
+    guard(35, inputs);
     let mut seven = object(0x6061, 0, 7);
     seven.object(1400, 16, [0x6060, 0], 7, false);
     seven.streams_in(7);

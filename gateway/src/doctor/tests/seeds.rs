@@ -225,6 +225,18 @@ pub fn all() -> Vec<(u8, Scene)> {
     let mut homing = Scene::new().word(|_| 0x2637).control(|_| 0x001F);
     homing.frame(100, 0x310, &[6]);
     seed(48, homing);
+    for alarm in [4526_u16, 4532] {
+        let [low, high] = alarm.to_le_bytes();
+        let mut board = Scene::new();
+        for n in 0..20 {
+            board.frame(2000 + n * 10, 0x181, &[7, 0, low, high, 0, 0, 0, 8]);
+        }
+        let keep = |_: u64, packet: &leadscrew_can::Packet| {
+            let frame = packet.frame();
+            frame.is_none_or(|frame| frame.id().get() != 0x181 || frame.payload()[3] > 0)
+        };
+        seed(48, board.keep(keep));
+    }
     // Its outputs for a second, or three questions.
     let mut silent = Scene::with_block();
     let mut asked = Scene::with_block();

@@ -27,6 +27,21 @@ const ANSWER: Periods = Periods::new(2);
 /// Statuses in a row with the same position after which a drive stands.
 const STANDS: u8 = 2;
 
+/// Periods after which a drive that was to tell its inputs counts as not telling them: three of its reports, which come at
+/// every 16th SYNC at least, are missing.
+const UNTOLD: u8 = 48;
+
+/// What a drive says of its inputs (60FDh).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inputs {
+    /// Nothing yet.
+    Awaited,
+    /// Those that are on; bits 0 to 7.
+    Told(u8),
+    /// Nothing for so long that it counts as not telling them.
+    Untold,
+}
+
 /// What a drive that homes by itself is allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HomeLimits {
@@ -86,6 +101,10 @@ pub(super) struct Home {
     /// Position at the start.
     origin: Increments,
     end: Option<HomeEnd>,
+    /// 60FDh as last reported, bits 0 to 7.
+    inputs: Option<u8>,
+    /// Looks at them since the last report.
+    looks: u8,
     /// The drive has been switched on, or its encoder has failed: its count does not go on.
     pub lost: bool,
 }
@@ -101,6 +120,8 @@ impl Home {
             started: Periods::new(0),
             origin: Increments::new(0),
             end: None,
+            inputs: None,
+            looks: 0,
             lost: false,
         }
     }
@@ -170,6 +191,22 @@ impl DriveMaster {
     #[must_use]
     pub const fn home_end(&self) -> Option<HomeEnd> {
         self.home.end
+    }
+
+    /// Somebody is going to look at the drive's inputs: nothing that it has told before counts.
+    pub const fn forget_inputs(&mut self) {
+        (self.home.inputs, self.home.looks) = (None, 0);
+    }
+
+    /// What the drive says of its inputs. Look once in every period.
+    pub const fn look_at_inputs(&mut self) -> Inputs {
+        let home = &mut self.home;
+        home.looks = home.looks.saturating_add(1);
+        match home.inputs {
+            _ if home.looks > UNTOLD => Inputs::Untold,
+            Some(inputs) => Inputs::Told(inputs),
+            None => Inputs::Awaited,
+        }
     }
 
     /// True, once, after the drive has been switched on or its encoder has failed: its count does not go on.
@@ -275,6 +312,8 @@ impl DriveMaster {
     #[inline(never)]
     pub(super) fn hear_report(&mut self, report: AxisReport) {
         self.home.mode = report.mode;
+        let [inputs, ..] = report.inputs.to_le_bytes();
+        (self.home.inputs, self.home.looks) = (Some(inputs), 0);
         let homing = report.mode == Mode::Homing as u8;
         match self.phase {
             Phase::Homing(HomeStep::ToHoming) if homing => {

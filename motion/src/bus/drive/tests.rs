@@ -566,3 +566,37 @@ fn ticks_from_milliseconds_round_up() {
     assert_eq!(Periods::from_ms(u32::MAX, 1), Some(Periods::new(u32::MAX)));
     assert_eq!(Periods::from_ms(1, 0), None);
 }
+
+#[test]
+fn inputs_are_told_or_awaited_or_not_told() {
+    let mut m = enabled();
+    let told = |m: &mut DriveMaster, bytes: &[u8]| {
+        let id = CobId::of(Service::Tpdo2, NODE);
+        m.receive(&Frame::new(id, bytes).unwrap())
+    };
+    // What it has told before does not count.
+    assert!(told(&mut m, &[8, 7, 0, 0, 0]));
+    m.forget_inputs();
+    for _ in 0..48 {
+        assert_eq!(m.look_at_inputs(), Inputs::Awaited);
+    }
+    assert_eq!(m.look_at_inputs(), Inputs::Untold);
+    // Mode and inputs, or the inputs alone; another length is no report.
+    assert!(told(&mut m, &[8, 4, 0, 1, 0]));
+    assert_eq!(m.look_at_inputs(), Inputs::Told(4));
+    assert!(told(&mut m, &[3, 1, 0, 0]));
+    assert!(!told(&mut m, &[0, 0, 0]));
+    assert!(!told(&mut m, &[8, 0, 0, 0, 0, 0]));
+    for _ in 0..48 {
+        assert_eq!(m.look_at_inputs(), Inputs::Told(3));
+    }
+    assert_eq!(m.look_at_inputs(), Inputs::Untold);
+    // Longer than a byte can count.
+    for _ in 0..300 {
+        assert_eq!(m.look_at_inputs(), Inputs::Untold);
+    }
+    assert!(told(&mut m, &[8, 0, 0, 0, 0]));
+    assert_eq!(m.look_at_inputs(), Inputs::Told(0));
+    // They are no command and no failure.
+    assert!(m.is_enabled() && !m.has_failed());
+}

@@ -4,7 +4,7 @@
 //! so the offset is known beforehand: `machine = position of the mark + 6064h` [D296].
 
 use super::Drives;
-use crate::bus::{DriveMaster, HomeEnd, HomeLimits, Increments, Periods, Scale};
+use crate::bus::{DriveMaster, HomeEnd, HomeLimits, Increments, Inputs, Periods, Scale};
 use crate::call::Position;
 use crate::params::{BY_DRIVE, Params};
 use crate::units::{Axes, Axis, Length};
@@ -138,6 +138,16 @@ impl Drives {
             lags.rest(axis, place);
         }
         Some(to)
+    }
+
+    /// Nothing counts that the drive of an axis has told of its inputs before.
+    pub(in crate::tick) const fn forget_inputs(&mut self, axis: Axis) {
+        self.axis_mut(axis).forget_inputs();
+    }
+
+    /// What the drive of an axis says of its inputs; once in every tick.
+    pub(in crate::tick) const fn look_at_inputs(&mut self, axis: Axis) -> Inputs {
+        self.axis_mut(axis).look_at_inputs()
     }
 
     /// Where X or Z is, by a status of its drive that came for the last tick.

@@ -6,7 +6,7 @@
 //!                   └─► Stopping
 //! ```
 //!
-//! Knows what a homing comes to; how a drive homes is its master's affair, and how a switch at the board is found stands in
+//! Knows what a homing comes to; how a drive homes is its master's affair, and how the board finds a switch stands in
 //! `search`.
 
 use super::search::{Search, Searched};
@@ -66,7 +66,7 @@ pub(super) struct Home {
     left: Axes,
     /// The axis that is being homed, also while it comes to rest after a stop.
     axis: Option<Axis>,
-    /// It looks for a switch at the board.
+    /// The board looks for its switch.
     pub(super) search: Option<Search>,
 }
 
@@ -162,8 +162,8 @@ impl Ticker {
                     self.home_next(ends);
                 }
                 Searched::Failed(code) => {
-                    let input = self.switch(axis).map_or(0, |switch| switch.input.number());
-                    let figures = [Arg::Letter(axis.letter()), Arg::Int(input.into())];
+                    let number = self.switch(axis).map_or(0, |switch| switch.at.number());
+                    let figures = [Arg::Letter(axis.letter()), Arg::Int(number.into())];
                     self.raise(&Alarm::of(code, &figures), ends);
                 }
             };
@@ -198,7 +198,7 @@ impl Ticker {
     /// Ends homing for an alarm or a reset: the drive comes to rest.
     pub(super) fn stop_homing(&mut self) {
         self.home.left = Axes::NONE;
-        // The drive of an axis with a switch at the board does not home.
+        // The drive of an axis whose switch the board looks for does not home.
         if let Some(axis) = self.home.axis {
             self.drives.abandon_homing(axis);
         }

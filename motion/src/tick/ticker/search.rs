@@ -1,7 +1,8 @@
-//! The reference of an axis by a switch at the board (9050 = 2).
+//! The reference of an axis by a switch that the board looks for (9050 = 2): at an input of the machine, or at the drive.
 //!
 //! ```text
-//! at rest ─► Clear: off the switch, where the axis stands on it ─► Approach: fast, until the switch is on
+//! at rest ─► Listen: until the drive tells its inputs, where the switch is one of them
+//!         ─► Clear: off the switch, where the axis stands on it ─► Approach: fast, until the switch is on
 //!         ─► Leave: back, until it is off ─► Back: a little farther ─► Latch: slowly, until it is on: there is the mark
 //!         ─► Retreat: off the mark
 //! ```
@@ -10,13 +11,17 @@
 //! passed from the same side and at the same speed, so what delays the switch shifts it by the same amount each time.
 //! Where the axis is at the mark its drive says (6064h): a setpoint is ahead by the drive's lag, which a new gain changes.
 //!
+//! A drive samples its inputs (60FDh) where it samples its place: what has come since the last tick is of one SYNC, so the
+//! place that counts is the one that came with the switch [D433].
+//!
 //! The axes move as they are moved by hand ([`Jog`](crate::motion::Jog)). Must not know which axis comes next.
 
 use super::Ticker;
 use crate::alarm::Code;
+use crate::bus::Inputs;
 use crate::motion::{AxisPress, AxisTravel, Limits, PathRate, Press};
 use crate::operating::{PressState, Towards};
-use crate::params::{BY_SWITCH, Contact, Params};
+use crate::params::{HomeSwitch, Params};
 use crate::units::{Axis, Length};
 
 /// Samples of the switch that have to agree, so that no disturbance ends a stage.
@@ -32,7 +37,7 @@ const RUN_UP: Length = Length::from_nm(1_000_000);
 /// The switch of an axis, and how the axis goes to it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Switch {
-    pub(super) input: Contact,
+    pub(super) at: HomeSwitch,
     /// The way to the switch.
     motion: AxisPress,
     /// The speed at the mark.
@@ -49,9 +54,7 @@ impl Switch {
     /// `None` where the axis finds its reference otherwise, or cannot move.
     #[inline(never)]
     pub(super) fn of(params: &Params, axis: Axis) -> Option<Self> {
-        if params.home_method(axis) != BY_SWITCH {
-            return None;
-        }
+        let at = params.home_switch(axis)?;
         let rate = |feed| PathRate::of_feed(feed, params.tick_us());
         let towards = match params.home_towards(axis)? {
             0 => Towards::Minus,
@@ -63,7 +66,7 @@ impl Switch {
         let us = u64::from(params.home_time_ms(axis)).saturating_mul(1000);
         let ticks = us.checked_div(u64::from(params.tick_us()))?;
         Some(Self {
-            input: Contact::new(params.home_input(axis)?)?,
+            at,
             motion,
             slow: rate(params.home_mark_feed(axis)?).min(motion.speed),
             retreat: params.home_retreat(axis)?,
@@ -76,6 +79,7 @@ impl Switch {
 /// A part of the search; see the head of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
+    Listen,
     Clear,
     Approach,
     Leave,
@@ -87,7 +91,7 @@ enum Stage {
 impl Stage {
     const fn next(self) -> Self {
         match self {
-            Self::Clear => Self::Approach,
+            Self::Listen | Self::Clear => Self::Approach,
             Self::Approach => Self::Leave,
             Self::Leave => Self::Back,
             Self::Back => Self::Latch,
@@ -154,7 +158,7 @@ impl Ticker {
             return false;
         };
         self.home.search = Some(Search {
-            stage: Stage::Clear,
+            stage: Stage::Listen,
             alike: 0,
             met: false,
             held: false,
@@ -163,13 +167,8 @@ impl Ticker {
             mark: Length::ZERO,
             over: Length::ZERO,
         });
-        // Inputs that nobody tells are an alarm in the next tick.
-        if let Some(on) = self.machine.inputs(switch.input.bit()) {
-            let first = match on & switch.input.bit() {
-                0 => Stage::Approach,
-                _ => Stage::Clear,
-            };
-            self.begin_stage(axis, &switch, first);
+        if let HomeSwitch::Drive(_) = switch.at {
+            self.drives.forget_inputs(axis);
         }
         true
     }
@@ -181,11 +180,21 @@ impl Ticker {
         let Some(switch) = self.switch(axis) else {
             return Searched::Goes;
         };
-        let on = self.machine.inputs(switch.input.bit());
-        let (Some(on), Some(mut search)) = (on, self.home.search) else {
+        let Some(mut search) = self.home.search else {
             return Searched::Failed(Code::HomeSwitchStuck);
         };
-        let on = on & switch.input.bit() != 0;
+        let on = match self.looks_on(axis, switch.at) {
+            Ok(on) => on,
+            Err(code) => return Searched::Failed(code),
+        };
+        let Some(on) = on else {
+            return Searched::Goes;
+        };
+        if search.stage == Stage::Listen {
+            let first = if on { Stage::Clear } else { Stage::Approach };
+            self.begin_stage(axis, &switch, first);
+            return Searched::Goes;
+        }
         let here = self.place_of(axis);
         if let Some(actual) = self.drives.place_told(axis) {
             search.behind = here - actual;
@@ -193,7 +202,7 @@ impl Ticker {
         let meets = match search.stage {
             Stage::Clear | Stage::Leave => !on,
             Stage::Approach | Stage::Latch => on,
-            Stage::Back | Stage::Retreat => false,
+            Stage::Listen | Stage::Back | Stage::Retreat => false,
         };
         search.alike = match meets {
             true => search.alike.saturating_add(1),
@@ -245,6 +254,22 @@ impl Ticker {
         Searched::Goes
     }
 
+    /// Whether the switch is on; `None` while its drive has not told yet.
+    fn looks_on(&mut self, axis: Axis, at: HomeSwitch) -> Result<Option<bool>, Code> {
+        match at {
+            HomeSwitch::Machine(input) => {
+                let on = self.machine.inputs(input.bit());
+                let on = on.ok_or(Code::HomeSwitchStuck)?;
+                Ok(Some(on & input.bit() != 0))
+            }
+            HomeSwitch::Drive(bit) => match self.drives.look_at_inputs(axis) {
+                Inputs::Told(inputs) => Ok(Some(inputs & bit != 0)),
+                Inputs::Awaited => Ok(None),
+                Inputs::Untold => Err(Code::HomeInputsUntold),
+            },
+        }
+    }
+
     /// The axis begins a stage, from rest.
     fn begin_stage(&mut self, axis: Axis, switch: &Switch, stage: Stage) {
         let here = self.place_of(axis);
@@ -272,7 +297,7 @@ impl Ticker {
         };
         let on_to_the_mark = match stage {
             Stage::Approach | Stage::Latch => true,
-            Stage::Clear | Stage::Leave | Stage::Back => false,
+            Stage::Listen | Stage::Clear | Stage::Leave | Stage::Back => false,
             // A setpoint that is behind the axis may have come to rest before the mark.
             Stage::Retreat => way.is_some_and(|way| way < Length::ZERO),
         };
