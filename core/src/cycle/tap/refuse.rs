@@ -45,7 +45,13 @@ pub(crate) fn refuse_tap(
     }
     if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = &call.form {
         if peck.back.value > peck.infeed.value {
-            return Err(blame(Code::TapDepth, span, &peck.back.span, b'D'));
+            // Of two words the newer one does not fit.
+            let (back, infeed) = (&peck.back.span, &peck.infeed.span);
+            let (word, letter) = match infeed.line > back.line {
+                true => (infeed, b'Q'),
+                false => (back, b'D'),
+            };
+            return Err(blame(Code::TapDepth, span, word, letter));
         }
         if peck.infeed.value.times(INFEEDS) < total {
             let word = &peck.infeed.span;

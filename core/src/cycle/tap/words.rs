@@ -447,7 +447,11 @@ fn read_kept(modal: &Modal<'_>, block: &Block, kept: &mut Kept) -> Result<(), Al
         && kept.infeed.value == Length::ZERO
         && back.value > Length::ZERO
     {
-        return Err(Alarm::new(Code::TapDepth, back.span).word(b'D'));
+        // Of two words the newer one does not fit: D may have stayed from a block before.
+        return Err(match (block.find(b'D'), block.find(b'Q')) {
+            (None, Some(infeed)) => infeed.alarm(Code::TapDepth),
+            _ => Alarm::new(Code::TapDepth, back.span).word(b'D'),
+        });
     }
     if let Some(word) = block.find(b'P') {
         kept.dwell = Millis::new(word.count(LONGEST_DWELL)?);

@@ -175,7 +175,7 @@ fn words_that_would_do_nothing_are_refused() {
     // A return from pecks without pecks, also where Q came to be 0 afterwards.
     assert_eq!(alarm("M29 S9\nG84 Z-9 F9 D3"), Some((207, 2, 12)));
     assert_eq!(alarm("M29 S9\nG84 Z-9 F9 Q0 D3"), Some((207, 2, 15)));
-    assert_eq!(alarm("M29 S9\nG84 Z-9 F9 Q4 D3\nX5 Q0"), Some((207, 2, 15)));
+    assert_eq!(alarm("M29 S9\nG84 Z-9 F9 Q4 D3\nX5 Q0"), Some((207, 3, 4)));
     assert_eq!(alarm("M29 S9\nG84 Z-9 F9 D0"), None);
     // J is a spindle speed, and written like one.
     assert_eq!(alarm("M29 S9\nG84 Z-9 F9 J12.0"), Some((4023, 2, 12)));
