@@ -9,6 +9,7 @@ use leadscrew_core::call::CallKind;
 use leadscrew_core::cycle;
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
+use leadscrew_core::units::{Axis, Lead};
 use leadscrew_tests::machine::{calls, run};
 use leadscrew_tests::params::with;
 use leadscrew_tests::random::Random;
@@ -20,8 +21,13 @@ fn holes() -> u32 {
     leadscrew_seed::amount(100, 4_000)
 }
 
-/// What the noise of counts without their edges' times is worth as acceleration of the axis, in m/s².
-const NOISE: f64 = 0.4;
+/// What reading counts without their edges' times is worth as acceleration of the axis, in m/s²: the bound that
+/// `check` goes by.
+fn noise(hole: &Hole, params: &Params) -> f64 {
+    let lead = Lead::new(hole.lead * 1_000, 1).expect("a lead");
+    let noise = params.count_noise(lead, Axis::Z);
+    noise.map_or(0.0, |noise| noise.nm_per_s2() as f64 * 1e-9)
+}
 
 fn is_feasible(text: &str, params: &Params) -> bool {
     calls(text, params).iter().all(|call| match &call.kind {
@@ -87,8 +93,7 @@ fn a_rippling_spindle_is_no_alarm() {
             assert!((0..=2).contains(&short), "{short} nm short: {hole:?}");
             let feed = rpm as f64 / 60.0 * hole.lead as f64 * 1e-6;
             let ripple = percent as f64 * 1e-5 * hertz as f64 * 1e-3 * TAU * feed;
-            let noise = if edges == 1 { 0.0 } else { NOISE };
-            judge_uneven(&ran, &hole, &params, ripple + noise);
+            judge_uneven(&ran, &hole, &params, ripple + noise(&hole, &params));
         }
     });
 }
