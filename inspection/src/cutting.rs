@@ -17,6 +17,20 @@ pub struct Instant {
     pub z: Mm,
 }
 
+impl Instant {
+    /// From what a machine tells: millionths of a turn, and nanometres of X (radius) and Z.
+    #[must_use]
+    pub fn new(step: u64, micro_turns: i64, [x, z]: [i64; 2]) -> Self {
+        let mm = |nm: i64| Mm(nm as f64 / 1e6);
+        Self {
+            step,
+            angle: Turns(micro_turns as f64 / 1e6),
+            x: mm(x),
+            z: mm(z),
+        }
+    }
+}
+
 /// Cuts the threads of a program while it runs, one after the other.
 #[derive(Debug)]
 pub struct Cutting {
@@ -92,17 +106,16 @@ impl Cutting {
         self.cutting = pass.is_some();
     }
 
-    /// The threads that are over, since the last call.
+    /// The threads that are over and were not taken yet.
     pub fn done(&mut self) -> Vec<Cut> {
         std::mem::take(&mut self.done)
     }
 
-    /// No tick comes any more: the threads not taken yet.
-    pub fn finish(&mut self) -> Vec<Cut> {
+    /// No tick comes any more: all threads are over.
+    pub fn finish(&mut self) {
         while self.under_way.is_some() {
             self.measure();
             self.next();
         }
-        self.done()
     }
 }

@@ -3,7 +3,7 @@
 //! Does what `leadscrew simulate` does, tick by tick. Knows no words of the page.
 
 use leadscrew_board_sim::line::{Faults, Span as Ticks};
-use leadscrew_board_sim::plant::{PlantOptions, ServoOptions, Trouble};
+use leadscrew_board_sim::plant::{Encoder, PlantOptions, ServoOptions, Trouble};
 use leadscrew_board_sim::{Doing, Row, Sim, SimError};
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::board::{Command, Event, Inputs, State};
@@ -12,7 +12,6 @@ use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_inspection::{Cut, Cutting, Instant};
-use leadscrew_metrology::{Mm, Turns};
 use serde::{Deserialize, Serialize};
 
 /// Ticks that give one sample of the error: the greatest of them.
@@ -27,12 +26,6 @@ pub struct Sample {
     line: u32,
     step: u32,
 }
-
-/// Counts by which interference moves the encoder's counter.
-const SLIP: i32 = 40;
-
-/// The error code of a drive in fault: over-temperature of the drive.
-const HOT: u16 = 0x4210;
 
 /// What goes wrong; it stays wrong until the next machine.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -71,8 +64,6 @@ pub struct Machine {
     worst_nm: i64,
     /// The threads, where they are to be measured.
     cutting: Option<Cutting>,
-    /// Those measured and not told yet.
-    cuts: Vec<Cut>,
     stopping: bool,
     over: bool,
     /// Alarms and warnings not told yet.
@@ -115,7 +106,6 @@ impl Machine {
             samples: Vec::new(),
             worst_nm: 0,
             cutting,
-            cuts: Vec::new(),
             stopping: false,
             over: false,
             told: Vec::new(),
@@ -137,8 +127,8 @@ impl Machine {
             }),
             Fault::SpindleStalls => sim.plant().spindle().disturb(0),
             Fault::SpindleSlow => sim.plant().spindle().disturb(70),
-            Fault::EncoderSlips => sim.plant().encoder().slip(SLIP),
-            Fault::DriveHot => sim.plant().drive(Axis::Z).trouble(Trouble::Fault(HOT)),
+            Fault::EncoderSlips => sim.plant().encoder().slip(Encoder::SLIP),
+            Fault::DriveHot => sim.plant().drive(Axis::Z).trouble(Trouble::HOT),
             Fault::DriveSilent => sim.plant().drive(Axis::Z).trouble(Trouble::Silent),
             Fault::AxisBlocked => sim.plant().drive(Axis::Z).trouble(Trouble::Stuck),
             Fault::BusUnplugged => {
@@ -204,7 +194,7 @@ impl Machine {
             if let Some(cutting) = &mut self.cutting
                 && !self.stopping
             {
-                self.cuts.extend(cutting.finish());
+                cutting.finish();
             }
         }
     }
@@ -217,7 +207,6 @@ impl Machine {
             .push(row.position, spindle, row.doing == Doing::Run);
         if let Some(cutting) = &mut self.cutting {
             cutting.take(&instant(row));
-            self.cuts.append(&mut cutting.done());
         }
         let error = row.cut.map(|cut| cut.error).or(row.error);
         self.row = Some(*row);
@@ -254,7 +243,8 @@ impl Machine {
 
     /// The threads that were measured since the last call.
     pub fn cuts(&mut self) -> Vec<Cut> {
-        std::mem::take(&mut self.cuts)
+        let cutting = self.cutting.as_mut();
+        cutting.map_or_else(Vec::new, Cutting::done)
     }
 
     /// What it is doing.
@@ -296,14 +286,12 @@ pub struct MachineState {
 
 /// Where the tool is at a tick: where its drives have moved it, or where ideal ones are told to be.
 fn instant(row: &Row) -> Instant {
-    let mm = |length: Length| Mm(length.nm() as f64 / 1e6);
-    let [x, z] = row.actual.unwrap_or([row.position.x, row.position.z]);
-    Instant {
-        step: row.number.into(),
-        angle: Turns(row.spindle.micro_turns() as f64 / 1e6),
-        x: mm(x),
-        z: mm(z),
-    }
+    let place = row.actual.unwrap_or([row.position.x, row.position.z]);
+    Instant::new(
+        row.number.into(),
+        row.spindle.micro_turns(),
+        place.map(Length::nm),
+    )
 }
 
 /// A drive with this gain of its position loop in 1/s: without feed-forward, friction or play, so that its lag shows.

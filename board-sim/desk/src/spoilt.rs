@@ -2,19 +2,15 @@
 //! of power too. It must not know who asks for it.
 
 use leadscrew_board_sim::line::{Faults, Intruder, Span};
-use leadscrew_board_sim::plant::{BlockFault, Drive, HomingOptions, IoBlock, Trouble};
+use leadscrew_board_sim::plant::{
+    BlockFault, Drive, Encoder as PlantEncoder, HomingOptions, IoBlock, Trouble,
+};
 use leadscrew_board_sim::{Sim, switch};
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
 use crate::control::{Block, Bus, Drive as Which, DriveFault, Encoder, Flash};
-
-/// Counts by which interference moves the encoder's counter.
-const SLIP: i32 = 40;
-
-/// The error code of a drive in fault: over-temperature of the drive.
-const HOT: u16 = 0x4210;
 
 /// What is wrong.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +85,7 @@ impl Spoilt {
             DriveFault::Silent => Trouble::Silent,
             DriveFault::Unplugged => Trouble::CutOff,
             DriveFault::Blocked => Trouble::Stuck,
-            DriveFault::Fault => Trouble::Fault(HOT),
+            DriveFault::Fault => Trouble::HOT,
             DriveFault::TorqueOff => Trouble::TorqueOff,
         };
         if let Some((sim, params)) = sim {
@@ -116,7 +112,7 @@ impl Spoilt {
             let encoder = sim.plant().encoder();
             encoder.break_index(self.no_index);
             if to == Encoder::Slip {
-                encoder.slip(SLIP);
+                encoder.slip(PlantEncoder::SLIP);
             }
         }
     }

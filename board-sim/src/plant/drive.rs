@@ -45,6 +45,11 @@ pub enum Trouble {
     TorqueOff,
 }
 
+impl Trouble {
+    /// A fault: the drive is too hot.
+    pub const HOT: Self = Self::Fault(0x4210);
+}
+
 /// The behaviour of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveOptions {

@@ -41,6 +41,9 @@ impl Encoder {
         })
     }
 
+    /// Counts by which interference moves the counter at once.
+    pub const SLIP: i32 = 40;
+
     /// Changes the counter by `counts`, as interference would.
     pub const fn slip(&mut self, counts: i32) {
         self.zero = self.zero.wrapping_add(counts);

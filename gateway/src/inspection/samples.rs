@@ -1,7 +1,6 @@
 //! From the machine's ticks to cuts. [`instant`] alone says which position of a tick cuts.
 
 use leadscrew_inspection::{Cut, Cutting, Instant, Job};
-use leadscrew_metrology::{Mm, Turns};
 
 use crate::failure::Outcome;
 use crate::machine::Observer;
@@ -9,14 +8,8 @@ use crate::trace::{Setpoint, Summary};
 
 /// Where the tool is at a tick. Ideal drives are where their setpoints are; others say where they are.
 fn instant(point: &Setpoint) -> Instant {
-    let mm = |nm: i64| Mm(nm as f64 / 1e6);
-    let [x, z] = point.actual_nm.unwrap_or([point.x_nm, point.z_nm]);
-    Instant {
-        step: point.step,
-        angle: Turns(point.s1_urev as f64 / 1e6),
-        x: mm(x),
-        z: mm(z),
-    }
+    let place = point.actual_nm.unwrap_or([point.x_nm, point.z_nm]);
+    Instant::new(point.step, point.s1_urev, place)
 }
 
 /// Cuts the threads of a program while it runs.
@@ -36,7 +29,8 @@ impl Threads {
 
     /// The threads, all of which are over.
     pub fn finish(mut self) -> Vec<Cut> {
-        self.cutting.finish()
+        self.cutting.finish();
+        self.cutting.done()
     }
 }
 
