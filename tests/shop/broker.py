@@ -237,8 +237,9 @@ class Count:
         return len(list((pathlib.Path(folder) / "archive").rglob("*.parquet")))
 
 
-# What came, how often agents were killed, all messages, and the processor time of the broker since its last start.
-Trial = collections.namedtuple("Trial", "count kills messages seconds")
+# What came, how often agents were killed, all messages, the processor time of the broker since its last start, and how many
+# disks were full for their stores.
+Trial = collections.namedtuple("Trial", "count kills messages seconds full")
 
 
 # A cut of the network: parts of the time at which it begins and ends, whether old connections are told of it, and whether
@@ -251,7 +252,7 @@ def trial(folder, seed, agents, machines, period, threads, states, kills, restar
     chance = random.Random(seed)
     broker = Broker(folder)
     crowd = listener = network = None
-    small = []
+    small, full = [], set()
     try:
         for number in range(disks):
             small.append(Disk(pathlib.Path(folder) / f"disk{number}", SMALL))
@@ -284,8 +285,7 @@ def trial(folder, seed, agents, machines, period, threads, states, kills, restar
                 for disk in small:
                     disk.fill()
             elif what == "clear":
-                for disk in small:
-                    disk.clear()
+                full.update(disk.folder for disk in small if disk.clear())
             else:
                 if saved:
                     broker.save()
@@ -296,7 +296,7 @@ def trial(folder, seed, agents, machines, period, threads, states, kills, restar
         crowd.end()
         quiet(listener, 1)
         listener.end()
-        return Trial(Count(listener.messages, crowd), crowd.kills, listener.messages, broker.seconds())
+        return Trial(Count(listener.messages, crowd), crowd.kills, listener.messages, broker.seconds(), len(full))
     finally:
         if crowd:
             crowd.remove()
