@@ -61,6 +61,7 @@ impl Machine {
         let last = self.keeper.model().memory().last_event;
         let met = Met {
             serial: self.serial,
+            start: 1,
             firmware: "0.1.0".to_owned(),
             parameters: 1,
             tick: self.tick(cut),

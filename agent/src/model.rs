@@ -7,7 +7,8 @@ use leadscrew_core::link::{Certificate, ThreadCertificate, ThreadState};
 use serde::{Deserialize, Serialize};
 
 use crate::record::{
-    Body, Cut, Event, Gap, Identity, Missing, Moment, Presence, Run, Start, State, Thread, What,
+    Body, Cut, Event, Gap, Identity, Missing, Moment, OWN_COUNTS, Presence, Run, Start, State,
+    Thread, What,
 };
 
 /// Speeds of a spindle that differ by no more are one: in turns a minute, and as a part of the speed.
@@ -39,6 +40,8 @@ pub enum Observation {
 pub struct Met {
     /// Its serial number.
     pub serial: u32,
+    /// Which of its starts this is, by its own count; 0: it cannot say.
+    pub start: u32,
     /// Its firmware.
     pub firmware: String,
     /// Checksum of its parameters.
@@ -71,6 +74,12 @@ pub struct Entry {
 pub struct Memory {
     /// The start of the board that the numbers belong to; count 0: none was met.
     pub start: Start,
+    /// The board's own count when it was met last; 0: it could not say.
+    #[serde(default)]
+    own: u32,
+    /// The largest of the counts of this board that is a number of its starts here.
+    #[serde(default)]
+    most: u32,
     /// When the board had its power-up, by the computer's clock.
     power_up: Moment,
     /// Its last tick.
@@ -125,6 +134,24 @@ impl Memory {
     #[must_use]
     pub const fn last_thread(&self) -> u32 {
         self.thread
+    }
+
+    /// The number of a start that begins to be read. No two of a board may have the same: where the board's own count does
+    /// not go on from what is known, it is a number of the agent's, by the clock.
+    /// Also gives the largest count of the board's own.
+    fn count(&self, at: Moment, met: &Met) -> (u32, u32) {
+        let most = match self.start {
+            start if start.serial != met.serial => 0,
+            // Earlier versions counted by themselves, from 1.
+            start if start.count < OWN_COUNTS => self.most.max(start.count),
+            _ => self.most,
+        };
+        if met.start > most {
+            return (met.start, met.start);
+        }
+        let seconds = u32::try_from(at.0 / 1000).unwrap_or(u32::MAX);
+        let own = self.start.count.saturating_add(1);
+        (seconds.max(OWN_COUNTS).max(own), most)
     }
 
     fn note(&mut self, at: Moment, tick: u64) {
@@ -184,12 +211,14 @@ impl Model {
         told
     }
 
-    /// Whether this is the start that was read before. A board keeps no count of its starts: its numbers and the ticks of
-    /// its log say it, and where they cannot, the clocks [D406].
+    /// Whether this is the start that was read before. The board's count says that it is another. That it is the same one
+    /// has to fit its numbers and the ticks of its log too: a flash may have been erased. Where neither says it, the clocks
+    /// do [D406].
     fn is_same_start(&self, at: Moment, met: &Met) -> bool {
         let known = &self.memory;
         if known.start.count == 0
             || known.start.serial != met.serial
+            || known.own != met.start
             || met.tick < known.tick
             || met.newest_event < known.last_event
             || met.newest_thread < known.thread
@@ -199,6 +228,7 @@ impl Model {
         match met.last_event {
             // The same entry at the same tick; no start repeats an hour of operation tick by tick.
             Some(tick) => tick == known.event_tick,
+            None if met.start > 0 => true,
             None => {
                 let (part, least) = DRIFT;
                 let power_up = power_up(at, met.tick, met.tick_us);
@@ -211,11 +241,14 @@ impl Model {
     fn meet(&mut self, at: Moment, met: &Met, told: &mut Vec<Body>) {
         if !self.is_same_start(at, met) {
             let known = &self.memory;
+            let (count, most) = known.count(at, met);
             self.memory = Memory {
                 start: Start {
                     serial: met.serial,
-                    count: known.start.count.saturating_add(1),
+                    count,
                 },
+                own: met.start,
+                most,
                 alive: known.alive,
                 identity: known.identity.clone(),
                 in_force: known.in_force,

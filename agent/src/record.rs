@@ -110,11 +110,14 @@ pub struct Presence {
 /// One start of a board: what numbers of its threads, runs and events belong to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Start {
-    /// The board's serial number; 0 on a simulated one.
+    /// The board's serial number; 0 on a simulated one without a name.
     pub serial: u32,
-    /// Counted by the agent from 1: the board keeps no counter of its own.
+    /// Which start of the board it is: the board's own count, or one of the agent's from [`OWN_COUNTS`] on.
     pub count: u32,
 }
+
+/// No board starts as often. Where a board cannot count its starts, the agent gives numbers from here on.
+pub const OWN_COUNTS: u32 = 1_000_000_000;
 
 impl Start {
     /// The key of something that the board numbers since this start.

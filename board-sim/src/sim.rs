@@ -29,7 +29,7 @@ use crate::around::Around;
 use crate::line::{Line, Way};
 use crate::pins::show_pins;
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
-use crate::storage::{keep, stored_params, stored_tap};
+use crate::storage::{keep, stored_start, stored_tap};
 use crate::wheel::Wheel;
 
 /// The most frames that the drives send in one period.
@@ -153,6 +153,11 @@ impl Sim {
         Self::start_from(built_in, options, flash).map(|(sim, _)| sim)
     }
 
+    /// Gives the board a serial number. It has none else.
+    pub const fn set_serial(&mut self, serial: u32) {
+        self.board.set_serial(serial);
+    }
+
     /// Starts with the content of a flash, whose power is switched on. Also gives the alarm that withholds motion.
     fn start_from(
         built_in: &Params,
@@ -161,7 +166,7 @@ impl Sim {
     ) -> Result<(Self, Option<Alarm>), SimError> {
         flash.power(true);
         let tap = stored_tap(&mut flash).map_err(SimError::Board)?;
-        let up = stored_params(&mut flash, built_in).map_err(SimError::Board)?;
+        let up = stored_start(&mut flash, built_in).map_err(SimError::Board)?;
         Self::start_with(&up, options, flash, tap)
     }
 

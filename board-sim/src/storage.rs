@@ -37,6 +37,21 @@ pub fn stored_params(flash: &mut Flash, built_in: &Params) -> Result<PowerUp, Al
     Ok(store.power_up(|| built_in.clone()))
 }
 
+/// The same for a board that starts now: the start counts.
+///
+/// # Errors
+/// As [`stored_params`].
+pub fn stored_start(flash: &mut Flash, built_in: &Params) -> Result<PowerUp, Alarm> {
+    let mut up = stored_params(flash, built_in)?;
+    up.start = count_start(flash);
+    Ok(up)
+}
+
+/// Counts a start of a board in its flash; gives its number, or 0 where the flash cannot keep it.
+pub fn count_start(flash: &mut Flash) -> u32 {
+    Store::new(flash).map_or(0, |mut store| store.count_start())
+}
+
 /// Carries out all requests of a board to its storage.
 pub fn keep(board: &mut Board, flash: &mut Flash) {
     loop {

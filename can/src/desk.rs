@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
+use leadscrew_core::checksum::crc32;
 use nix::unistd::geteuid;
 
 use crate::{CanError, WrongAddress};
@@ -44,6 +45,12 @@ impl MachineName {
     #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0
+    }
+
+    /// The serial number of the board of this machine: it follows from the name, and is not 0.
+    #[must_use]
+    pub fn serial(&self) -> u32 {
+        crc32(0, self.0.as_bytes()).max(1)
     }
 }
 

@@ -37,7 +37,7 @@ pub use leadscrew_core::board::{Region, StoreError, StoreRequest};
 pub use patient::Patient;
 
 use embedded_storage::nor_flash::NorFlash;
-use leadscrew_core::board::{Held, KeptOffsets, PowerUp};
+use leadscrew_core::board::{Held, KeptOffsets, Mark, PowerUp};
 use leadscrew_core::params::Params;
 use sequential_storage::Error;
 use sequential_storage::cache::{Cache, Uncached};
@@ -114,6 +114,23 @@ impl<F: NorFlash> Store<F> {
         self.params(built_in, &mut up);
         self.offsets(&mut up.offsets);
         up
+    }
+
+    /// Counts a start of the board, and gives its number: from 1; 0 where the flash cannot say or keep it. Once for each
+    /// start, behind [`recover`](Self::recover), before the board says a word.
+    #[inline(never)]
+    pub fn count_start(&mut self) -> u32 {
+        let starts = {
+            let mut buffer = [0; BUFFER];
+            match self.read(Region::Starts, &mut buffer) {
+                Ok(None) => Some(Mark(0)),
+                Ok(Some(bytes)) => Mark::decode(bytes),
+                Err(_) => None,
+            }
+        };
+        let next = starts.and_then(|starts| starts.0.checked_add(1));
+        next.filter(|next| self.write(Region::Starts, &Mark(*next).encode()).is_ok())
+            .unwrap_or(0)
     }
 
     // The buffers of each are on the stack while it reads, and not longer.

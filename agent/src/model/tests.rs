@@ -9,6 +9,7 @@ const HOUR: u64 = 3_600_000;
 fn met(tick: u64, newest_event: u32, last_event: Option<u64>) -> Met {
     Met {
         serial: 7,
+        start: 0,
         firmware: "0.1.0".to_owned(),
         parameters: 5,
         tick,
@@ -78,20 +79,24 @@ fn starts(model: &Model, at: u64, seen: Met) -> u32 {
     model.memory().start.count
 }
 
+/// Numbers of the agent, where the board does not count: no moment of these tests is as late.
+const FIRST: u32 = OWN_COUNTS;
+const NEXT: u32 = OWN_COUNTS + 1;
+
 #[test]
 fn a_start_is_another_where_numbers_or_ticks_go_back() {
     let known = known();
     let later = HOUR + 1000;
-    assert_eq!(starts(&known, later, met(6000, 20, Some(200))), 1);
-    assert_eq!(starts(&known, later, met(4999, 20, Some(200))), 2);
-    assert_eq!(starts(&known, later, met(6000, 19, None)), 2);
+    assert_eq!(starts(&known, later, met(6000, 20, Some(200))), FIRST);
+    assert_eq!(starts(&known, later, met(4999, 20, Some(200))), NEXT);
+    assert_eq!(starts(&known, later, met(6000, 19, None)), NEXT);
     // The same number of another entry.
-    assert_eq!(starts(&known, later, met(6000, 20, Some(201))), 2);
+    assert_eq!(starts(&known, later, met(6000, 20, Some(201))), NEXT);
     let other = Met {
         serial: 8,
         ..met(6000, 20, Some(200))
     };
-    assert_eq!(starts(&known, later, other), 2);
+    assert_eq!(starts(&known, later, other), NEXT);
 }
 
 #[test]
@@ -102,9 +107,9 @@ fn where_the_log_has_gone_on_the_clocks_say_it() {
     let (part, least) = DRIFT;
     let apart = day / part + least;
     for (tick, count) in [
-        (5000 + day, 1),
-        (5000 + day - apart, 1),
-        (5000 + day - apart - 1, 2),
+        (5000 + day, FIRST),
+        (5000 + day - apart, FIRST),
+        (5000 + day - apart - 1, NEXT),
     ] {
         assert_eq!(
             starts(&known, HOUR + day, met(tick, 400, None)),
@@ -113,7 +118,80 @@ fn where_the_log_has_gone_on_the_clocks_say_it() {
         );
     }
     // A clock that was set back changes nothing where the log still says it.
-    assert_eq!(starts(&known, 0, met(6000, 20, Some(200))), 1);
+    assert_eq!(starts(&known, 0, met(6000, 20, Some(200))), FIRST);
+}
+
+/// A board that counts its starts is met in this one, at tick 5000 and with a log of 20 entries that were read.
+fn counted(start: u32) -> Model {
+    let mut model = Model::default();
+    let seen = Met {
+        start,
+        ..met(5000, 0, None)
+    };
+    model.take(Moment(HOUR), &Observation::Met(seen));
+    model.take(Moment(HOUR), &Observation::Log(vec![entry(20, None)]));
+    model
+}
+
+#[test]
+fn a_board_that_counts_its_starts_says_which_one_it_is() {
+    let known = counted(12);
+    assert_eq!(known.memory().start.count, 12);
+    let seen = |start, met| Met { start, ..met };
+    // The log has lost the entry, and the computer's clock was set by a month: the start goes on all the same.
+    for at in [0, 31 * 24 * HOUR] {
+        assert_eq!(starts(&known, at, seen(12, met(6000, 400, None))), 12);
+    }
+    // The count says so, and nothing else does.
+    assert_eq!(
+        starts(&known, HOUR + 1000, seen(13, met(6000, 20, Some(200)))),
+        13
+    );
+    // It need not have been met in each.
+    assert_eq!(starts(&known, HOUR, seen(20, met(3, 1, None))), 20);
+}
+
+#[test]
+fn no_number_of_a_start_comes_again_where_the_flash_was_erased_or_cannot_count() {
+    let mut model = counted(12);
+    let mut numbers = vec![12];
+    let month = 31 * 24 * HOUR;
+    // Erased, so it counts from 1; then once more; then the flash fails; then it has counted to 13.
+    for (tick, start) in [1, 2, 1, 0, 2, 12, 13].into_iter().enumerate() {
+        let seen = Met {
+            start,
+            ..met(100 - tick as u64, 0, None)
+        };
+        model.take(Moment(month + tick as u64), &Observation::Met(seen));
+        let count = model.memory().start.count;
+        assert!(!numbers.contains(&count), "{count} in {numbers:?}");
+        assert_eq!(count < OWN_COUNTS, start == 13, "{start}: {count}");
+        numbers.push(count);
+    }
+}
+
+#[test]
+fn the_agents_own_numbers_go_by_the_clock() {
+    let mut model = Model::default();
+    let now = Moment(1_795_000_000_123);
+    model.take(now, &Observation::Met(met(10, 0, None)));
+    assert_eq!(model.memory().start.count, 1_795_000_000);
+    // Twice in a second.
+    model.take(now, &Observation::Met(met(5, 0, None)));
+    assert_eq!(model.memory().start.count, 1_795_000_001);
+}
+
+#[test]
+fn what_an_earlier_version_counted_is_not_counted_again() {
+    let mut memory = counted(0).memory().clone();
+    memory.start.count = 3;
+    let model = Model::new(memory);
+    let seen = |start| Met {
+        start,
+        ..met(10, 0, None)
+    };
+    assert_eq!(starts(&model, HOUR, seen(3)), OWN_COUNTS);
+    assert_eq!(starts(&model, HOUR, seen(4)), 4);
 }
 
 #[test]
@@ -190,7 +268,7 @@ fn a_new_start_counts_its_threads_anew() {
     assert_eq!(bodies(&mut model, HOUR, &all).len(), 1);
     let before = model.memory().start;
     let again = bodies(&mut model, HOUR, &Observation::Met(met(10, 1, None)));
-    assert!(matches!(&again[..], [Body::Identity(identity)] if identity.start.count == 2));
+    assert!(matches!(&again[..], [Body::Identity(identity)] if identity.start.count == NEXT));
     let told = bodies(&mut model, HOUR, &all);
     let [Body::Thread(told)] = &told[..] else {
         panic!("{told:?}");

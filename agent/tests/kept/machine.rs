@@ -29,6 +29,7 @@ impl Board {
         let tick = |number: u32| u64::from(number) * 100;
         let met = Met {
             serial: 0xA5,
+            start: 1,
             firmware: "0.1.0".to_owned(),
             parameters: 1,
             tick: tick(self.threads),

@@ -10,6 +10,7 @@ use crate::disk::Disk;
 fn met(parameters: u32, tick: u64) -> Observation {
     Observation::Met(Met {
         serial: 0xA5,
+        start: 1,
         firmware: "0.1.0".to_owned(),
         parameters,
         tick,

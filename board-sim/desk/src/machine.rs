@@ -38,6 +38,8 @@ pub struct Recipe<'a> {
     pub new: bool,
     /// The board's node.
     pub node: NodeId,
+    /// The board's serial number.
+    pub serial: u32,
     /// Where the axes stand.
     pub at: Position,
     /// The drives of X and Z.
@@ -74,6 +76,7 @@ impl Power {
 pub struct Machine {
     state: StateFile,
     node: NodeId,
+    serial: u32,
     at: Position,
     drives: Chosen,
     spindle: Turning,
@@ -110,6 +113,7 @@ impl Machine {
         let mut machine = Self {
             state,
             node: recipe.node,
+            serial: recipe.serial,
             at: recipe.at,
             drives: recipe.drives.clone(),
             spindle: recipe.spindle,
@@ -270,6 +274,7 @@ impl Machine {
         };
         let sim = Sim::power_up(&Params::slant_bed(), &options, flash.as_ref().clone());
         let mut sim = sim.map(Box::new).map_err(|error| not_started(&error))?;
+        sim.set_serial(self.serial);
         sim.join(self.node)
             .map_err(|alarm| not_started(&SimError::Board(alarm)))?;
         sim.set_pins(self.contacts.pins());

@@ -6,7 +6,10 @@ use std::time::{Duration, Instant};
 
 use leadscrew_board_sim::line::{Line, Span, Way};
 use leadscrew_board_sim::plant::{Flash, Plant, PlantError, PlantOptions};
-use leadscrew_board_sim::{Around, Wheel, keep, show_pins, stored_params, stored_tap};
+use leadscrew_board_sim::{
+    Around, Wheel, count_start, keep, show_pins, stored_params, stored_start, stored_tap,
+};
+use leadscrew_can::MachineName;
 use leadscrew_common::diagnostics::Diagnostic;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::profiles::Chosen;
@@ -56,6 +59,8 @@ pub struct Machine {
     /// The ticks in which the board has no power.
     cut: Option<Span>,
     node: NodeId,
+    /// The board's serial number: a machine with a name has one.
+    serial: u32,
     signals: Signals,
     /// The parameter set of a board without stored parameters.
     built_in: Params,
@@ -110,17 +115,21 @@ impl Machine {
             None => Flash::erased(),
         };
         flash.power(true);
+        let tap = stored_tap(&mut flash).map_err(no_board)?;
+        let mut up = match &state {
+            Some(_) => stored_params(&mut flash, &built_in).map_err(no_board)?,
+            None => PowerUp::given(&built_in),
+        };
+        up.start = count_start(&mut flash);
+        if let Some(state) = &state {
+            state.save(&flash)?;
+        }
         if let Some(writes) = args.spoil.flash_fails {
             flash.fail_after(writes);
         }
         if let Some(pages) = args.spoil.flash_worn {
             flash.wear_out_after(pages);
         }
-        let tap = stored_tap(&mut flash).map_err(no_board)?;
-        let up = match &state {
-            Some(_) => stored_params(&mut flash, &built_in).map_err(no_board)?,
-            None => PowerUp::given(&built_in),
-        };
         if let Some(torn) = args.spoil.torn_write {
             flash.set_tear(torn.tear);
             flash.cut_after(torn.bytes);
@@ -134,6 +143,8 @@ impl Machine {
         let plant = fitted(params, &options)?;
         let mut board = Board::power_up(&up, Some(options.at), tap).map_err(no_board)?;
         let node = args.node;
+        let serial = args.name.as_ref().map_or(0, MachineName::serial);
+        board.set_serial(serial);
         board.join(node).map_err(no_board)?;
         let mut signals = Signals::default();
         for set in &args.signal {
@@ -186,6 +197,7 @@ impl Machine {
             line: Line::new(args.spoil.faults(args.seed, &nodes)),
             cut: args.spoil.cut_power.map(|ticks| ticks.0),
             node,
+            serial,
             signals,
             script: Script {
                 troubles: args.trouble.clone(),
@@ -408,8 +420,12 @@ impl Machine {
         let no_board = |alarm: Alarm| Failure::WrongBecause(Both::same(words(&alarm, None)));
         self.flash.power(true);
         let tap = stored_tap(&mut self.flash).map_err(no_board)?;
-        let up = stored_params(&mut self.flash, &self.built_in).map_err(no_board)?;
+        let up = stored_start(&mut self.flash, &self.built_in).map_err(no_board)?;
+        if let Some(state) = &self.state {
+            state.save(&self.flash)?;
+        }
         self.board = Board::power_up(&up, at, tap).map_err(no_board)?;
+        self.board.set_serial(self.serial);
         self.board.join(self.node).map_err(no_board)?;
         self.board.signals(self.signals);
         // The board has forgotten the program, so nothing more is fed.

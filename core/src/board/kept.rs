@@ -188,7 +188,7 @@ fn open(bytes: &[u8]) -> Result<(&[u8], u32), KeptError> {
     Ok((content, number))
 }
 
-/// The number of the newest set that has been stored.
+/// A number by itself: of the newest set that has been stored, or how often the board has started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mark(pub u32);
 
@@ -251,6 +251,8 @@ pub struct PowerUp {
     pub found: Found,
     /// The table of offsets and tools.
     pub offsets: KeptOffsets,
+    /// Which of its starts this is, from 1; 0: not known.
+    pub start: u32,
     pub(super) shelved: Shelved,
 }
 
@@ -262,6 +264,7 @@ impl PowerUp {
             params: params.clone(),
             found: Found::Newest,
             offsets: KeptOffsets::default(),
+            start: 0,
             shelved: Shelved::default(),
         }
     }

@@ -19,11 +19,13 @@ pub enum Region {
     OffsetsB,
     /// The revision of the newest of the two tables.
     OffsetsMark,
+    /// How often the board has started.
+    Starts,
 }
 
 impl Region {
     /// All regions.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::TapJournal,
         Self::ParametersA,
         Self::ParametersB,
@@ -31,6 +33,7 @@ impl Region {
         Self::OffsetsA,
         Self::OffsetsB,
         Self::OffsetsMark,
+        Self::Starts,
     ];
 
     /// Its number in a storage; never reused for another region.
@@ -44,6 +47,7 @@ impl Region {
             Self::OffsetsA => 5,
             Self::OffsetsB => 6,
             Self::OffsetsMark => 7,
+            Self::Starts => 8,
         }
     }
 }

@@ -93,6 +93,11 @@ impl Board {
         self.background.join(node)
     }
 
+    /// Sets the serial number of 1018h.
+    pub const fn set_serial(&mut self, serial: u32) {
+        self.background.set_serial(serial);
+    }
+
     /// The two sides, for an owner who decides himself which of them runs when.
     #[inline]
     pub fn split(&mut self) -> (TickSide<'_>, BackgroundSide<'_>) {

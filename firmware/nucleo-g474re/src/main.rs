@@ -234,7 +234,8 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
     };
     let mut trouble = None;
     let tap = tap(&mut storage, &mut trouble);
-    let set = storage.power_up(Params::slant_bed);
+    let mut set = storage.power_up(Params::slant_bed);
+    set.start = storage.count_start();
 
     let (kbit, tick_us) = (set.params.bus_kbit(), set.params.tick_us());
     let timing = BitTiming::of(clock::CRYSTAL_HZ, kbit);

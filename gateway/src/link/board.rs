@@ -8,7 +8,7 @@ use leadscrew_core::board::device::PRODUCT;
 use leadscrew_core::board::device::objects::{
     BLOCK_INPUTS, BLOCK_OUTPUTS, CERTIFICATES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION,
     MACHINE_INPUTS, MACHINE_OUTPUTS, NEWEST_EVENT, PRODUCT_CODE, SERIAL_NUMBER, SET_CHECKSUM,
-    SIGNALS, SOFTWARE_VERSION, STATUS_RECORD, TAP_DISCARD, TAP_RECORD, THREADS_TAKEN,
+    SIGNALS, SOFTWARE_VERSION, START, STATUS_RECORD, TAP_DISCARD, TAP_RECORD, THREADS_TAKEN,
 };
 use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, Object, Order};
 use leadscrew_core::link::{
@@ -275,6 +275,15 @@ impl Link {
             version: String::from_utf8(self.read(SOFTWARE_VERSION)?)
                 .map_err(|_| self.strange(SOFTWARE_VERSION))?,
         })
+    }
+
+    /// Which of its starts this is, by the board's own count; 0: it cannot say.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn start(&mut self) -> LinkResult<u32> {
+        let raw = self.read_number(START)?;
+        u32::try_from(raw).map_err(|_| self.strange(START))
     }
 
     /// CRC-32 of the parameter set in force.

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use bytes::BytesMut;
 use leadscrew_agent::set::{Set, topic};
+use leadscrew_can::MachineName;
 use mqttbytes::QoS;
 use mqttbytes::v4::{
     ConnAck, ConnectReturnCode, Packet, PingResp, PubAck, Publish, SubAck, SubscribeReasonCode,
@@ -213,7 +214,8 @@ fn a_file_is_the_same_differs_and_is_the_same_again_after_a_push() {
         (&machine["machine"], &machine["node"]),
         (&"lathe".into(), &"node".into())
     );
-    assert_eq!(machine["serial"], "00000000");
+    let serial = MachineName::default().serial();
+    assert_eq!(machine["serial"], format!("{serial:08x}"));
     assert_eq!(machine["firmware"], first.firmware);
     let table = good(&shop.fleet(&["list"]));
     let head = table.lines().next().unwrap();

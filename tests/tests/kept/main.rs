@@ -4,3 +4,4 @@ mod cuts;
 mod damage;
 mod flash;
 mod offsets;
+mod starts;

@@ -145,6 +145,7 @@ impl Device {
     pub fn power_up(&mut self, up: &PowerUp) {
         self.values.parameter_store.power_up(up.found, up.shelved);
         self.values.offset_store.power_up(&up.offsets);
+        self.values.start = up.start;
     }
 
     /// The state of the stored parameters, at power-up or after a later decision. The tick side withholds motion

@@ -341,6 +341,8 @@ objects! {
     THREADS_TAKEN = item(0x5042, 0, "Certificates of threads taken", U32, Both),
         get |values, _| values.recorder.threads.taken(),
         set |values, value, _| values.recorder.threads.take(value);
+    START = item(0x5043, 0, "Number of this start", U32, Read),
+        get |values, _| values.start;
     SIGNALS = within(item(0x5060, 0, "Signals", U16, Both), 0, Signals::BITS | Signals::MIRRORED),
         get |values, _| values.snapshot.signals(),
         set |values, value, _| values.put_signals(value);

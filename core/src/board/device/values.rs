@@ -61,6 +61,8 @@ pub struct ObjectValues {
     pub late: u32,
     /// 1018h:04.
     pub serial: u32,
+    /// Which of the board's starts this is, from 1; 0: not known.
+    pub start: u32,
     /// The controller sends frames of CAN FD.
     pub sends_fd: bool,
     pub(super) log_from: u32,
@@ -195,6 +197,7 @@ impl ObjectValues {
             heartbeat: HeartbeatProducer::new(ms(params.heartbeat_ms()), params.tick_us()),
             emcy: EmcyProducer::new(node),
             serial: 0,
+            start: 0,
             sends_fd: true,
             commands: Deque::new(),
             signals: None,

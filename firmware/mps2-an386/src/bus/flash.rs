@@ -115,12 +115,15 @@ impl RamFlash {
         }
     }
 
-    /// The parameter set for the start. Call [`tap`](Self::tap) first.
+    /// The parameter set for the start, which counts. Call [`tap`](Self::tap) first.
     ///
     /// # Errors
     /// [`StoreError::Device`].
     pub fn params(&mut self, built_in: &Params) -> Result<PowerUp, StoreError> {
-        Ok(self.store()?.power_up(|| built_in.clone()))
+        let mut store = self.store()?;
+        let mut up = store.power_up(|| built_in.clone());
+        up.start = store.count_start();
+        Ok(up)
     }
 
     /// Reads a region.

@@ -68,6 +68,7 @@ pub fn up(global: &Global, args: &Up) -> Outcome {
         params,
         new: args.new,
         node: global.board()?,
+        serial: name.serial(),
         at: at(global),
         drives,
         spindle,

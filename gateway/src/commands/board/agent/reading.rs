@@ -115,6 +115,7 @@ impl<'a> Reading<'a> {
         (self.cut, self.ended) = (true, true);
         reader.observe(&Observation::Met(Met {
             serial: name.serial,
+            start: self.link.start()?,
             firmware: name.version,
             parameters: status.parameters,
             tick: status.tick,
