@@ -69,6 +69,8 @@ pub enum News {
     Connected,
     /// It would, and the primary host is not there.
     Waiting,
+    /// A message to this agent is too large to be an order, and was dropped: its topic.
+    Huge(String),
     /// It does not any more.
     Trouble(Trouble),
 }
@@ -172,6 +174,9 @@ fn connection(
             wire.write(sending.client.output()).map_err(Trouble::Wire)?;
         }
         taken?;
+        if let Some(topic) = sending.huge() {
+            tell(News::Huge(topic));
+        }
         sending.retain(&shared.sets(), began.elapsed());
         if sending.born && !was_born {
             shared.connected.store(true, Ordering::Relaxed);
@@ -207,6 +212,8 @@ pub struct Sending<'a> {
     empty: bool,
     /// Which set of each machine the broker has been given.
     sets: BTreeMap<String, u64>,
+    /// The topic of the first message that was too large, and whether it has been given away.
+    huge: (Option<String>, bool),
 }
 
 impl<'a> Sending<'a> {
@@ -231,6 +238,7 @@ impl<'a> Sending<'a> {
             handed: 0,
             empty: false,
             sets: BTreeMap::new(),
+            huge: (None, false),
         })
     }
 
@@ -277,7 +285,10 @@ impl<'a> Sending<'a> {
                             host.take(&topic, &payload);
                         }
                     }
-                    Said::Huge(_) | Said::Subscribed | Said::Alive => {}
+                    Said::Huge(topic) => {
+                        self.huge.0.get_or_insert(topic);
+                    }
+                    Said::Subscribed | Said::Alive => {}
                 }
             }
             if let Some(number) = has {
@@ -293,6 +304,14 @@ impl<'a> Sending<'a> {
             self.hand(machines, at, now).map_err(Trouble::Store)?;
         }
         self.client.attend(now).map_err(Trouble::Broker)
+    }
+
+    /// The topic of a message that was too large to be read. The first in a connection, once: who sends one may send
+    /// thousands.
+    pub fn huge(&mut self) -> Option<String> {
+        let topic = self.huge.0.clone().filter(|_| !self.huge.1)?;
+        self.huge.1 = true;
+        Some(topic)
     }
 
     fn births(&mut self, machines: &Machines, at: Moment, now: Duration) {

@@ -195,6 +195,29 @@ fn a_host_may_ask_for_births_and_for_nothing_else() {
 }
 
 #[test]
+fn a_huge_order_is_told_once_and_dropped() {
+    let folder = Folder::new("huge");
+    let store = folder.store();
+    let mut values = Machines::default();
+    keep(&store, &mut values, BIRTH.0, [presence(true)]);
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+    assert_eq!(sent(&mut sending).0.len(), 3);
+    for told in [Some("spBv1.0/shop/NCMD/agent/1".to_owned()), None] {
+        let mut bytes = BytesMut::new();
+        for number in 1..=3 {
+            let topic = format!("spBv1.0/shop/NCMD/agent/{number}");
+            let publish = Publish::new(topic, QoS::AtMostOnce, vec![0; 1 << 17]);
+            publish.write(&mut bytes).unwrap();
+        }
+        sending.take(&bytes, &values, BIRTH, NOW).unwrap();
+        assert_eq!(sent(&mut sending).0, Vec::<String>::new());
+        assert_eq!(sending.huge(), told);
+        assert_eq!(sending.huge(), None);
+    }
+}
+
+#[test]
 fn a_machine_that_goes_dies_behind_what_it_said() {
     let folder = Folder::new("death");
     let store = folder.store();

@@ -83,6 +83,11 @@ pub fn news(news: &News) -> Both {
             "the primary host is not there: all is kept until it says that it is",
             "主站（primary host）不在线：在其上线之前数据一直保存"
         ),
+        News::Huge(topic) => both!(
+            "a message on {topic:?} is too large to be an order, and is dropped: somebody else publishes under the agent's name; \
+             the broker's access list is in docs/agent.md",
+            "{topic:?} 上的消息过大，不可能是指令，已丢弃：有其他客户端以本代理的名称发布；代理服务器的访问列表见 docs/agent.md"
+        ),
         News::Trouble(Trouble::Host) => both!(
             "the primary host has gone: all is kept until it is back",
             "主站（primary host）已离线：在其恢复之前数据一直保存"
