@@ -9,119 +9,29 @@
 //! One store is for all machines of an agent: its numbers count all of their records, and what is remembered is remembered
 //! for each [D394].
 
+mod database;
+mod error;
+mod figures;
+mod tables;
+
 use std::fmt;
 use std::fs;
 use std::io::ErrorKind;
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use redb::{
-    Database, ReadTransaction, ReadableDatabase as _, ReadableTable as _, Table, TableDefinition,
-    WriteTransaction,
-};
-use serde::{Deserialize, Serialize};
+use redb::{ReadableDatabase as _, ReadableTable as _, WriteTransaction};
+use serde::Deserialize;
 
+pub use self::error::StoreError;
+pub use self::figures::Figures;
+
+use self::database::{Inside, Opener, builder};
+use self::error::StoreResult;
+use self::tables::{FIGURES, HEAD, MEMORY, NAMELESS, first, get, memory_of, put, records, table};
 use crate::model::Memory;
-use crate::record::{Body, Class, Loss, Moment, Numbered, Record};
-use crate::reserve::{self, Reserve};
-
-const STATES: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("states");
-const EVENTS: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("events");
-const CERTIFICATES: TableDefinition<'_, u64, &[u8]> = TableDefinition::new("certificates");
-const HEAD: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("head");
-/// Entries of the head.
-const FIGURES: &str = "figures";
-/// What was remembered of a machine stands behind this and its name. Earlier versions had one machine, and no name.
-const MEMORY: &str = "memory";
-/// Whose the records are that name no machine.
-const NAMELESS: &str = "nameless";
-/// Bytes that the record of a loss takes at most, with a name of usual length.
-const LOSS: u64 = 256;
-/// Memory for pages in bytes; a store is small, and read in order.
-const CACHE: usize = 2 << 20;
-
-const fn table(class: Class) -> TableDefinition<'static, u64, &'static [u8]> {
-    match class {
-        Class::State => STATES,
-        Class::Event => EVENTS,
-        Class::Certificate => CERTIFICATES,
-    }
-}
-
-/// Why nothing could be kept or read.
-#[derive(Debug)]
-pub enum StoreError {
-    /// Another process has the file.
-    InUse,
-    /// An earlier version kept it for its one machine, and it does not say for which of several.
-    Nameless,
-    /// The file cannot be opened, read or written.
-    File(Box<redb::Error>),
-    /// What is kept cannot be understood.
-    Content(serde_json::Error),
-}
-
-impl fmt::Display for StoreError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::InUse => f.write_str("another process has it open"),
-            Self::Nameless => f.write_str("it was kept for one machine whose name is not in it"),
-            Self::File(error) => error.fmt(f),
-            Self::Content(error) => write!(f, "what is kept is not understood: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for StoreError {}
-
-impl StoreError {
-    fn is_full(&self) -> bool {
-        let Self::File(error) = self else {
-            return false;
-        };
-        matches!(error.as_ref(), redb::Error::Io(error) if reserve::is_full(error))
-    }
-}
-
-impl<E: Into<redb::Error>> From<E> for StoreError {
-    fn from(error: E) -> Self {
-        match error.into() {
-            redb::Error::DatabaseAlreadyOpen => Self::InUse,
-            error => Self::File(Box::new(error)),
-        }
-    }
-}
-
-type StoreResult<T = ()> = Result<T, StoreError>;
-
-/// What is known of a store without reading its records.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Figures {
-    /// When it was made: tells its numbers apart from those of a store before.
-    pub made: Moment,
-    /// The last number given.
-    pub newest: u64,
-    /// Records in it.
-    pub records: u64,
-    /// Their bytes.
-    pub bytes: u64,
-    /// Records that went for want of room, in all.
-    pub lost: u64,
-    /// Connections to a broker that were begun.
-    pub connections: u64,
-    /// The record that tells of the last loss, where it may still be widened.
-    loss: Option<(u64, Loss)>,
-    /// The broker has all up to this number. Earlier versions had removed them, and an archive they had not.
-    #[serde(default)]
-    sent: u64,
-    /// All up to this number are in the archive.
-    #[serde(default)]
-    archived: u64,
-    /// The last number of what is being written to the archive.
-    #[serde(default)]
-    planned: Option<u64>,
-}
+use crate::record::{Class, Moment, Numbered, Record};
+use crate::reserve::Reserve;
 
 /// For whom records are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,23 +62,6 @@ pub struct Plan {
     pub last: u64,
     /// Its records, in order. Some of its numbers may have gone for want of room.
     pub records: Vec<Numbered>,
-}
-
-/// Opens the database: at the beginning, and after an error.
-type Opener = Box<dyn Fn() -> Result<Database, redb::Error> + Send>;
-
-struct Inside {
-    opener: Opener,
-    database: Option<Database>,
-    readers: Readers,
-    /// Numbers up to this have been handed to a broker that has not acknowledged them all.
-    handed: u64,
-    /// Room for a disk that is full.
-    reserve: Option<Reserve>,
-    /// The disk is full.
-    full: bool,
-    /// Then records have no more room than they had.
-    tight: Option<u64>,
 }
 
 /// A store.
@@ -218,18 +111,7 @@ impl Store {
 
     fn with(opener: Opener, reserve: Option<Reserve>, limit: u64, at: Moment) -> StoreResult<Self> {
         let store = Self {
-            inside: Mutex::new(Inside {
-                opener,
-                database: None,
-                readers: Readers {
-                    broker: true,
-                    archive: false,
-                },
-                handed: 0,
-                reserve,
-                full: false,
-                tight: None,
-            }),
+            inside: Mutex::new(Inside::new(opener, reserve)),
             limit,
         };
         store.write(|writing| {
@@ -486,186 +368,6 @@ impl Store {
     }
 }
 
-impl Inside {
-    /// After an error the database is opened anew the next time.
-    fn attempt<T>(&mut self, work: impl FnOnce(&Database) -> StoreResult<T>) -> StoreResult<T> {
-        let database = match self.database.take() {
-            Some(database) => database,
-            None => (self.opener)()?,
-        };
-        let done = work(&database)?;
-        self.database = Some(database);
-        Ok(done)
-    }
-
-    /// A transaction. Where the disk is full it is tried again with the room of the reserve.
-    fn write<T>(&mut self, work: impl Fn(&WriteTransaction) -> StoreResult<T>) -> StoreResult<T> {
-        let done = self.transact(&work);
-        match &mut self.reserve {
-            Some(reserve) if done.as_ref().is_err_and(StoreError::is_full) => {
-                self.full = true;
-                if reserve.give() {
-                    self.transact(&work)
-                } else {
-                    done
-                }
-            }
-            _ => done,
-        }
-    }
-
-    fn transact<T>(
-        &mut self,
-        work: impl Fn(&WriteTransaction) -> StoreResult<T>,
-    ) -> StoreResult<T> {
-        self.attempt(|database| {
-            let writing = database.begin_write()?;
-            let done = work(&writing)?;
-            writing.commit()?;
-            Ok(done)
-        })
-    }
-
-    /// Sees how it stands with the disk.
-    fn attend(&mut self, at: Moment) -> StoreResult {
-        if self
-            .reserve
-            .as_mut()
-            .is_some_and(|reserve| reserve.attend(at.0))
-        {
-            (self.full, self.tight) = (false, None);
-        }
-        if self.full && self.tight.is_none() {
-            let figures: Option<Figures> = self.attempt(|database| {
-                let reading = database.begin_read()?;
-                get(&reading.open_table(HEAD)?, FIGURES)
-            })?;
-            self.tight = figures.map(|figures| figures.bytes);
-        }
-        Ok(())
-    }
-}
-
-impl Figures {
-    fn add(&mut self, writing: &WriteTransaction, record: &Record) -> StoreResult<u64> {
-        let bytes = written(record)?;
-        self.newest += 1;
-        self.records += 1;
-        self.bytes += bytes.len() as u64;
-        let mut table = writing.open_table(table(record.body.class()))?;
-        table.insert(self.newest, &bytes[..])?;
-        Ok(self.newest)
-    }
-
-    const fn remove(&mut self, bytes: u64) {
-        self.records = self.records.saturating_sub(1);
-        self.bytes = self.bytes.saturating_sub(bytes);
-    }
-
-    /// The last number that all have for whom it is kept.
-    const fn all_have(&self, readers: Readers) -> u64 {
-        match readers {
-            Readers {
-                broker: true,
-                archive: false,
-            } => self.sent,
-            Readers {
-                broker: false,
-                archive: true,
-            } => self.archived,
-            _ if self.sent < self.archived => self.sent,
-            _ => self.archived,
-        }
-    }
-
-    /// A loss up to this number is not widened. A broker hears of each widening where there is an archive: else the losses
-    /// of an archive that is not written would fill the room that they tell of.
-    fn told(&self, readers: Readers, handed: u64) -> u64 {
-        if readers.archive {
-            self.planned.unwrap_or(self.archived)
-        } else {
-            handed
-        }
-    }
-
-    /// What is on its way: a broker has been handed it, a file is being written. It may arrive, so it stays.
-    fn under_way(&self, handed: u64) -> [RangeInclusive<u64>; 2] {
-        let planned = self.planned.unwrap_or(0);
-        [self.sent + 1..=handed, self.archived + 1..=planned]
-    }
-
-    /// Drops the oldest of what may go until all is within the limit.
-    fn make_room(
-        &mut self,
-        writing: &WriteTransaction,
-        limit: u64,
-        handed: u64,
-        told: u64,
-        last: &Record,
-    ) -> StoreResult {
-        let mut lost: Option<Loss> = None;
-        for class in [Class::State, Class::Event] {
-            let mut table = writing.open_table(table(class))?;
-            while self.bytes + LOSS > limit {
-                let stays = self.under_way(handed);
-                let Some((number, bytes)) = oldest_but(&mut table, &stays)? else {
-                    break;
-                };
-                self.remove(bytes);
-                self.lost += 1;
-                let one = Loss {
-                    records: 1,
-                    first: number,
-                    last: number,
-                };
-                lost = Some(lost.map_or(one, |lost| lost.with(&one)));
-            }
-        }
-        match lost {
-            Some(lost) => self.tell_loss(writing, lost, told, last),
-            None => Ok(()),
-        }
-    }
-
-    /// One record tells of all that went since the last one that was handed on, of whatever machine: as one of that whose
-    /// record found no room.
-    fn tell_loss(
-        &mut self,
-        writing: &WriteTransaction,
-        mut lost: Loss,
-        told: u64,
-        last: &Record,
-    ) -> StoreResult {
-        if let Some((number, before)) = self.loss.filter(|(number, _)| *number > told) {
-            lost = before.with(&lost);
-            // The number of the record that this one replaces is missing as well.
-            lost.last = lost.last.max(number);
-            let mut table = writing.open_table(CERTIFICATES)?;
-            let old = table.remove(number)?.map(|old| old.value().len() as u64);
-            if let Some(bytes) = old {
-                self.remove(bytes);
-            }
-        }
-        let record = Record {
-            body: Body::Loss(lost),
-            ..last.clone()
-        };
-        let number = self.add(writing, &record)?;
-        self.loss = Some((number, lost));
-        Ok(())
-    }
-}
-
-impl Loss {
-    fn with(&self, other: &Self) -> Self {
-        Self {
-            records: self.records + other.records,
-            first: self.first.min(other.first),
-            last: self.last.max(other.last),
-        }
-    }
-}
-
 /// Makes the file under another name first: one that is killed while it is made cannot be opened.
 fn make(path: &Path, at: Moment) -> StoreResult {
     let mut name = path.as_os_str().to_owned();
@@ -683,102 +385,4 @@ fn make(path: &Path, at: Moment) -> StoreResult {
     drop(Store::of(Box::new(opener), 0, at)?);
     fs::rename(&new, path).map_err(redb::Error::Io)?;
     Ok(())
-}
-
-fn builder() -> redb::Builder {
-    let mut builder = Database::builder();
-    builder.set_cache_size(CACHE);
-    builder
-}
-
-/// Takes out the first record where its number is meant; its number and its bytes.
-fn first(
-    table: &mut Table<'_, u64, &'static [u8]>,
-    is_meant: impl Fn(u64) -> bool,
-) -> StoreResult<Option<(u64, u64)>> {
-    let found = table.first()?.map(|(number, _)| number.value());
-    match found.filter(|number| is_meant(*number)) {
-        Some(number) => take(table, number),
-        None => Ok(None),
-    }
-}
-
-/// The same with the first that is in none of these ranges.
-fn oldest_but(
-    table: &mut Table<'_, u64, &'static [u8]>,
-    stays: &[RangeInclusive<u64>],
-) -> StoreResult<Option<(u64, u64)>> {
-    let mut from = 0;
-    loop {
-        let found = match table.range(from..)?.next() {
-            Some(entry) => entry?.0.value(),
-            None => return Ok(None),
-        };
-        match stays.iter().find(|range| range.contains(&found)) {
-            Some(range) => from = range.end() + 1,
-            None => return take(table, found),
-        }
-    }
-}
-
-/// The first records in a range of numbers, in order.
-fn records(
-    reading: &ReadTransaction,
-    range: RangeInclusive<u64>,
-    most: usize,
-) -> StoreResult<Vec<Numbered>> {
-    let nameless: Option<String> = get(&reading.open_table(HEAD)?, NAMELESS)?;
-    let nameless = nameless.unwrap_or_default();
-    let mut records = Vec::new();
-    for class in Class::ALL {
-        let table = reading.open_table(table(class))?;
-        for entry in table.range(range.clone())?.take(most) {
-            let (number, bytes) = entry?;
-            let number = number.value();
-            let mut record: Record = parsed(bytes.value())?;
-            if record.machine.is_empty() {
-                record.machine.clone_from(&nameless);
-            }
-            records.push(Numbered { number, record });
-        }
-    }
-    records.sort_by_key(|record| record.number);
-    records.truncate(most);
-    Ok(records)
-}
-
-fn take(table: &mut Table<'_, u64, &'static [u8]>, number: u64) -> StoreResult<Option<(u64, u64)>> {
-    let removed = table.remove(number)?;
-    Ok(removed.map(|bytes| (number, bytes.value().len() as u64)))
-}
-
-fn memory_of(machine: &str) -> String {
-    format!("{MEMORY} {machine}")
-}
-
-fn written(value: &impl Serialize) -> StoreResult<Vec<u8>> {
-    serde_json::to_vec(value).map_err(StoreError::Content)
-}
-
-fn parsed<T: for<'de> Deserialize<'de>>(bytes: &[u8]) -> StoreResult<T> {
-    serde_json::from_slice(bytes).map_err(StoreError::Content)
-}
-
-fn put(
-    head: &mut Table<'_, &'static str, &'static [u8]>,
-    entry: &str,
-    value: &impl Serialize,
-) -> StoreResult {
-    head.insert(entry, &written(value)?[..])?;
-    Ok(())
-}
-
-fn get<T: for<'de> Deserialize<'de>>(
-    head: &impl redb::ReadableTable<&'static str, &'static [u8]>,
-    entry: &str,
-) -> StoreResult<Option<T>> {
-    match head.get(entry)? {
-        Some(bytes) => parsed(bytes.value()).map(Some),
-        None => Ok(None),
-    }
 }
