@@ -60,43 +60,52 @@ pub fn test() -> Result<()> {
     clock.step("clippy", clippy)?;
     clock.step("pages that the program writes", renew::check)?;
     clock.step("documentation", docs::check)?;
-    clock.step("tests with overflow checks", || tests(&mut counts))?;
-    clock.step("another CANopen master", || {
+    // What is said of one of these steps does not depend on another: all are run, so that one run tells all.
+    clock.try_step("tests with overflow checks", || tests(&mut counts));
+    clock.try_step("another CANopen master", || {
         counts.passed += canopen::check()?;
         Ok(())
-    })?;
-    clock.step("no panic is reachable", audit::audit)?;
+    });
+    clock.try_step("no panic is reachable", audit::audit);
     if full {
-        clock.step("core for the microcontroller", core_alone)?;
-        clock.step("instructions per tick", || emulator::ticks(false))?;
-        clock.step(
+        clock.try_step("core for the microcontroller", core_alone);
+        clock.try_step("instructions per tick", || emulator::ticks(false));
+        clock.try_step(
             "tests on a CAN bus, and beside them the same bits on the microcontroller",
             || beside(|| on_a_bus(&mut counts, ""), || bits::bits(false)),
-        )?;
-        clock.step("the emulated board on a bus", || {
-            on_the_board(&mut counts, "")
-        })?;
-        clock.step("agents, broker and database", || {
+        );
+        clock.try_step("images of the boards", || sizes::sizes(false));
+        let mut of_chip = 0;
+        clock.try_step(
+            "the emulated board on a bus, and beside it the image against a model of its chip",
+            || {
+                beside(
+                    || on_the_board(&mut counts, ""),
+                    || {
+                        of_chip = chip::check("", false)?;
+                        Ok(())
+                    },
+                )
+            },
+        );
+        counts.passed += of_chip;
+        clock.try_step("agents, broker and database", || {
             counts.passed += shop::check(None)?;
             Ok(())
-        })?;
-        clock.step("the manual", manual::check)?;
-        clock.step("the page in a browser", page::check)?;
-        clock.step("images of the boards", || sizes::sizes(false))?;
-        clock.step("the image against a model of its chip", || {
-            counts.passed += chip::check("", false)?;
-            Ok(())
-        })?;
+        });
+        clock.try_step("the manual", manual::check);
+        clock.try_step("the page in a browser", page::check);
     } else {
-        clock.step("the image that is flashed", image::image)?;
+        clock.try_step("the image that is flashed", image::image);
     }
 
     clock.report();
     if !full {
         println!("\n{NOT_RUN}\n");
     }
-    println!("{} passed, {} failed", counts.passed, counts.failed);
-    Ok(())
+    let failed = counts.failed.max(clock.failed.len() as u64);
+    println!("{} passed, {failed} failed", counts.passed);
+    clock.end()
 }
 
 /// Two steps that need a core each, at once where there are two cores. The output of the second may stand in the middle of
@@ -267,6 +276,8 @@ impl Counts {
 #[derive(Default)]
 struct Clock {
     steps: Vec<(&'static str, Duration)>,
+    /// Those that failed, and are to be told at the end.
+    failed: Vec<&'static str>,
 }
 
 impl Clock {
@@ -278,6 +289,22 @@ impl Clock {
         println!("{}", row(name, took));
         self.steps.push((name, took));
         result
+    }
+
+    /// The same where the next steps are to be run whatever comes of it.
+    fn try_step(&mut self, name: &'static str, what: impl FnOnce() -> Result<()>) {
+        if let Err(error) = self.step(name, what) {
+            println!("error: {name}: {error:#}");
+            self.failed.push(name);
+        }
+    }
+
+    /// The result of all steps.
+    fn end(&self) -> Result<()> {
+        match self.failed.as_slice() {
+            [] => Ok(()),
+            failed => bail!("failed: {}", failed.join("; ")),
+        }
     }
 
     fn report(&self) {
@@ -298,6 +325,23 @@ fn row(name: &str, took: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_step_that_fails_does_not_hide_the_next_and_is_told_at_the_end() {
+        let mut clock = Clock::default();
+        let mut ran = Vec::new();
+        clock.try_step("good", || Ok(()));
+        assert!(clock.end().is_ok());
+        for name in ["one", "two"] {
+            clock.try_step(name, || {
+                ran.push(name);
+                bail!("it does not work")
+            });
+        }
+        assert_eq!(ran, ["one", "two"]);
+        let told = clock.end().unwrap_err().to_string();
+        assert_eq!(told, "failed: one; two");
+    }
 
     #[test]
     fn summaries_add_up_and_other_lines_do_not_count() {
