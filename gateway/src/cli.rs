@@ -25,7 +25,9 @@ use leadscrew_core::bus::NodeId;
 use leadscrew_language::dialect::Control;
 
 pub use agent::{Access, Agent, Board};
-pub use by_hand::{AxisWay, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Tuned, Wheel};
+pub use by_hand::{
+    AxisWay, Handwheel, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Tuned,
+};
 pub use fleet::{Asked, FleetCommand};
 pub use machine::{Doctor, DrivesCommand, IoCommand, Record, SimCommand, Up};
 pub use params::{Diff, Migrate, ParamsCommand, Pull, Push, Restore, Write};
@@ -456,8 +458,8 @@ pub enum Command {
     /// Turn a simulated handwheel that leads an axis, or a program (not with `--bus sim`)
     ///
     /// Its frames go over the bus, as those of a real one.
-    #[command(after_help = examples::WHEEL)]
-    Wheel(Wheel),
+    #[command(after_help = examples::HANDWHEEL)]
+    Handwheel(Handwheel),
     /// Find the references of the axes, and wait for the end (not with `--bus sim`)
     #[command(after_help = examples::HOME)]
     Home {

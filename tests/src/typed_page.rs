@@ -19,12 +19,12 @@ $ timeout 250 leadscrew run wheel.nc --handwheel > wheel.txt 2>&1 &
 $ leadscrew status
 node 1   running, line 1, move ...   mode automatic
 ...
-$ leadscrew wheel path --factor 100 --counts 20
+$ leadscrew handwheel path x100 20
 node 1: the wheel was turned by 20 counts
 $ leadscrew status
 node 1   running, line 1, move ...   mode automatic
 ...
-$ for turn in $(seq 60); do grep -q ': done:' wheel.txt && break; leadscrew wheel path --factor 100 --counts 20; done > told 2>&1
+$ for turn in $(seq 60); do grep -q ': done:' wheel.txt && break; leadscrew handwheel path x100 20; done > told 2>&1
 $ wait $!; echo $?
 0
 $ leadscrew status

@@ -1,4 +1,4 @@
-//! `mode`, `jog`, `wheel`, `home` and `override`: what is typed to operate a machine by hand.
+//! `mode`, `jog`, `handwheel`, `home` and `override`: what is typed to operate a machine by hand.
 
 use std::str::FromStr;
 
@@ -171,13 +171,13 @@ impl WheelAxis {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FactorName {
     /// One.
-    #[value(name = "1")]
+    #[value(name = "x1", aliases = ["×1", "1"])]
     One,
     /// Ten.
-    #[value(name = "10")]
+    #[value(name = "x10", aliases = ["×10", "10"])]
     Ten,
     /// A hundred.
-    #[value(name = "100")]
+    #[value(name = "x100", aliases = ["×100", "100"])]
     Hundred,
 }
 
@@ -193,17 +193,17 @@ impl FactorName {
     }
 }
 
-/// `wheel`.
+/// `handwheel`.
 #[derive(Args, Debug)]
-pub struct Wheel {
+pub struct Handwheel {
     /// What it leads: `X`, `Z`, or `path`, a program that follows it
     #[arg(value_enum, value_name = "AXIS")]
     pub axis: WheelAxis,
     /// How many increments a count is worth (path: micrometres)
-    #[arg(long, value_enum, default_value = "1", value_name = "F")]
+    #[arg(value_enum, value_name = "FACTOR")]
     pub factor: FactorName,
     /// How far it is turned; below 0 towards minus
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_name = "COUNTS", allow_negative_numbers = true)]
     pub counts: i32,
     /// How fast it is turned, in counts a second
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=20_000))]

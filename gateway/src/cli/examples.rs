@@ -37,11 +37,11 @@ Examples:
   leadscrew tune Z- --dead-time 1000 --write --bus can0     and writes it
   leadscrew tune spindle --speeds 210,500,890 --bus can0    ramp and ripple of the spindle";
 
-pub(super) const WHEEL: &str = "\
+pub(super) const HANDWHEEL: &str = "\
 Examples:
-  leadscrew wheel Z --factor 10 --counts -250 --bus can0   2.5 mm towards minus, where the increment is 0.001 mm
-  leadscrew wheel X --counts 20 --bus can0                 0.02 mm of the diameter
-  leadscrew wheel path --factor 10 --counts 400 --bus can0 4 mm of the path of `leadscrew run PROGRAM --handwheel`";
+  leadscrew handwheel Z x10 -250 --bus can0     2.5 mm towards minus, where the increment is 0.001 mm
+  leadscrew handwheel X x1 20 --bus can0        0.02 mm of the diameter
+  leadscrew handwheel path x10 400 --bus can0   4 mm of the path of `leadscrew run PROGRAM --handwheel`";
 
 pub(super) const RETRACT: &str = "\
 Examples:

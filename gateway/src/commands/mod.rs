@@ -120,7 +120,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Mode { mode } if is_real(cli) => board::mode(&cli.global, *mode),
         Command::Jog(args) if is_real(cli) => board::jog(&cli.global, args),
         Command::Tune(args) if is_real(cli) => tune::run(&cli.global, args),
-        Command::Wheel(args) if is_real(cli) => board::wheel(&cli.global, args),
+        Command::Handwheel(args) if is_real(cli) => board::handwheel(&cli.global, args),
         Command::Home { axes } if is_real(cli) => board::home(&cli.global, axes),
         Command::Override { what, percent } if is_real(cli) => {
             board::levels(&cli.global, *what, *percent)

@@ -84,7 +84,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Mode { .. } => "mode",
         Command::Jog(_) => "jog",
         Command::Tune(_) => "tune",
-        Command::Wheel(_) => "wheel",
+        Command::Handwheel(_) => "handwheel",
         Command::Override { .. } => "override",
         Command::Io { .. } => "io",
         Command::Signal { .. } => "signal",

@@ -10,17 +10,17 @@ use crate::{LIMIT, User, bad, good, text};
 #[test]
 fn an_axis_goes_as_far_as_the_wheel_is_turned() {
     let user = User::with_machine();
-    let told = user.json(&["wheel", "Z", "--factor", "100", "--counts", "-25"]);
+    let told = user.json(&["handwheel", "Z", "x100", "-25"]);
     assert_eq!(
         told,
         json!({"ok": true, "node": 1, "end": "done", "mx": 0, "mz": -2.5})
     );
     // X counts on the diameter.
-    let fast = ["--factor", "10", "--counts", "30", "--rate", "200"];
-    let told = good(&user.does(&[&["wheel", "X"], &fast[..]].concat()));
+    let fast = ["×10", "30", "--rate", "200"];
+    let told = good(&user.does(&[&["handwheel", "X"], &fast[..]].concat()));
     assert_eq!(told, "node 1: machine X 0.3 Z -2.5\n");
     assert_eq!(good(&user.does(&["mode", "wheel"])), "node 1: mode wheel\n");
-    let told = bad(&user.does(&["wheel", "path", "--counts", "1"]), 1);
+    let told = bad(&user.does(&["handwheel", "path", "1", "1"]), 1);
     assert!(
         told.contains("4513 no program follows the handwheel"),
         "{told}"
@@ -42,7 +42,7 @@ fn a_program_follows_the_wheel_to_its_end_and_a_thread_asks() {
     let state = |user: &User| user.json(&["status"])["state"].clone();
     let turns = |user: &User| {
         // Refused where no program follows any more.
-        let _ = user.does(&["wheel", "path", "--factor", "100", "--counts", "20"]);
+        let _ = user.does(&["handwheel", "path", "x100", "20"]);
     };
     while state(&user) != "hold" {
         assert!(Instant::now() < end);

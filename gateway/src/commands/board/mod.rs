@@ -2,6 +2,7 @@
 
 mod agent;
 mod by_hand;
+mod handwheel;
 mod home;
 mod io;
 mod machine;
@@ -14,7 +15,6 @@ mod resume;
 mod run;
 mod status;
 mod watch;
-mod wheel;
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::BoardState;
@@ -26,6 +26,7 @@ use crate::words::pick;
 
 pub use agent::agent;
 pub use by_hand::{ANSWER, Held, RENEWAL, jog, mode};
+pub use handwheel::handwheel;
 pub use home::{home, names};
 pub use io::io;
 pub use machine::{Base, Greeted, Machine, Table, base};
@@ -36,7 +37,6 @@ pub use panel::panel;
 pub use resume::resume;
 pub use run::{Work, no_figures, perform_on, run};
 pub use status::status;
-pub use wheel::wheel;
 
 /// The bus and the number of the options; nothing has been said yet.
 pub fn open(global: &Global) -> Outcome<Link> {

@@ -1,4 +1,4 @@
-//! `wheel`: a simulated handwheel on the bus. It leads an axis, or a program along its path.
+//! `handwheel`: a simulated handwheel on the bus. It leads an axis, or a program along its path.
 //!
 //! As a real one it claims what it leads, tells where it is turned to, and has nothing to stop: where its frames stay away,
 //! the board leads nothing any more.
@@ -10,7 +10,7 @@ use leadscrew_core::operating::{Led, OperatingMode, PressState};
 
 use super::by_hand::{ANSWER, End, RENEWAL, own, refusal, tell};
 use super::open;
-use crate::cli::{Global, Wheel};
+use crate::cli::{Global, Handwheel};
 use crate::failure::Outcome;
 use crate::interrupt;
 use crate::link::Link;
@@ -23,7 +23,7 @@ const PATH_ENDS: Duration = Duration::from_millis(400);
 const STANDS: Duration = Duration::from_millis(150);
 
 /// Turns it.
-pub fn wheel(global: &Global, wheel: &Wheel) -> Outcome {
+pub fn handwheel(global: &Global, wheel: &Handwheel) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
@@ -49,7 +49,7 @@ pub fn wheel(global: &Global, wheel: &Wheel) -> Outcome {
 struct Claim<'a> {
     session: u8,
     number: u8,
-    wheel: &'a Wheel,
+    wheel: &'a Handwheel,
     /// How far it is turned.
     turned: i32,
 }
