@@ -29,7 +29,7 @@ use crate::around::Around;
 use crate::line::{Line, Way};
 use crate::pins::show_pins;
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
-use crate::storage::{keep, stored_start, stored_tap};
+use crate::storage::{keep, stored_params, stored_start, stored_tap};
 use crate::wheel::Wheel;
 
 /// The most frames that the drives send in one period.
@@ -136,7 +136,7 @@ impl Sim {
         options: &PlantOptions,
         flash: Flash,
     ) -> Result<Self, SimError> {
-        let (sim, alarm) = Self::start_from(built_in, options, flash)?;
+        let (sim, alarm) = Self::start_from(built_in, options, flash, stored_params)?;
         alarm.map_or(Ok(sim), |alarm| Err(SimError::Board(alarm)))
     }
 
@@ -150,12 +150,23 @@ impl Sim {
         options: &PlantOptions,
         flash: Flash,
     ) -> Result<Self, SimError> {
-        Self::start_from(built_in, options, flash).map(|(sim, _)| sim)
+        Self::start_from(built_in, options, flash, stored_params).map(|(sim, _)| sim)
     }
 
-    /// Gives the board a serial number. It has none else.
-    pub const fn set_serial(&mut self, serial: u32) {
-        self.board.set_serial(serial);
+    /// The same for a machine that goes on in its flash: the board counts the start, and has a serial number. Whoever only
+    /// looks into a flash does not start a board.
+    ///
+    /// # Errors
+    /// As [`with_flash`](Self::with_flash).
+    pub fn switch_on(
+        built_in: &Params,
+        options: &PlantOptions,
+        flash: Flash,
+        serial: u32,
+    ) -> Result<Self, SimError> {
+        let (mut sim, _) = Self::start_from(built_in, options, flash, stored_start)?;
+        sim.board.set_serial(serial);
+        Ok(sim)
     }
 
     /// Starts with the content of a flash, whose power is switched on. Also gives the alarm that withholds motion.
@@ -163,10 +174,11 @@ impl Sim {
         built_in: &Params,
         options: &PlantOptions,
         mut flash: Flash,
+        stored: impl FnOnce(&mut Flash, &Params) -> Result<PowerUp, Alarm>,
     ) -> Result<(Self, Option<Alarm>), SimError> {
         flash.power(true);
         let tap = stored_tap(&mut flash).map_err(SimError::Board)?;
-        let up = stored_start(&mut flash, built_in).map_err(SimError::Board)?;
+        let up = stored(&mut flash, built_in).map_err(SimError::Board)?;
         Self::start_with(&up, options, flash, tap)
     }
 

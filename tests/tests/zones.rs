@@ -259,11 +259,12 @@ fn one(to: Position, kind: MoveKind) -> Moves {
 
 const FEED: FeedRate = FeedRate::PerMinute(Feed::from_nm_per_min(100_000_000));
 
-/// A share of what was tried that has to be let in, and one that has to be refused: else nothing was tested.
+/// A share of what was tried that has to be let in, and one that has to be refused: else nothing was tested. The cases are
+/// drawn anew for each commit, and the share among some dozens of them may be far from that among thousands.
 fn both_ways(admitted: u64, of: u64) {
     let refused = of - admitted;
     assert!(
-        admitted * 10 > of && refused * 10 > of,
+        admitted * 40 > of && refused * 40 > of,
         "{admitted} of {of}"
     );
 }

@@ -275,7 +275,7 @@ fn a_new_start_counts_its_threads_anew() {
     };
     assert_eq!(
         [before.key(1), told.start.key(told.number)],
-        ["00000007/1/1", "00000007/2/1"]
+        [format!("00000007/{FIRST}/1"), format!("00000007/{NEXT}/1")]
     );
 }
 

@@ -272,9 +272,9 @@ impl Machine {
             board: Some(self.node),
             ..PlantOptions::default()
         };
-        let sim = Sim::power_up(&Params::slant_bed(), &options, flash.as_ref().clone());
+        let flash = flash.as_ref().clone();
+        let sim = Sim::switch_on(&Params::slant_bed(), &options, flash, self.serial);
         let mut sim = sim.map(Box::new).map_err(|error| not_started(&error))?;
-        sim.set_serial(self.serial);
         sim.join(self.node)
             .map_err(|alarm| not_started(&SimError::Board(alarm)))?;
         sim.set_pins(self.contacts.pins());

@@ -7,7 +7,7 @@ use leadscrew_core::params::Params;
 
 use super::{ANSWERS, Direction, OUT, Sim, SimError};
 use crate::line::{Faults, Harm, Line, Way};
-use crate::storage::{stored_start, stored_tap};
+use crate::storage::{stored_params, stored_tap};
 
 /// The most frames that reach the drives in a period: all of them twice, and those of the previous period.
 const ARRIVED: usize = 48;
@@ -120,7 +120,7 @@ impl Sim {
         }
         self.flash.power(true);
         let tap = stored_tap(&mut self.flash).map_err(SimError::Board)?;
-        let up = stored_start(&mut self.flash, built_in).map_err(SimError::Board)?;
+        let up = stored_params(&mut self.flash, built_in).map_err(SimError::Board)?;
         self.board = Board::power_up(&up, None, tap).map_err(SimError::Board)?;
         self.start(None).map(|_| ())
     }

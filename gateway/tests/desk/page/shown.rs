@@ -8,6 +8,8 @@ use crate::{LIMIT, User, good};
 #[test]
 fn a_thread_is_told_pass_by_pass_as_it_is_cut_with_the_figures_of_run() {
     let user = User::with_machine();
+    // A thread takes a while on a slow computer too.
+    good(&user.does(&["sim", "speed", "0.25"]));
     let page = Page::start(&user);
     let mut told = page.watch();
     wait(&mut told, "threads", |all| {
