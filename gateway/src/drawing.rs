@@ -1,18 +1,14 @@
 //! Turns moves into strokes: the picture of a program's path.
 
-use std::f64::consts::TAU;
-
 use leadscrew_core::call::Position;
 use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_language::whose::Whose;
+use leadscrew_verification::arc;
 
-use crate::length::sweep;
 use crate::plot::{Kind, Stroke};
 
 /// The most strokes. A picture cannot show more, and a program of any length must fit into memory.
 const MOST: usize = 200_000;
-/// Largest angle between two points of an arc.
-const ARC_STEP: f64 = TAU / 90.0;
 
 /// Collects the strokes of a program in work coordinates.
 #[derive(Debug)]
@@ -95,53 +91,4 @@ pub(crate) fn mm(nm: i64) -> f64 {
 
 fn place(position: &Position) -> (f64, f64) {
     (mm(position.z.nm()), mm(position.x.nm()))
-}
-
-/// Points along a circle in the Z–X plane as it is drawn: Z to the right, X upwards.
-pub(crate) fn arc(
-    from: (f64, f64),
-    to: (f64, f64),
-    centre: (f64, f64),
-    clockwise: bool,
-) -> Vec<(f64, f64)> {
-    let radius = (from.0 - centre.0).hypot(from.1 - centre.1);
-    let start = (from.1 - centre.1).atan2(from.0 - centre.0);
-    let sweep = sweep(from, to, centre, clockwise);
-    let steps = (sweep.abs() / ARC_STEP).ceil().max(1.0) as usize;
-    let mut points = vec![from];
-    points.extend((1..steps).map(|n| {
-        let at = start + sweep * n as f64 / steps as f64;
-        (centre.0 + radius * at.cos(), centre.1 + radius * at.sin())
-    }));
-    points.push(to);
-    points
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn arcs_turn_the_right_way() {
-        // A rounded outer corner, upwards and then to the left: counter-clockwise.
-        let corner = arc((0.0, 0.0), (-2.0, 2.0), (-2.0, 0.0), false);
-        assert!(
-            corner
-                .iter()
-                .all(|p| p.0 <= 1e-9 && p.1 >= -1e-9 && p.0 >= -2.0 - 1e-9),
-            "{corner:?}"
-        );
-        // A fillet, to the left and then upwards: clockwise.
-        let fillet = arc((0.0, 0.0), (-2.0, 2.0), (0.0, 2.0), true);
-        assert!(
-            fillet
-                .iter()
-                .all(|p| p.1 >= -1e-9 && p.1 <= 2.0 + 1e-9 && p.0 <= 1e-9),
-            "{fillet:?}"
-        );
-        let turn = arc((1.0, 0.0), (1.0, 0.0), (0.0, 0.0), false);
-        assert!(turn.len() > 80);
-        let turn = arc((1.0, 0.0), (1.0, 0.0), (0.0, 0.0), true);
-        assert!(turn.len() > 80 && turn[1].1 < 0.0);
-    }
 }

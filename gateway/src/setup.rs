@@ -17,6 +17,7 @@ use leadscrew_core::units::{Angle, Length};
 use leadscrew_language::dialect::Control;
 use leadscrew_language::flow::Passes;
 use leadscrew_language::heading::Allowed;
+use leadscrew_verification::Hole;
 
 use crate::beside;
 use crate::certified::Judge;
@@ -24,7 +25,6 @@ use crate::cli::{DialectName, Drive, Global};
 use crate::commands::board::{self, Base, Table};
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
-use crate::hole::Hole;
 use crate::origin::Origin;
 use crate::output;
 use crate::params::drives::OfProfile;

@@ -9,9 +9,9 @@ use leadscrew_core::moves::Move;
 use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
 use leadscrew_language::stock::Stock;
+use leadscrew_verification::Hole;
 
 use crate::failure::{Doing, Failure, Outcome};
-use crate::hole::Hole;
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;

@@ -1,6 +1,6 @@
-//! A program read once to its end: its calls, its path, and what is wrong with it.
+//! A program read once to its end: its calls, its path, and what is wrong with it or hardly meant.
 //!
-//! Knows no machine: the path starts where the drives stand at power-up.
+//! Knows no machine but its parameters: the path starts where the drives stand at power-up.
 
 use std::io;
 
@@ -8,15 +8,18 @@ use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::call::{Call, CallKind, Position};
 use leadscrew_core::cycle::{self, Context};
 use leadscrew_core::moves::{Move, MoveKind};
+use leadscrew_core::offsets::InPlace;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
+use leadscrew_core::signals::Signals;
 use leadscrew_inspection::{Finder, Job, Wish};
 use leadscrew_language::flow::{Rules, Trouble};
-use leadscrew_language::heading::Heading;
+use leadscrew_language::heading::{Allowed, Heading};
 use leadscrew_language::lines::Lines;
 use leadscrew_language::reader::Reader;
 use leadscrew_language::variables::Kept;
 use leadscrew_language::whose::Whose;
+use leadscrew_verification::{Findings, Machine, Verifier};
 use leadscrew_wording::fill;
 use serde::Serialize;
 
@@ -106,10 +109,26 @@ impl Program {
             ..Rules::default()
         };
         let mut program = Self::default();
-        let first = heading.warning.iter().chain(&heading.alarm);
-        program
-            .found
-            .extend(first.map(|alarm| Found::new(alarm, lang, false)));
+        let mut told = Told {
+            found: Vec::new(),
+            allowed: heading.allowed,
+            lang,
+            inch: false,
+        };
+        for alarm in heading.warning.iter().chain(&heading.alarm) {
+            told.tell(alarm);
+        }
+        let mut verifier = Verifier::new(Machine {
+            params,
+            offsets: None,
+            signals: Signals::default(),
+            at: options.position,
+            tap: None,
+            tool: InPlace::default(),
+            turning: false,
+            dry_run: false,
+            stock: heading.stock.as_ref(),
+        });
         let mut at = options.position;
         let mut finder = Finder::default();
         let mut reader = Reader::new(text, params, options, Kept::default(), rules);
@@ -120,24 +139,30 @@ impl Program {
             && reader.pass() == 1
         {
             let ended = reader.step(&mut |event| events.push(event));
-            let inch = reader.interpreter().is_inch();
+            let interpreter = reader.interpreter();
+            told.inch = interpreter.is_inch();
             for event in events.drain(..) {
                 match event {
                     Event::Call(call) => {
-                        program.call(&call, params, &mut at, &mut finder, |alarm| {
-                            Found::new(alarm, lang, inch)
-                        });
+                        // The way out of a hole depends on the machine.
+                        if !matches!(call.kind, CallKind::TapReturn(_)) {
+                            let tip = interpreter.offsets().tip(verifier.tool().number());
+                            verifier.call(&call, tip, &mut told);
+                        }
+                        program.call(&call, &mut at, &mut finder);
                         finder.call(&call);
                     }
-                    Event::Warning(alarm) => program.tell(Found::new(&alarm, lang, inch)),
+                    Event::Warning(alarm) => told.tell(&alarm),
                 }
             }
             match ended {
                 Ok(()) => {}
-                Err(Trouble::Alarm(alarm)) => program.tell(Found::new(&alarm, lang, inch)),
+                Err(Trouble::Alarm(alarm)) => told.tell(&alarm),
                 Err(Trouble::Unreadable(error)) => return Err(error),
             }
         }
+        verifier.end(&mut told);
+        program.found = told.found;
         // No name was given that could be refused.
         program.threads = finder
             .plan(&Wish::default())
@@ -145,36 +170,13 @@ impl Program {
         Ok(program)
     }
 
-    fn tell(&mut self, found: Found) {
-        let known = |other: &Found| (other.number, other.line) == (found.number, found.line);
-        if self.found.len() < MOST_FOUND && !self.found.iter().any(known) {
-            self.found.push(found);
-        }
-    }
-
-    fn call(
-        &mut self,
-        call: &Call,
-        params: &Params,
-        at: &mut Position,
-        finder: &mut Finder,
-        words: impl Fn(&Alarm) -> Found,
-    ) {
+    /// Draws a call. One that cannot be made has been told.
+    fn call(&mut self, call: &Call, at: &mut Position, finder: &mut Finder) {
         self.calls.push(*call);
         self.too_long |= self.calls.len() > MOST_CALLS;
-        let moves = match cycle::expand(call, &Context::standing(*at)) {
-            // The way out of a hole depends on the machine.
-            Err(_) if matches!(call.kind, CallKind::TapReturn(_)) => return,
-            Err(alarm) => return self.tell(words(&alarm)),
-            Ok(moves) => moves,
+        let Ok(moves) = cycle::expand(call, &Context::standing(*at)) else {
+            return;
         };
-        if let Some(warning) = moves.warning() {
-            self.tell(words(&warning));
-        }
-        let within = cycle::within_limits(&moves, *at, params);
-        if let Err(alarm) = within.and_then(|()| cycle::time(&moves, *at, params).map(drop)) {
-            self.tell(words(&alarm));
-        }
         for step in moves {
             finder.step(&step);
             self.piece(*at, &step, call.origin);
@@ -211,6 +213,35 @@ impl Program {
             origin: place(origin),
             arc,
         });
+    }
+}
+
+/// What was found, in words.
+struct Told {
+    found: Vec<Found>,
+    /// Numbers that the program silences.
+    allowed: Allowed,
+    lang: Lang,
+    inch: bool,
+}
+
+impl Findings for Told {
+    fn tell(&mut self, alarm: &Alarm) {
+        let (number, line) = (alarm.number(), alarm.span.line);
+        let known = |other: &Found| (other.number, other.line) == (number, line);
+        let has_room = self.found.len() < MOST_FOUND;
+        if has_room && !self.allowed.has(number) && !self.found.iter().any(known) {
+            self.found.push(Found::new(alarm, self.lang, self.inch));
+        }
+    }
+
+    fn doubt(&mut self, alarm: &Alarm) {
+        let refused = |known: &Found| {
+            known.line == alarm.span.line && !known.warning && !Allowed::may_have(known.number)
+        };
+        if !self.found.iter().any(refused) {
+            self.tell(alarm);
+        }
     }
 }
 

@@ -77,6 +77,45 @@ fn every_refusal_has_a_key_of_the_words() {
     assert_eq!(found["good"], false);
 }
 
+/// What `leadscrew check` finds in this program is found as it is typed: a rapid through the stock, a feed with a standing
+/// spindle, one of the other mode, a way before a thread that is too short.
+#[test]
+fn what_is_hardly_meant_is_told_while_it_is_typed() {
+    const DOUBTFUL: &str = "(STOCK X50 L60)\nG0 X52. Z2.\nG98 G1 X48. F200.\nM3 S800\nG1 Z-10. F1.\nG0 X30. Z-30.\n\
+                            G0 X52. Z2.\nG0 X32. Z1.\nG92 X29. Z-20. F2.\nG92 X28.5\nG0 X60. Z5.\nM5\nM30\n";
+    let found = |text: &str| {
+        let mut session = Session::default();
+        let said = answer(
+            &mut session,
+            job("check", "shop", text).to_string().as_bytes(),
+        );
+        let said: Value = serde_json::from_slice(&said).expect("JSON");
+        let list = said["found"].as_array().expect("a list");
+        let each = list
+            .iter()
+            .map(|one| (one["line"].clone(), one["number"].clone()));
+        let mut each: Vec<(u64, u64)> = each
+            .map(|(line, number)| {
+                (
+                    line.as_u64().expect("a line"),
+                    number.as_u64().expect("a number"),
+                )
+            })
+            .collect();
+        each.sort_unstable();
+        (said["good"] == true, each)
+    };
+    let warnings = [(3, 4984), (6, 4987), (7, 4987), (9, 4942), (10, 4942)];
+    let (good, all) = found(DOUBTFUL);
+    let mut expected = warnings.to_vec();
+    expected.insert(1, (5, 4803));
+    assert_eq!((good, all), (false, expected));
+    // The program silences what is meant.
+    let (good, all) = found(&DOUBTFUL.replacen('\n', " (ALLOW 4803 4987)\n", 1));
+    let rest: Vec<_> = warnings.into_iter().filter(|one| one.1 != 4987).collect();
+    assert_eq!((good, all), (true, rest));
+}
+
 /// Runs a program to its end or to its alarm, and gives the answers of the steps; `fault` comes after five seconds.
 fn steps(job: &Value, fault: Option<&str>) -> Vec<Value> {
     let mut session = Session::default();

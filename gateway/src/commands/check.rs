@@ -1,7 +1,7 @@
 //! `check`: everything that can be known before a machine is switched on.
 
 use super::board;
-use crate::checking::{self, Detail, Report, plural};
+use crate::checking::{self, Detail, Report, cycle_text, plural};
 use crate::cli::{Check, Global};
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -79,7 +79,7 @@ fn tell(setup: &Setup, source: &SourceFile, report: &Report) -> Outcome {
     let mut text = line.get(lang).to_owned();
     for cycle in &report.cycles {
         text.push_str("  ");
-        text.push_str(cycle.text().get(lang));
+        text.push_str(cycle_text(cycle).get(lang));
         text.push('\n');
     }
     if report.further_cycles > 0 {

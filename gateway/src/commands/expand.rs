@@ -4,11 +4,11 @@ use leadscrew_core::alarm::Alarm;
 use leadscrew_core::call::{Call, Position};
 use leadscrew_core::cycle;
 use leadscrew_core::program::Event;
+use leadscrew_verification::Hole;
 
 use crate::cli::{Expand, Format};
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Doing, Failure, Outcome};
-use crate::hole::Hole;
 use crate::json::Json;
 use crate::movelist;
 use crate::output;

@@ -13,13 +13,14 @@ use leadscrew_core::units::Length;
 use leadscrew_inspection::{Edge, Wish, tool_of};
 use leadscrew_language::stock::Stock as Declared;
 use leadscrew_metrology::Mm;
+use leadscrew_verification::arc;
 
 pub use self::width::Width;
 
 use self::tap::Holes;
 use self::thread::{Lathe, Threads};
 use crate::checking::Report;
-use crate::drawing::{self, mm};
+use crate::drawing::mm;
 use crate::failure::Outcome;
 use crate::inspection::plan::plan;
 use crate::movelist::cycle_name;
@@ -158,7 +159,7 @@ impl Finder<'_> {
                 i, k, clockwise, ..
             } => {
                 let centre = (from.0 + mm(k.nm()), from.1 + mm(i.nm()));
-                self.piece(line, None, drawing::arc(from, to, centre, clockwise));
+                self.piece(line, None, arc(from, to, centre, clockwise));
             }
             MoveKind::Tap(tap) => {
                 let way = (tap.axis.of(start), tap.axis.of(step.to));

@@ -19,6 +19,8 @@ from test_bus import Machine
 OBJECT, AXIS = 0x2000 + 1420, 1
 # 5010h:02, state of the last change: 2 is done.
 STATE = 0x5010, 2
+# 5043h: the number of this start.
+START = 0x5043, 0
 ROUNDS = 80 if os.environ.get("CHIP_ALL") else 12
 CUTS = int(os.environ.get("CHIP_CUTS", 10_500 if os.environ.get("CHIP_ALL") else 200))
 
@@ -43,7 +45,8 @@ def record(test):
     machine = Machine(test)
     board = machine.board
     sdo = Sdo(board, machine.ear)
-    steps, value = [], sdo.read(OBJECT, AXIS)
+    # It has its start in it, which the board has counted.
+    steps, first, value = [], bytes(board.flash.second), sdo.read(OBJECT, AXIS)
     size = len(value)
     number = int.from_bytes(value, "little")
     for count in range(ROUNDS):
@@ -63,7 +66,7 @@ def record(test):
             raise AssertionError("a change is not in force")
         value = fresh
     board.flash.watch = None
-    return steps, bytes(board.flash.second)
+    return steps, first, bytes(board.flash.second)
 
 
 class Rig:
@@ -74,7 +77,7 @@ class Rig:
         self.ear = Ear(self.board)
 
     def start(self, second, torn):
-        """From a flash; gives the parameter, and alarms."""
+        """From a flash; gives the parameter, the number of the start, and alarms."""
         board = self.board
         board.clock._queue.clear()
         board.wire.current, board.wire.waiting, board.wire.bit = None, [], board.wire.bit
@@ -83,15 +86,16 @@ class Rig:
         board.flash.torn = set(torn)
         board.power_up()
         board.run_ticks(4)
-        return Sdo(board, self.ear).read(OBJECT, AXIS), self.ear.alarms()
+        sdo = Sdo(board, self.ear)
+        return sdo.read(OBJECT, AXIS), sdo.number(*START), self.ear.alarms()
 
 
 class Cuts(unittest.TestCase):
     def test_what_is_kept_is_the_old_or_the_new(self):
-        steps, last = record(self)
+        steps, first, last = record(self)
         chance = random.Random(seed())
         rig = Rig()
-        image, torn = bytearray(b"\xff" * len(last)), set()
+        image, torn = bytearray(first), set()
         # Each is cut before it begins, and in its middle; of these so many are tried.
         places = [(number, half) for number in range(len(steps)) for half in (False, True)]
         variants = max(1, -(-CUTS // len(places)))
@@ -103,8 +107,10 @@ class Cuts(unittest.TestCase):
                     continue
                 for _ in range(variants if half else 1):
                     left, broken = self.cut(step, half, image, torn, chance)
-                    value, alarms = rig.start(left, broken)
+                    value, start, alarms = rig.start(left, broken)
                     self.assertIn(value, (step.old, step.new), f"cut {number} ({step.kind} {step.offset:#x}, half {half})")
+                    # The one before was the first of this flash.
+                    self.assertEqual(start, 2)
                     self.assertEqual(alarms, [], f"cut {number} ({step.kind} {step.offset:#x}, half {half})")
                     count += 1
             if step.kind == "erase":

@@ -2,10 +2,10 @@
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_metrology::{Mm, Side, Turns};
+use leadscrew_verification::arc;
 
 use super::sheet::{across, staying, worst};
 use super::{CutGroove, CutOutline, Found};
-use crate::drawing::arc;
 use crate::inspection::sheet::{fixed, um};
 use crate::place::SourceLine;
 use crate::plot::{Across, Along, Course, Curve, Line, Sheet};

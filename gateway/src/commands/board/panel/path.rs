@@ -12,9 +12,10 @@ use leadscrew_core::units::{Axis, Length};
 use leadscrew_core::zones::Zones;
 use leadscrew_language::stock::Stock;
 use leadscrew_language::whose::Whose;
+use leadscrew_verification::arc;
 
 use super::object;
-use crate::drawing::{arc, mm};
+use crate::drawing::mm;
 use crate::failure::Outcome;
 use crate::json::Json;
 use crate::setup::Setup;

@@ -15,7 +15,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Diameter, Length, StartAngle};
 use leadscrew_language::stock::Stock;
 
-use crate::drawing;
+use crate::path::arc;
 use crate::remains::{EDGE, Remains};
 
 /// Height over pitch of a thread, in thousandths: flat square threads and deep buttress threads are inside.
@@ -126,7 +126,7 @@ impl Plausible {
                 i, k, clockwise, ..
             } => {
                 let (z, x) = (k.nm() as f64 / 1e6, i.nm() as f64 / 1e6);
-                let points = drawing::arc(from, to, (from.0 + z, from.1 + x), clockwise);
+                let points = arc(from, to, (from.0 + z, from.1 + x), clockwise);
                 for pair in points.windows(2) {
                     remains.cut(pair[0], pair[1]);
                 }

@@ -1,11 +1,15 @@
-//! The length of a move's path in the Z–X plane. It is only shown; no motion depends on it.
+//! The path of a move in the Z–X plane: its length, and points of an arc. It is only shown; no motion depends on it.
 
 use std::f64::consts::TAU;
 
 use leadscrew_core::call::Position;
 use leadscrew_core::moves::{Move, MoveKind};
 
+/// Largest angle between two points of an arc.
+const ARC_STEP: f64 = TAU / 90.0;
+
 /// The length of a move that begins at `from`, in nanometres.
+#[must_use]
 pub fn nanometres(from: &Position, step: &Move) -> f64 {
     let place = |position: &Position| (position.z.nm() as f64, position.x.nm() as f64);
     let (from, to) = (place(from), place(&step.to));
@@ -26,6 +30,7 @@ pub fn nanometres(from: &Position, step: &Move) -> f64 {
 
 /// The angle of an arc about `centre` in radians, with points as (Z, X) as drawn; clockwise is negative. It is a full turn
 /// where start and end are the same point.
+#[must_use]
 pub fn sweep(from: (f64, f64), to: (f64, f64), centre: (f64, f64), clockwise: bool) -> f64 {
     let angle = |point: (f64, f64)| (point.1 - centre.1).atan2(point.0 - centre.0);
     let sweep = (angle(to) - angle(from)).rem_euclid(TAU);
@@ -36,6 +41,27 @@ pub fn sweep(from: (f64, f64), to: (f64, f64), centre: (f64, f64), clockwise: bo
     } else {
         sweep
     }
+}
+
+/// Points along a circle in the Z–X plane as it is drawn: Z to the right, X upwards.
+#[must_use]
+pub fn arc(
+    from: (f64, f64),
+    to: (f64, f64),
+    centre: (f64, f64),
+    clockwise: bool,
+) -> Vec<(f64, f64)> {
+    let radius = (from.0 - centre.0).hypot(from.1 - centre.1);
+    let start = (from.1 - centre.1).atan2(from.0 - centre.0);
+    let sweep = sweep(from, to, centre, clockwise);
+    let steps = (sweep.abs() / ARC_STEP).ceil().max(1.0) as usize;
+    let mut points = vec![from];
+    points.extend((1..steps).map(|n| {
+        let at = start + sweep * n as f64 / steps as f64;
+        (centre.0 + radius * at.cos(), centre.1 + radius * at.sin())
+    }));
+    points.push(to);
+    points
 }
 
 #[cfg(test)]
@@ -81,5 +107,29 @@ mod tests {
         assert!((long - 3.0 * quarter).abs() < 1.0, "{long}");
         let turn = nanometres(&at(0, 10), &step(at(0, 10), arc(false)));
         assert!((turn - 4.0 * quarter).abs() < 1.0, "{turn}");
+    }
+
+    #[test]
+    fn arcs_turn_the_right_way() {
+        // A rounded outer corner, upwards and then to the left: counter-clockwise.
+        let corner = arc((0.0, 0.0), (-2.0, 2.0), (-2.0, 0.0), false);
+        assert!(
+            corner
+                .iter()
+                .all(|p| p.0 <= 1e-9 && p.1 >= -1e-9 && p.0 >= -2.0 - 1e-9),
+            "{corner:?}"
+        );
+        // A fillet, to the left and then upwards: clockwise.
+        let fillet = arc((0.0, 0.0), (-2.0, 2.0), (0.0, 2.0), true);
+        assert!(
+            fillet
+                .iter()
+                .all(|p| p.1 >= -1e-9 && p.1 <= 2.0 + 1e-9 && p.0 <= 1e-9),
+            "{fillet:?}"
+        );
+        let turn = arc((1.0, 0.0), (1.0, 0.0), (0.0, 0.0), false);
+        assert!(turn.len() > 80);
+        let turn = arc((1.0, 0.0), (1.0, 0.0), (0.0, 0.0), true);
+        assert!(turn.len() > 80 && turn[1].1 < 0.0);
     }
 }
