@@ -137,7 +137,7 @@ fn format() -> Result<()> {
 
 /// The lock files must be as committed: then the test builds the same as everybody.
 fn lock_files() -> Result<()> {
-    for dir in [run::root(), run::firmware()] {
+    for dir in [run::root(), run::firmware(), run::root().join("fuzz")] {
         run::read(run::cargo(
             &dir,
             &["metadata", "--locked", "--format-version", "1"],
