@@ -297,6 +297,8 @@ impl Checker<'_> {
         } else {
             1000.0
         };
+        // Those of lines in inches were not kept.
+        self.inch = false;
         for alarm in std::mem::take(&mut self.beyond) {
             // X is told as a diameter, and its limits are radii.
             let (axis, to, letters, share) = match alarm.args {
@@ -323,7 +325,6 @@ impl Checker<'_> {
                 let span = span(alarm.span.line, word.from, word.to);
                 let figure = Arg::Length(Length::from_nm(increments));
                 let told = Alarm::new(Code::PointMissing, span);
-                self.inch = false;
                 self.tell(&told.word(word.letter).with([figure]));
             }
         }
