@@ -1,5 +1,7 @@
 //! Machine functions and interlocks, as somebody at the machine meets them.
 
+use std::path::Path;
+
 use serde_json::json;
 
 use crate::{LONG, User, bad, good, text};
@@ -232,4 +234,30 @@ fn a_block_on_the_bus_has_its_names_and_is_missed() {
     // As it is set up here, a push finds nothing to change.
     let told = good(&user.does(&["params", "push", "block.toml"]));
     assert!(told.contains("nothing to change"), "{told}");
+}
+
+/// Drives are delivered with the PDOs off that carry mode and inputs. A machine file that says what is in them gets them.
+#[test]
+fn a_push_to_a_machine_that_runs_switches_the_second_pdos_of_its_drives_on() {
+    let user = User::new();
+    good(&user.does(&["up", "--new"]));
+    let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../params/machines/desk.toml");
+    let push = ["params", "push", machine.to_str().unwrap()];
+    let told = good(&user.does(&push));
+    for pdo in ["1601h", "1A01h"] {
+        let lines = || told.lines().filter(|line| line.contains(pdo));
+        assert_eq!(lines().count(), 2, "{told}");
+        assert!(lines().all(|line| line.contains("(off)")), "{told}");
+    }
+    user.wait_for("idle");
+    let again = good(&user.does(&push));
+    assert!(again.starts_with("nothing to change"), "{again}");
+    user.wait_for("idle");
+    // One that says that it is off has it off.
+    let user = User::new();
+    good(&user.does(&["up", "--new"]));
+    let off = "[drive.X]\nrpdo2 = [\"6060/8\"]\nrpdo2_cob_id = 0x80000310\n";
+    std::fs::write(user.0.join("off.toml"), off).unwrap();
+    let told = good(&user.does(&["params", "push", "off.toml"]));
+    assert!(!told.contains("1601h"), "{told}");
 }

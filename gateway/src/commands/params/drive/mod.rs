@@ -8,7 +8,7 @@ mod tests;
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Abort, Mapped, Object, SdoError};
 
-use super::pdo::mapped;
+use super::pdo::{INVALID, mapped};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, Trouble, reason};
 use crate::params::difference::DriveChange;
@@ -62,8 +62,15 @@ impl Pending {
             (Found::Number(old), Wanted::Number { value, .. }) => {
                 (old.to_string(), value.to_string())
             }
-            (Found::Mapping { objects: old, .. }, Wanted::Mapping { objects, .. }) => {
-                (mapping_text(old), mapping_text(objects))
+            (
+                Found::Mapping {
+                    objects: old,
+                    cob_id,
+                },
+                Wanted::Mapping { objects, .. },
+            ) => {
+                let off = if cob_id & INVALID == 0 { "" } else { " (off)" };
+                (mapping_text(old) + off, mapping_text(objects))
             }
             // A number is read as a number.
             _ => (String::new(), String::new()),
@@ -99,7 +106,9 @@ pub fn pending(
 ) -> Outcome<Vec<Pending>> {
     let found = found(link, settings, drives)?;
     let differ = |(setting, found): (&Setting, Found)| {
-        (!is(&setting.wanted, &found)).then(|| Pending {
+        let is = is(&setting.wanted, &found)
+            && (is_on(&setting.wanted, &found) || stays_off(setting, settings));
+        (!is).then(|| Pending {
             drive: setting.drive.among(drives),
             wanted: setting.wanted.clone(),
             found,
@@ -117,6 +126,32 @@ fn is(wanted: &Wanted, found: &Found) -> bool {
         (Wanted::Mapping { objects, .. }, Found::Mapping { objects: are, .. }) => objects == are,
         _ => false,
     }
+}
+
+/// False for a PDO that has objects and is not used: who says what is in it wants to have it. Many drives are delivered
+/// with their second PDOs off.
+fn is_on(wanted: &Wanted, found: &Found) -> bool {
+    match (wanted, found) {
+        (Wanted::Mapping { objects, .. }, Found::Mapping { cob_id, .. }) => {
+            objects.is_empty() || cob_id & INVALID == 0
+        }
+        _ => true,
+    }
+}
+
+/// The same section gives the PDO a COB-ID that switches it off.
+fn stays_off(setting: &Setting, settings: &[Setting]) -> bool {
+    let Wanted::Mapping { communication, .. } = setting.wanted else {
+        return false;
+    };
+    settings.iter().any(|other| match other.wanted {
+        Wanted::Number { object, value, .. } => {
+            other.drive == setting.drive
+                && object == Object::new(communication, 1)
+                && value & i64::from(INVALID) != 0
+        }
+        Wanted::Mapping { .. } => false,
+    })
 }
 
 /// The identifier of a PDO.
