@@ -212,8 +212,10 @@ pub struct Sending<'a> {
     empty: bool,
     /// Which set of each machine the broker has been given.
     sets: BTreeMap<String, u64>,
-    /// The topic of the first message that was too large, and whether it has been given away.
-    huge: (Option<String>, bool),
+    /// The topic of the first message that was too large, until it is taken.
+    huge: Option<String>,
+    /// There was such a message.
+    had_huge: bool,
 }
 
 impl<'a> Sending<'a> {
@@ -238,7 +240,8 @@ impl<'a> Sending<'a> {
             handed: 0,
             empty: false,
             sets: BTreeMap::new(),
-            huge: (None, false),
+            huge: None,
+            had_huge: false,
         })
     }
 
@@ -286,7 +289,9 @@ impl<'a> Sending<'a> {
                         }
                     }
                     Said::Huge(topic) => {
-                        self.huge.0.get_or_insert(topic);
+                        if !std::mem::replace(&mut self.had_huge, true) {
+                            self.huge = Some(topic);
+                        }
                     }
                     Said::Subscribed | Said::Alive => {}
                 }
@@ -308,10 +313,8 @@ impl<'a> Sending<'a> {
 
     /// The topic of a message that was too large to be read. The first in a connection, once: who sends one may send
     /// thousands.
-    pub fn huge(&mut self) -> Option<String> {
-        let topic = self.huge.0.clone().filter(|_| !self.huge.1)?;
-        self.huge.1 = true;
-        Some(topic)
+    pub const fn huge(&mut self) -> Option<String> {
+        self.huge.take()
     }
 
     fn births(&mut self, machines: &Machines, at: Moment, now: Duration) {

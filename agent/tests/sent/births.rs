@@ -42,6 +42,17 @@ impl Drop for Folder {
     }
 }
 
+/// A sender whose broker has heard of its one machine, and what is known of that.
+fn born(store: &Store) -> (Sending<'_>, Machines) {
+    let mut values = Machines::default();
+    keep(store, &mut values, BIRTH.0, [presence(true)]);
+    let mut sending = Sending::new(&nowhere(), store, NOW).unwrap();
+    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+    let (words, _) = sent(&mut sending);
+    assert_eq!(words.len(), 3, "two births and its presence: {words:?}");
+    (sending, values)
+}
+
 fn birth_number(payload: &[u8]) -> Option<Value> {
     let payload = Payload::decode(payload).unwrap();
     metric(&payload, "bdSeq").and_then(|metric| metric.value.clone())
@@ -152,11 +163,7 @@ fn what_is_not_acknowledged_is_sent_again_and_the_rest_is_gone() {
 fn a_host_may_ask_for_births_and_for_nothing_else() {
     let folder = Folder::new("orders");
     let store = folder.store();
-    let mut values = Machines::default();
-    keep(&store, &mut values, BIRTH.0, [presence(true)]);
-    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
-    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
-    assert_eq!(sent(&mut sending).0.len(), 3);
+    let (mut sending, values) = born(&store);
     let order = |topic: &str, name: &str, value| {
         let metric = Metric {
             name: Some(name.to_owned()),
@@ -198,11 +205,7 @@ fn a_host_may_ask_for_births_and_for_nothing_else() {
 fn a_huge_order_is_told_once_and_dropped() {
     let folder = Folder::new("huge");
     let store = folder.store();
-    let mut values = Machines::default();
-    keep(&store, &mut values, BIRTH.0, [presence(true)]);
-    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
-    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
-    assert_eq!(sent(&mut sending).0.len(), 3);
+    let (mut sending, values) = born(&store);
     for told in [Some("spBv1.0/shop/NCMD/agent/1".to_owned()), None] {
         let mut bytes = BytesMut::new();
         for number in 1..=3 {

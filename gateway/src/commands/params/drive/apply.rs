@@ -8,7 +8,7 @@ use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{NmtCommand, NodeId, Object, Order, SdoError};
 use leadscrew_core::params::Params;
 
-use super::{Found, Pending, is, is_cob_id, is_type, read, refused};
+use super::{Found, Pending, is_cob_id, is_type, read, refused};
 use crate::commands::params::pdo::{INVALID, Pdo};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, LinkResult, Trouble};
@@ -80,10 +80,10 @@ pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Ou
     pending.sort_by_key(|pending| !is_type(pending.wanted.object()));
     let drives = to_pre_operational(link, &pending)?;
     for (at, pending_) in pending.iter().enumerate() {
-        let written = write(link, pending_.drive, &pending_.wanted);
+        let written = write(link, pending_);
         let wrong = match written {
             Ok(()) => match read(link, pending_.drive, &pending_.wanted) {
-                Ok(found) if is(&pending_.wanted, &found) => None,
+                Ok(found) if pending_.is(&found) => None,
                 Ok(_) => Some(unkept(pending_)),
                 Err(failure) => Some(failure),
             },
@@ -272,9 +272,9 @@ fn with(failure: Failure, lost: Vec<String>) -> Failure {
     failure.and(&back)
 }
 
-fn write(link: &mut Link, drive: Drive, wanted: &Wanted) -> LinkResult {
-    let node = drive.node;
-    match wanted {
+fn write(link: &mut Link, pending: &Pending) -> LinkResult {
+    let node = pending.drive.node;
+    match &pending.wanted {
         Wanted::Number {
             object,
             kind,
@@ -291,7 +291,8 @@ fn write(link: &mut Link, drive: Drive, wanted: &Wanted) -> LinkResult {
                 communication: *communication,
             };
             let id = pdo.read(link, pdo.cob_id())?;
-            pdo.map(link, objects, id & !INVALID, id)
+            let off = if pending.off { INVALID } else { 0 };
+            pdo.map(link, objects, id & !INVALID | off, id)
         }
     }
 }

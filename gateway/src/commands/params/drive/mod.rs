@@ -51,11 +51,32 @@ pub struct Pending {
     pub drive: Drive,
     /// What it is to be.
     pub wanted: Wanted,
+    /// The PDO of a mapping is to stay off: its section gives it a COB-ID that says so.
+    pub off: bool,
     /// What it is.
     pub found: Found,
 }
 
 impl Pending {
+    /// Whether an object is as it is to be. A PDO that has objects is to be used, too: who says what is in it wants to have
+    /// it, and many drives are delivered with their second PDOs off.
+    fn is(&self, found: &Found) -> bool {
+        match (&self.wanted, found) {
+            (Wanted::Number { object, value, .. }, Found::Number(is)) if is_cob_id(*object) => {
+                (value ^ is) & !i64::from(NO_REMOTE) == 0
+            }
+            (Wanted::Number { value, .. }, Found::Number(is)) => value == is,
+            (
+                Wanted::Mapping { objects, .. },
+                Found::Mapping {
+                    objects: are,
+                    cob_id,
+                },
+            ) => objects == are && (self.off || objects.is_empty() || cob_id & INVALID == 0),
+            _ => false,
+        }
+    }
+
     /// In words.
     pub fn change(&self) -> DriveChange {
         let (old, new) = match (&self.found, &self.wanted) {
@@ -105,38 +126,13 @@ pub fn pending(
     drives: &DriveNodes,
 ) -> Outcome<Vec<Pending>> {
     let found = found(link, settings, drives)?;
-    let differ = |(setting, found): (&Setting, Found)| {
-        let is = is(&setting.wanted, &found)
-            && (is_on(&setting.wanted, &found) || stays_off(setting, settings));
-        (!is).then(|| Pending {
-            drive: setting.drive.among(drives),
-            wanted: setting.wanted.clone(),
-            found,
-        })
-    };
-    Ok(settings.iter().zip(found).filter_map(differ).collect())
-}
-
-fn is(wanted: &Wanted, found: &Found) -> bool {
-    match (wanted, found) {
-        (Wanted::Number { object, value, .. }, Found::Number(is)) if is_cob_id(*object) => {
-            (value ^ is) & !i64::from(NO_REMOTE) == 0
-        }
-        (Wanted::Number { value, .. }, Found::Number(is)) => value == is,
-        (Wanted::Mapping { objects, .. }, Found::Mapping { objects: are, .. }) => objects == are,
-        _ => false,
-    }
-}
-
-/// False for a PDO that has objects and is not used: who says what is in it wants to have it. Many drives are delivered
-/// with their second PDOs off.
-fn is_on(wanted: &Wanted, found: &Found) -> bool {
-    match (wanted, found) {
-        (Wanted::Mapping { objects, .. }, Found::Mapping { cob_id, .. }) => {
-            objects.is_empty() || cob_id & INVALID == 0
-        }
-        _ => true,
-    }
+    let each = settings.iter().zip(found).map(|(setting, found)| Pending {
+        drive: setting.drive.among(drives),
+        wanted: setting.wanted.clone(),
+        off: stays_off(setting, settings),
+        found,
+    });
+    Ok(each.filter(|one| !one.is(&one.found)).collect())
 }
 
 /// The same section gives the PDO a COB-ID that switches it off.

@@ -3,15 +3,20 @@
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::Flash;
+use leadscrew_core::alarm::Lang;
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::bus::{Abort, CobId, Mapped, NmtCommand, NodeId, Object, Service, Setpoints};
+use leadscrew_core::bus::{
+    Abort, CobId, Frame, Mapped, NmtCommand, NodeId, Object, Service, Setpoints,
+};
 use leadscrew_core::params::{Entry, Params};
 
-use super::{Found, Pending, apply, check_setpoints, read, with_drives};
+use super::{Found, Pending, apply, check_setpoints, pending, read, with_drives};
+use crate::commands::params::pdo::Pdo;
 use crate::failure::{Failure, Outcome};
 use crate::link::bench::{self, Fate, between, link, machine, machine_of};
 use crate::link::{Inside, Link, Trouble};
-use crate::params::drives::{Drive, DriveName, Kind, Wanted};
+use crate::params::drives::{Drive, DriveName, Kind, Setting, Wanted};
+use crate::params::load_text;
 
 const VELOCITY: Object = Object::new(0x607F, 0);
 const X: Drive = Drive {
@@ -40,6 +45,7 @@ fn velocity(value: i64) -> Vec<Pending> {
             kind: Kind::U32,
             value,
         },
+        off: false,
         found: Found::Number(10_000_000),
     }]
 }
@@ -163,6 +169,7 @@ fn a_pdo_has_its_type_before_it_is_switched_on() {
                 kind,
                 value,
             },
+            off: false,
             found: Found::Number(0),
         })
         .collect();
@@ -223,6 +230,7 @@ fn setpoints_in_one_frame_want_every_drive_at_its_place() {
             pending.push(Pending {
                 drive,
                 wanted,
+                off: false,
                 found,
             });
         }
@@ -269,6 +277,7 @@ fn mapping(link: &mut Link) -> Vec<Pending> {
     vec![Pending {
         drive,
         wanted,
+        off: false,
         found,
     }]
 }
@@ -313,4 +322,67 @@ fn a_pdo_gets_its_old_mapping_back_and_is_on_or_off_as_it_was() {
         assert_eq!(number(&mut link, COB_ID), id);
         is_back(&inside, &pending, failure);
     }
+}
+
+const OFF: u32 = 0x8000_0210;
+
+/// A board whose drive X takes its setpoints from the second place of a frame, and has that PDO off.
+fn at_another_place_and_off() -> Inside {
+    let inside = board();
+    let mut link = link(&inside);
+    link.send(&[NmtCommand::PreOperational.frame(Some(X.node))])
+        .unwrap();
+    let pdo = Pdo {
+        node: X.node,
+        mapping: 0x1600,
+        communication: 0x1400,
+    };
+    let second: Vec<Mapped> = Setpoints::mapping(1).collect();
+    pdo.map(&mut link, &second, OFF, OFF).unwrap();
+    inside
+}
+
+/// Of a machine file that gives X the mapping of its first RPDO, and `more`.
+fn sections(more: &str) -> Vec<Setting> {
+    let text = format!("[drive.X]\nrpdo1 = [\"6040/16\", \"607A/32\"]\n{more}\n");
+    load_text("machine.toml", &text, Lang::En).drives
+}
+
+#[test]
+fn a_mapping_switches_its_pdo_on_where_its_section_does_not_say_off() {
+    let nodes = DriveNodes::of(&Params::slant_bed());
+    for (more, then) in [
+        ("", 0x210),
+        ("rpdo1_cob_id = 0x210", 0x210),
+        ("rpdo1_cob_id = 0x8000_0210", OFF),
+    ] {
+        let mut link = link(&at_another_place_and_off());
+        let settings = sections(more);
+        let differ = pending(&mut link, &settings, &nodes).unwrap();
+        apply(&mut link, &differ, &mut || ()).unwrap();
+        assert_eq!(number(&mut link, COB_ID), then, "{more}");
+        let differ = pending(&mut link, &settings, &nodes).unwrap();
+        assert!(differ.is_empty(), "{more}: {differ:?}");
+    }
+}
+
+#[test]
+fn a_pdo_that_does_not_go_on_is_told() {
+    let inside = at_another_place_and_off();
+    // The drive says yes to its COB-ID, and leaves it as it is.
+    let request = CobId::of(Service::SdoRequest, X.node);
+    let deaf = move |frame: &Frame| match *frame.payload() {
+        [0x23, 0x00, 0x14, 1, ..] if frame.id() == request => {
+            let yes = [0x60, 0x00, 0x14, 1, 0, 0, 0, 0];
+            Fate::Lost(Frame::new(CobId::of(Service::SdoReply, X.node), &yes))
+        }
+        _ => Fate::Arrives,
+    };
+    let mut link = between(&inside, deaf, |frame| frame);
+    let nodes = DriveNodes::of(&Params::slant_bed());
+    let differ = pending(&mut link, &sections(""), &nodes).unwrap();
+    let failure = apply(&mut link, &differ, &mut || ()).unwrap_err();
+    let words = format!("{failure:?}");
+    assert!(words.contains("reads back otherwise"), "{words}");
+    is_back(&inside, &differ, failure);
 }
