@@ -499,10 +499,11 @@ pub fn cycle_text(figures: &CycleFigures) -> Both {
         )
     });
     let error = thread.encoder_error_nm.map_or(Both::default(), |error| {
-        let error = number::rounded::<6>(error, 3);
+        // In whole micrometres, rounded up: it is never none.
+        let error = number::rounded::<6>(error.saturating_add(499), 3);
         both!(
-            "; the encoder knows the angle to {error} mm along the lead",
-            "；编码器在导程方向的误差不超过 {error} mm"
+            "; the encoder knows the angle to {error} mm along the lead, where the spindle swings with its turn or as 9034 says",
+            "；编码器在导程方向的误差不超过 {error} mm（主轴随转动或按 9034 摆动时）"
         )
     });
     both!(

@@ -209,10 +209,15 @@ impl Tracker {
         self.window.alike >= WINDOWS
     }
 
-    /// Ticks after which a spindle at this speed is ready, at the latest three times as many.
+    /// Ticks after which a spindle that keeps its speed is ready: three times as many as it needs at best.
     #[must_use]
-    pub const fn patience(&self) -> u32 {
-        self.window.length.saturating_mul(WINDOWS * 3)
+    pub fn patience(&self) -> u32 {
+        let length = match self.window.length {
+            // It has just begun: no window has passed.
+            0 => self.learning(),
+            length => length,
+        };
+        length.saturating_mul(WINDOWS * 3)
     }
 
     /// The speed at an instant, turns per second in 2⁻³².
@@ -349,11 +354,16 @@ impl Tracker {
     /// Compares the mean speed of each window with that of the window before.
     #[inline(never)]
     fn watch(&mut self) {
-        let window = &mut self.window;
-        window.ticks = window.ticks.saturating_add(1);
-        if window.ticks < window.length {
+        let ticks = self.window.ticks.saturating_add(1);
+        self.window.ticks = ticks;
+        if ticks < self.window.length {
+            // A window that began while the spindle came up to speed would last as long as that first speed asks.
+            if ticks.checked_rem(self.half_second) == Some(0) {
+                self.window.length = self.window.length.min(self.learning());
+            }
             return;
         }
+        let window = &mut self.window;
         let length = window.ticks;
         let way = self.angle.wrapping_sub(window.begin).to_bits();
         let expected = window.mean.to_bits().wrapping_mul(length.into());

@@ -305,14 +305,23 @@ fn an_encoder_of_few_counts_is_learned_and_what_it_leaves_is_told() {
     assert_eq!(told(&o0013(300), &coarse), Ok(Some(nm(45_000))));
     // At a faster spindle a count is the smaller one.
     assert_eq!(told(&g78(MM, 1200), &coarse), Ok(Some(nm(15_000))));
-    // Eight counts a second: 4.8 rpm. Timed ones are learned where the drive's swing is known, or below 60.
-    let figures = [Arg::Rpm(Rpm::new(4)), Arg::Int(6), Arg::Int(5), Arg::None];
-    let slow = Err((Code::SpeedForEncoder, Some(b'S'), figures));
+    // A third of a turn a second, and eight counts. Timed ones are learned where the drive's swing is known, or below 60.
+    let slow = |rpm, counts, least| {
+        let figures = [
+            Arg::Rpm(Rpm::new(rpm)),
+            Arg::Int(counts),
+            Arg::Int(least),
+            Arg::None,
+        ];
+        Err((Code::SpeedForEncoder, Some(b'S'), figures))
+    };
     for params in [coarse, with(100, 1, 3700)] {
-        assert_eq!(told(&g78(MM, 4), &params), slow);
-        assert!(told(&g78(MM, 5), &params).is_ok());
+        assert_eq!(told(&g78(MM, 19), &params), slow(19, 31, 20));
+        assert!(told(&g78(MM, 20), &params).is_ok());
     }
-    assert_eq!(told(&g78(MM, 9), &with(59, 1, 0)), Ok(None));
+    assert_eq!(told(&g78(MM, 29), &with(16, 1, 0)), slow(29, 7, 30));
+    assert_eq!(told(&g78(MM, 30), &with(16, 1, 0)), Ok(None));
+    assert_eq!(told(&g78(MM, 20), &with(59, 1, 0)), Ok(None));
     assert!(told(&g78(MM, 47), &with(60, 1, 0)).is_err());
 }
 

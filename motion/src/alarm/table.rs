@@ -651,9 +651,9 @@ codes! {
         "第 {0} 档不能工作", "9430 + {0}、9435 + {0}、9440 + {0} 应全部设定或全部为 0；电机与主轴圈数之比不超过 15，主轴每转的驱动脉冲数（9013）须为整数，转速不超过 3772";
     /// An encoder whose edges are not timed shakes an axis on this lead: lead, noise and limit in m/s², the longest lead.
     LeadForEncoder = 4272, "the counts of the spindle encoder would shake the axis by up to {1} m/s² on a lead of {0}; its acceleration is {2} m/s²",
-        "write a lead of {3} or less, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
+        "write a lead of {3} or less, or let `leadscrew tune spindle` find the spindle's swing (9034), with which the angle is learned, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
         "主轴编码器的计数在导程 {0} 上会使该轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",
-        "请写不大于 {3} 的导程，或使用线数更多或捕获边沿时间的编码器（3720、9006.0），或减小 9005";
+        "请写不大于 {3} 的导程，或用 `leadscrew tune spindle` 测出主轴摆动频率（9034）以便学习角度，或使用线数更多或捕获边沿时间的编码器（3720、9006.0），或减小 9005";
     /// An encoder tells too little of so slow a spindle: S, counts a second, the least S.
     SpeedForEncoder = 4273, "at {0} the spindle encoder gives {1} counts a second, too few to know its speed",
         "write S{2} or more, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",

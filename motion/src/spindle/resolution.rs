@@ -40,6 +40,11 @@ const FEW_UNTIMED_WITH_SWING: u32 = 10_000;
 /// Counts a second that a tracker needs: with fewer it learns for more than half a minute.
 const LEARNED: u32 = 8;
 
+/// Below this speed a tracker is not as good as [`Resolution::uncertainty`] says, however many counts there are: its
+/// bandwidth goes with the turns a second, and the speed that says whether the spindle has arrived is coarse. (Simulated:
+/// up to three times as far beside the helix at 10 to 17 rpm, alarms below.)
+const SLOWEST_LEARNED: i32 = 20;
+
 /// A step has left the observer after this many time constants of its poles.
 const POLES: u32 = 24;
 
@@ -150,7 +155,7 @@ impl Resolution {
     /// The lowest spindle speed at which a tracker learns the spindle, rounded up.
     #[must_use]
     pub fn slowest_learned(self) -> Rpm {
-        self.at(LEARNED)
+        Rpm::new(self.at(LEARNED).get().max(SLOWEST_LEARNED))
     }
 
     /// How far an axis on this lead may be beside the spindle's true angle, where the angle is learned: 1.5 times the way

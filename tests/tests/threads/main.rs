@@ -1,5 +1,6 @@
 //! Threads on a spindle that is not ideal: how far the setpoints are from the exact helix.
 
+mod few_counts;
 mod random;
 mod ripple;
 mod spindle;

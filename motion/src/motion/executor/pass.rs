@@ -112,6 +112,7 @@ impl Executor {
                     .with([Arg::Rpm(speed.rpm()), Arg::Rpm(pass.rpm)]));
             }
         } else if !now.observer.indexed() {
+            self.has_arrived();
             let patience = self.arrival.index_ticks(pass.rpm);
             if self.waits_longer(|waited| &mut waited.index) > patience {
                 self.active = Active::Free;
@@ -120,6 +121,7 @@ impl Executor {
         } else if let Some(learner) = now.learner
             && !learner.tracker().is_ready()
         {
+            self.has_arrived();
             self.followers = None;
             let patience = learner.tracker().patience();
             if self.waits_longer(|waited| &mut waited.swings) > patience {
@@ -180,6 +182,13 @@ impl Executor {
             self.number = segment.number;
             self.span = segment.span;
             self.stops = segment.stops;
+        }
+    }
+
+    /// A spindle that swings is within its tolerance and beside it by turns: each time it has as long to come back.
+    const fn has_arrived(&mut self) {
+        if let Active::Waiting(waited) = &mut self.active {
+            waited.speed = 0;
         }
     }
 

@@ -1,0 +1,160 @@
+//! Whole programs on encoders of few counts: a thread waits until the spindle is learned, and is as true as was said.
+
+use leadscrew_board_sim::plant::{PlantOptions, Ripple};
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::call::{Call, CallKind};
+use leadscrew_core::cycle;
+use leadscrew_core::params::Params;
+use leadscrew_core::units::{Lead, Length, Rpm, Turns};
+use leadscrew_tests::limits::first_excess;
+use leadscrew_tests::machine::{calls, run_calls};
+use leadscrew_tests::params::with;
+use leadscrew_tests::random::Random;
+
+/// Once ready and little learned yet, an axis may be as far beside the helix as is said, and a micrometre more.
+const BESIDE_NM: i64 = 1_000;
+
+/// A thread by an encoder of few counts.
+#[derive(Debug)]
+struct Case {
+    counts: i64,
+    timed: bool,
+    rpm: i64,
+    lead_um: i64,
+    /// Where the tool stands before it, in micrometres of Z: the spindle starts on the way there.
+    from_um: i64,
+    /// Swing of the spindle once a turn, in thousandths of a percent of its speed.
+    swing: u32,
+    angle: i64,
+}
+
+impl Case {
+    fn random(random: &mut Random) -> Self {
+        let timed = random.chance(50);
+        let counts = random.within(16, if timed { 59 } else { 1023 });
+        let rpm = if random.chance(30) {
+            random.within(1, 80)
+        } else {
+            random.within(20, 700)
+        };
+        let lead_um = random.within(300, 4_000).min(5_000_000 / rpm);
+        // The axis can follow it: what goes after the angle has a third of the jerk, of which this takes a half.
+        let turns = rpm as f64 / 60.0;
+        let jerk = lead_um as f64 * 1e-6 * turns * (core::f64::consts::TAU * turns).powi(2);
+        let most = (10.0 / jerk * 100_000.0) as u32;
+        Self {
+            counts,
+            timed,
+            rpm,
+            lead_um,
+            from_um: random.within(5_000, 40_000),
+            swing: random.of(&[0, 0, 2_000, 10_000]).min(most),
+            angle: random.within(-(1 << 31), 1 << 31),
+        }
+    }
+
+    fn params(&self) -> Params {
+        with(&[("3720", self.counts), ("9006.0", self.timed.into())])
+    }
+
+    fn text(&self) -> String {
+        let mm = |um: i64| format!("{}.{:03}", um / 1000, um % 1000);
+        format!(
+            "G18 G40 G97 G98\nM3 S{}\nG0 X40 Z{}\nG76 P010000 Q500 R0.05\nG76 X38. Z-15. P5000 Q3000 F{}\nM5\nM30\n",
+            self.rpm,
+            mm(self.from_um),
+            mm(self.lead_um)
+        )
+    }
+}
+
+/// Whether a check lets the calls pass.
+fn judged(calls: &[Call], params: &Params) -> Result<(), Alarm> {
+    for call in calls {
+        if let CallKind::Thread(thread) = &call.kind {
+            cycle::thread_report(thread, call.span, params)?;
+        }
+    }
+    Ok(())
+}
+
+/// Cuts the thread of a case, and compares it with what was said.
+fn cut(case: &Case, calls: Vec<Call>, params: &Params) {
+    let options = PlantOptions {
+        angle: Turns::from_raw(case.angle.into()),
+        ripple: Ripple::new(case.swing, (case.rpm * 1000 / 60) as u32),
+        ..PlantOptions::default()
+    };
+    let ran = run_calls(calls, params, &options, |_, _| ());
+    assert_eq!(ran.alarm, None, "{case:?}");
+    let errors = ran.rows.iter().filter_map(|row| row.error);
+    let worst = errors.map(|error| error.nm().abs()).max();
+    let lead = Lead::new(case.lead_um * 1000, 1).expect("a lead");
+    let said = params
+        .resolution()
+        .uncertainty(lead, Rpm::new(case.rpm as i32));
+    let said = said.unwrap_or(Length::ZERO).nm();
+    assert!(
+        worst.is_some_and(|worst| worst <= said + BESIDE_NM),
+        "{case:?}: {worst:?} nm beside the helix, said were {said}"
+    );
+    assert_eq!(first_excess(&ran.rows, params), None, "{case:?}");
+}
+
+#[test]
+fn a_thread_that_a_check_lets_pass_is_cut_as_true_as_was_said() {
+    leadscrew_seed::volume(1, |seed| {
+        let mut random = Random(seed);
+        let mut ran = 0;
+        while ran < leadscrew_seed::amount(20, 400) {
+            let case = Case::random(&mut random);
+            let params = case.params();
+            let calls = calls(&case.text(), &params);
+            if judged(&calls, &params).is_err() {
+                continue;
+            }
+            ran += 1;
+            cut(&case, calls, &params);
+        }
+    });
+}
+
+#[test]
+fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for() {
+    let even = Case {
+        counts: 360,
+        timed: false,
+        rpm: 150,
+        lead_um: 1_500,
+        from_um: 5_000,
+        swing: 0,
+        angle: 0,
+    };
+    for case in [
+        // The first tick in which its index is known is no wait yet.
+        even,
+        // Learning began at a thirtieth of the speed.
+        Case {
+            counts: 22,
+            timed: true,
+            rpm: 554,
+            lead_um: 1_764,
+            from_um: 12_142,
+            swing: 2_000,
+            angle: -221_842_248,
+        },
+        // Its speed is within the tolerance and beside it by turns.
+        Case {
+            counts: 927,
+            timed: false,
+            rpm: 31,
+            lead_um: 786,
+            from_um: 18_609,
+            swing: 10_000,
+            angle: 723_013_001,
+        },
+    ] {
+        let params = case.params();
+        cut(&case, calls(&case.text(), &params), &params);
+    }
+}
