@@ -14,8 +14,8 @@ pub const PARAMS: &str = "params/machines/desk.toml";
 /// Where its slides stand when the power comes, in millimetres, X a diameter.
 pub const AT: [i32; 2] = [-80, -150];
 
-/// What a slow computer asks for: no gateway is missed because it stands still, and an axis is led by hand for as long as it
-/// needs.
+/// What a slow computer asks for: no gateway is missed because it stands still, and an axis is led by hand for as long
+/// as it needs.
 pub const PATIENT: [&str; 4] = ["9024=0", "9027=0", "9040=500", "9047=0"];
 
 /// Of the page and what stands for it: time passes here until the drives are up.
@@ -42,8 +42,8 @@ pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Types the hour on the machine that is there. `otherwise` has of the page what it shows otherwise, and what stands for it;
-/// lines that end with one of `beside` are passed over.
+/// Types the hour on the machine that is there. `otherwise` has of the page what it shows otherwise, and what stands for
+/// it; lines that end with one of `beside` are passed over.
 ///
 /// # Panics
 /// Where a command prints something else than is shown.
