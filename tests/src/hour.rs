@@ -103,7 +103,9 @@ fn speed(step: &Step) -> Option<&'static str> {
         let command = step.command.strip_prefix("leadscrew ");
         command.is_some_and(|command| names.iter().any(|name| command.starts_with(name)))
     };
-    if step.command.ends_with('&') || begins(&["jog", "wheel"]) || step.command.starts_with("for ")
+    if step.command.ends_with('&')
+        || begins(&["jog", "handwheel"])
+        || step.command.starts_with("for ")
     {
         Some("1")
     } else if begins(&["hold", "resume"]) {

@@ -10,10 +10,11 @@
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::io::{Read as _, Write as _};
 use std::os::fd::AsFd as _;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use leadscrew_board_sim::TurretFault;
 use leadscrew_can::{Desk, MachineName, Port};
@@ -41,7 +42,7 @@ pub struct Named {
     /// Frames for the board, with the numbers of their gateways: so many are on the line, the others wait.
     said: VecDeque<(u64, SlcanFrame)>,
     on_line: usize,
-    hand: BufReader<UnixStream>,
+    hand: UnixStream,
     bus: Bus,
     gateways: UnixListener,
     callers: Callers,
@@ -62,7 +63,7 @@ impl Named {
         let claim = desk.claim(&name).expect("a claim").expect("nobody has it");
         let sockets = [Port::Bus, Port::Control].map(|port| desk.socket(&name, port));
         let hand = UnixStream::connect(board.hand()).expect("the second line");
-        hand.set_read_timeout(Some(PATIENCE)).expect("a limit");
+        hand.set_nonblocking(true).expect("a socket");
         let board = UnixStream::connect(board.line()).expect("the line");
         board.set_nonblocking(true).expect("a socket");
         let mut named = Self {
@@ -71,7 +72,7 @@ impl Named {
             lines: Lines::new(),
             said: VecDeque::new(),
             on_line: 0,
-            hand: BufReader::new(hand),
+            hand,
             bus: Bus::default(),
             gateways: bind(&sockets[0]).expect("a socket"),
             callers: Callers::default(),
@@ -184,12 +185,25 @@ impl Named {
         self.send();
     }
 
-    /// Tells the machine around the board a line, and waits for this answer.
+    /// Tells the machine around the board a line, and waits for this answer. The bus is heard meanwhile: the board writes
+    /// byte by byte, a socket holds some 300 of such writes, and a board that cannot write stands still.
     fn tell(&mut self, line: &str, answer: &str) {
-        let told = writeln!(self.hand.get_mut(), "{line}");
+        let told = writeln!(self.hand, "{line}");
         told.expect("the second line");
-        let mut said = String::new();
-        self.hand.read_line(&mut said).expect("its answer");
+        let began = Instant::now();
+        let mut said = Vec::new();
+        while !said.ends_with(b"\n") {
+            assert!(began.elapsed() < PATIENCE, "{line}: no answer");
+            let sockets = [self.hand.as_fd(), self.board.as_fd()];
+            let mut both = sockets.map(|socket| PollFd::new(socket, PollFlags::POLLIN));
+            poll(&mut both, PollTimeout::from(100_u8)).expect("a wait");
+            self.hear_board();
+            let mut byte = [0];
+            if let Ok(1) = self.hand.read(&mut byte) {
+                said.push(byte[0]);
+            }
+        }
+        let said = String::from_utf8_lossy(&said);
         assert_eq!(said.trim_end(), answer, "{line}");
     }
 }
