@@ -24,6 +24,9 @@ use nix::unistd::geteuid;
 
 use crate::{CanError, WrongAddress};
 
+/// The folder's name.
+const FOLDER: &str = "leadscrew";
+
 /// The folder's rights: the user's alone.
 const OWN: u32 = 0o700;
 
@@ -127,7 +130,7 @@ impl Desk {
         let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
         // A relative folder there is to be ignored, as its specification says.
         let folder = match runtime.filter(|path| path.is_absolute() && path.is_dir()) {
-            Some(runtime) => runtime.join("leadscrew"),
+            Some(runtime) => runtime.join(FOLDER),
             None => PathBuf::from(format!("/tmp/leadscrew-{uid}")),
         };
         Self::at(folder, uid)
@@ -155,12 +158,25 @@ impl Desk {
     /// # Errors
     /// As [`find`](Self::find); the folder cannot be made.
     pub fn make() -> Result<Self, CanError> {
-        let desk = Self::find()?;
-        match DirBuilder::new().mode(OWN).create(&desk.folder) {
-            Ok(()) => Ok(desk),
+        Self::find()?.made()
+    }
+
+    /// The same for commands that are given this folder as their `XDG_RUNTIME_DIR`.
+    ///
+    /// # Errors
+    /// As [`make`](Self::make).
+    pub fn make_within(runtime: &Path) -> Result<Self, CanError> {
+        Self::at(runtime.join(FOLDER), geteuid().as_raw())?.made()
+    }
+
+    fn made(self) -> Result<Self, CanError> {
+        match DirBuilder::new().mode(OWN).create(&self.folder) {
+            Ok(()) => Ok(self),
             // Somebody may have made it since.
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => Self::find(),
-            Err(error) => Err(system(&desk.folder, "make", error)),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                Self::at(self.folder, geteuid().as_raw())
+            }
+            Err(error) => Err(system(&self.folder, "make", error)),
         }
     }
 

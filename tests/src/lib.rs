@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod gateway;
 pub mod hostile;
+pub mod hour;
 pub mod limits;
 pub mod long_program;
 pub mod machine;

@@ -24,7 +24,7 @@
 //! assert_eq!(clock.due(start + Duration::from_millis(5)), 5);
 //! ```
 
-mod bus;
+pub mod bus;
 pub mod callers;
 pub mod clock;
 pub mod control;

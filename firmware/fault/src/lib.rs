@@ -39,7 +39,7 @@ fn read<T>(part: *const T) -> T {
 /// Writes one part of [`MEMORY`].
 fn write<T>(part: *mut T, value: T) {
     // SAFETY: as for reading. Once the tick runs, it alone writes the ticks. The other parts are written before the
-    // tick runs, and by handlers, which do not return.
+    // tick runs, by handlers, which do not return, and by a tick that resets the processor next.
     unsafe { write_volatile(part, value) }
 }
 
@@ -87,6 +87,13 @@ pub fn begin(failure: Option<&Failure>) {
             cortex_m::asm::wfi();
         }
     }
+}
+
+/// Forgets everything, as the memory does where the power goes: for an emulated board whose power is cut. The caller, a
+/// tick, resets the processor next.
+pub fn forget() {
+    let (head, _, _) = parts();
+    write(head, [0; Left::HEAD]);
 }
 
 /// Forbids all access to the 4 KiB below `_stack_end`, for a chip that has memory there. `_stack_end` is a multiple of

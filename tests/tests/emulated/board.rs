@@ -65,6 +65,19 @@ impl Board {
         board
     }
 
+    /// Its line.
+    pub fn line(&self) -> &Path {
+        match &self.wire {
+            Wire::Line(path) => path,
+            Wire::Kernel(_) => panic!("this board was there before this test"),
+        }
+    }
+
+    /// Its second line: what is not on a bus is said there.
+    pub fn hand(&self) -> PathBuf {
+        hand(self.line())
+    }
+
     /// The value of `--bus` for this board.
     fn bus(&self) -> String {
         match &self.wire {
@@ -178,8 +191,14 @@ impl Drop for Board {
         }
         if let Wire::Line(path) = &self.wire {
             let _ = std::fs::remove_file(path);
+            let _ = std::fs::remove_file(hand(path));
         }
     }
+}
+
+/// The second line beside this one.
+fn hand(line: &Path) -> PathBuf {
+    line.with_extension("hand")
 }
 
 /// Where the image of this variable is.
@@ -195,11 +214,11 @@ fn emulate(image: &str, line: &Path, words: &[&str]) -> (Running, PathBuf) {
         semihosting.push_str(",arg=");
         semihosting.push_str(word);
     }
-    let serial = format!("unix:{},server=on,wait=off", line.display());
+    let serial = |line: &Path| format!("unix:{},server=on,wait=off", line.display());
     let said = scratch("said");
     let emulator = Command::new("qemu-system-arm")
         .args(["-M", "mps2-an386", "-nographic", "-monitor", "none"])
-        .args(["-serial", &serial])
+        .args(["-serial", &serial(line), "-serial", &serial(&hand(line))])
         .args(["-semihosting-config", &semihosting, "-kernel", image])
         .stdin(Stdio::null())
         .stdout(File::create(&said).expect("a place for what it says"))

@@ -5,7 +5,9 @@
 //! messages), and runs these tests.
 
 mod board;
+mod desk;
 mod failure;
+mod hour;
 mod kernel;
 mod messages;
 mod operate;

@@ -7,6 +7,7 @@ pub const INTERRUPT: u16 = 9;
 
 /// Both timers count down at this clock.
 const PER_MS: u32 = 25_000;
+const PER_US: u32 = PER_MS / 1000;
 
 const TIMER_0: usize = 0x4000_0000;
 const TIMER_1: usize = 0x4000_1000;
@@ -39,13 +40,13 @@ pub fn woken() {
     write(TIMER_1, CLEAR, 1);
 }
 
-/// Real time in milliseconds since the start of this clock. It has to be read at least once a minute.
+/// Real time in microseconds since the start of this clock. It has to be read at least once a minute.
 #[derive(Debug)]
 pub struct Clock {
     last: u32,
-    /// Counts that do not make a whole millisecond yet.
+    /// Counts that do not make a whole microsecond yet.
     rest: u32,
-    ms: u64,
+    us: u64,
 }
 
 impl Clock {
@@ -53,19 +54,19 @@ impl Clock {
         Self {
             last: count(),
             rest: 0,
-            ms: 0,
+            us: 0,
         }
     }
 
-    /// Milliseconds since the start.
-    pub fn ms(&mut self) -> u64 {
+    /// Microseconds since the start.
+    pub fn us(&mut self) -> u64 {
         let now = count();
         // The timer counts down.
         let passed = u64::from(self.last.wrapping_sub(now)) + u64::from(self.rest);
         self.last = now;
-        self.rest = (passed % u64::from(PER_MS)) as u32;
-        self.ms += passed / u64::from(PER_MS);
-        self.ms
+        self.rest = (passed % u64::from(PER_US)) as u32;
+        self.us += passed / u64::from(PER_US);
+        self.us
     }
 }
 

@@ -16,8 +16,9 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use leadscrew_core::board::{Output, TickSide};
 use static_cell::ConstStaticCell;
 
+use crate::clock;
 use crate::shop::Shop;
-use crate::{clock, uart};
+use crate::uart::{self, Uart};
 
 /// Room for bytes between two reads of the thread. The emulated UART waits until each byte was taken.
 pub const BYTES: usize = 4096;
@@ -77,7 +78,7 @@ pub fn own_uart() -> Consumer<'static, u8> {
 
 /// Enables the interrupts.
 pub fn enable() {
-    uart::start();
+    Uart::BUS.start_with_interrupt();
     clock::start();
     // SAFETY: the only place that sets priorities; no critical section relies on them.
     let mut nvic = unsafe { cortex_m::Peripherals::steal().NVIC };
@@ -102,7 +103,7 @@ unsafe fn DefaultHandler(number: i16) {
     match u16::try_from(number) {
         Ok(TICK) => TICK_SIDE.with(|(tick, output, shop)| leadscrew_app::tick(tick, output, shop)),
         Ok(uart::INTERRUPT) => BYTES_IN.with(|bytes| {
-            if let Some(byte) = uart::receive() {
+            if let Some(byte) = Uart::BUS.receive() {
                 // Where the thread is this late, a line is damaged and its frame is repeated.
                 let _ = bytes.enqueue(byte);
             }

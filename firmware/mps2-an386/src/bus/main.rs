@@ -1,21 +1,26 @@
 #![no_std]
 #![no_main]
 //! A board on a bus, on the emulated Cortex-M4F: both contexts, the plant around the board, and CAN as lines of text
-//! (SLCAN) over the UART. A gateway or the kernel's `slcand` can use this board like any other.
+//! (SLCAN) over the UART. A gateway or the kernel's `slcand` can use this board like any other. What is not on a bus (door,
+//! emergency stop, power) comes over a second UART.
 //!
 //! ```text
 //!                    UART0 (SLCAN)                  queues
 //! gateway ◄────────────────────────► background ◄──────────────► tick ◄─► plant
 //!                                      thread                  interrupt
+//!                    UART1 (words)                  queue
+//! hand ◄───────────────────────────► thread ──────────────────────────► plant
 //! ```
 //!
 //! Time is virtual: the thread runs the tick's interrupt when everything that the tick depends on is there ([`pace`]).
-//! So a program gives the same setpoints here as anywhere else. The wire carries everything but SYNC and the process
-//! data of the drives; with `traffic=all` in its command line the image sends these too.
+//! So a program gives the same setpoints here as anywhere else. With `time=real` in its command line the image runs in real
+//! time, for an operator. The wire carries everything but SYNC and the process data of the drives; with `traffic=all` the
+//! image sends these too.
 
 mod around;
 mod clock;
 mod flash;
+mod hand;
 mod interrupts;
 mod log;
 mod options;
@@ -32,11 +37,12 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use heapless::spsc::Queue;
 use leadscrew_app::{Memory, PowerUp, ResetCause, Sides};
-use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::params::Params;
 use static_cell::{ConstStaticCell, StaticCell};
 
+use crate::around::{Lathe, Touch};
+use crate::hand::{Hand, TOUCHES};
 use crate::options::Options;
 use crate::outside::Outside;
 use crate::pace::Pace;
@@ -50,6 +56,8 @@ fn main() -> ! {
     static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
     static TOLD: ConstStaticCell<Queue<Frame, TRAFFIC>> = ConstStaticCell::new(Queue::new());
     static ASKED: ConstStaticCell<Queue<Frame, TRAFFIC>> = ConstStaticCell::new(Queue::new());
+    static TOUCHED: ConstStaticCell<Queue<Touch, TOUCHES>> = ConstStaticCell::new(Queue::new());
+    static PARAMS: StaticCell<Params> = StaticCell::new();
     static OUTSIDE: StaticCell<Outside> = StaticCell::new();
 
     if let Some(mut core) = cortex_m::Peripherals::take() {
@@ -69,15 +77,18 @@ fn main() -> ! {
     leadscrew_fault::begin(failure.as_ref());
     log::started(cause);
     let options = Options::read(failure.as_ref());
-    let begins = PlantOptions::default();
-    let kept = around::kept();
+    let kept = Lathe::kept();
+    // After a reset the drives report their positions; at power-up the axes stand here.
+    let remembered = match &kept {
+        Some(lathe) => lathe.off(),
+        None => Some(options.at),
+    };
     let mut flash = flash::RamFlash::power_up();
     let tap = flash.tap().expect("the flash can be read");
     let set = flash.params(&Params::sheets()).expect("the flash is one");
     let up = PowerUp {
         set: &set,
-        // After a reset the drives report their positions.
-        remembered: kept.is_none().then_some(begins.at),
+        remembered,
         tap,
         node: NodeId::BOARD,
         serial: 0,
@@ -93,15 +104,25 @@ fn main() -> ! {
         .take()
         .power_up(&up)
         .expect("what was stored was good, and what is built in");
-    let plant = kept.unwrap_or_else(|| around::new(&set.params, &begins));
+    let lathe = match (kept, remembered) {
+        (Some(lathe), None) => lathe,
+        (before, at) => {
+            let at = at.unwrap_or_default();
+            Lathe::switched_on(&set.params, at, before.as_ref())
+        }
+    };
     let (told_in, told_out) = TOLD.take().split();
     let (asked_in, asked_out) = ASKED.take().split();
-    interrupts::own_tick(tick, output, Shop::new(plant, options, told_in, asked_out));
+    let (touched_in, touched_out) = TOUCHED.take().split();
+    let params = PARAMS.init(set.params.clone());
+    let shop = Shop::new(lathe, params, options, touched_out, told_in, asked_out);
+    interrupts::own_tick(tick, output, shop);
     let bytes = interrupts::own_uart();
     let outside = OUTSIDE.init(Outside::new(bytes, told_out, asked_in, flash));
     interrupts::enable();
     watchdog::start();
-    Pace::new(&set.params).run(background, outside)
+    let hand = &mut Hand::new(touched_in);
+    Pace::new(&set.params, options.real).run(background, outside, hand)
 }
 
 #[panic_handler]

@@ -12,7 +12,7 @@ use leadscrew_store::BUFFER;
 use crate::flash::RamFlash;
 use crate::log;
 use crate::pace::Times;
-use crate::uart;
+use crate::uart::Uart;
 
 /// The most bytes that wait to be sent.
 const OUT: usize = 4096;
@@ -87,10 +87,10 @@ impl Outside {
                 self.take(frame);
             }
         }
-        while uart::has_room()
+        while Uart::BUS.has_room()
             && let Some(byte) = self.out.pop_front()
         {
-            uart::send(byte);
+            Uart::BUS.send(byte);
         }
         came
     }

@@ -1,15 +1,21 @@
-//! Virtual time: when a tick may run. The simulated board in lock-step has the same rules.
+//! When a tick may run.
+//!
+//! In virtual time. The simulated board in lock-step has the same rules.
 //!
 //! - A tick waits for the program: while more of it is to come and there is room for it, time stands still.
 //! - A tick waits for the gateway's heartbeat where the machine would run ahead of it: a living gateway is not lost.
 //! - A machine with nothing to do runs whole turns of the SYNC counter, 240 ticks each, in real time. So every program
 //!   begins at the same count, and its frames are the same at any time of its start.
+//!
+//! In real time (`time=real`) a tick comes at each of its times, at the speed that the hand says. A host that is too slow
+//! lets time slip, and a program that is late is waited for as in virtual time.
 
 use leadscrew_core::board::{BackgroundSide, State};
 use leadscrew_core::bus::SyncProducer;
 use leadscrew_core::params::Params;
 
 use crate::clock::Clock;
+use crate::hand::Hand;
 use crate::interrupts;
 use crate::outside::Outside;
 use crate::watchdog;
@@ -19,6 +25,9 @@ const TURN: u64 = SyncProducer::LAST as u64;
 
 /// The longest wait for a program or a gateway, in milliseconds. The host may be slow.
 const LOST_MS: u64 = 10_000;
+
+/// Later than this, in microseconds, a tick of real time is not made up for. The thread may sleep for a millisecond.
+const LATE_US: u64 = 20_000;
 
 /// The times in the parameters.
 #[derive(Clone, Copy, Debug)]
@@ -38,9 +47,32 @@ impl Times {
     }
 }
 
+/// Real time.
+struct Real {
+    /// The speed of machine time, in thousandths.
+    thousandths: u32,
+    /// The time of the next tick, in microseconds.
+    next: u64,
+}
+
+impl Real {
+    fn is_due(&mut self, us: u64, tick_us: u64) -> bool {
+        let Some(late) = us.checked_sub(self.next) else {
+            return false;
+        };
+        if late > LATE_US {
+            self.next = us;
+        }
+        self.next += tick_us * 1000 / u64::from(self.thousandths);
+        true
+    }
+}
+
 /// The state on which time depends.
 pub struct Pace {
     clock: Clock,
+    /// `None` in virtual time.
+    real: Option<Real>,
     times: Times,
     ticks: u64,
     /// Ticks up to and including tick 0: the first tick in which the machine is up and stands.
@@ -54,9 +86,13 @@ pub struct Pace {
 }
 
 impl Pace {
-    pub fn new(params: &Params) -> Self {
+    pub fn new(params: &Params, real: bool) -> Self {
         Self {
             clock: Clock::new(),
+            real: real.then_some(Real {
+                thousandths: 1000,
+                next: 0,
+            }),
             times: Times::of(params),
             ticks: 0,
             up: None,
@@ -67,9 +103,23 @@ impl Pace {
     }
 
     /// The main loop of the thread.
-    pub fn run(mut self, mut background: BackgroundSide<'static>, outside: &mut Outside) -> ! {
+    pub fn run(
+        mut self,
+        mut background: BackgroundSide<'static>,
+        outside: &mut Outside,
+        hand: &mut Hand,
+    ) -> ! {
         loop {
-            let now = self.clock.ms();
+            let us = self.clock.us();
+            let now = us / 1000;
+            if let Some(thousandths) = hand.pump(now)
+                && let Some(real) = &mut self.real
+            {
+                *real = Real {
+                    thousandths,
+                    next: us,
+                };
+            }
             let came = outside.pump(now);
             if outside.has_heard_gateway() {
                 self.beat = Some((self.ticks, now));
@@ -80,7 +130,7 @@ impl Pace {
             if let Some(times) = outside.new_times() {
                 self.times = times;
             }
-            if outside.takes_tick() && self.is_due(&background, now) {
+            if outside.takes_tick() && self.is_due(&background, us) {
                 interrupts::tick();
                 self.ticks += 1;
                 self.last = now;
@@ -99,7 +149,14 @@ impl Pace {
         }
     }
 
-    fn is_due(&mut self, background: &BackgroundSide<'_>, now: u64) -> bool {
+    fn is_due(&mut self, background: &BackgroundSide<'_>, us: u64) -> bool {
+        let now = us / 1000;
+        if self.real.is_some() && self.waits_for_program(background, now) {
+            return false;
+        }
+        if let Some(real) = &mut self.real {
+            return real.is_due(us, self.times.tick_us);
+        }
         let Some(up) = self.up else {
             // While the machine comes up, a tick takes a millisecond at least, as the drives need.
             return now > self.last;

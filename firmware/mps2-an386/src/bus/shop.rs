@@ -1,22 +1,29 @@
-//! The surroundings of the board for the tick: the plant, and the wire to the drives.
+//! The surroundings of the board for the tick: the machine, and the wire to the drives.
 
 use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 use leadscrew_app::TickMachine;
-use leadscrew_board_sim::plant::Plant;
 use leadscrew_core::board::Inputs;
 use leadscrew_core::bus::{CobId, Frame, NodeId, Setpoints};
+use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 
+use crate::around::{Lathe, Touch};
 use crate::options::Options;
-use crate::{around, watchdog};
+use crate::watchdog;
 
 /// Room for the answers of seven drives to one SYNC, and their other frames.
 const ANSWERS: usize = 32;
 
-/// The plant around the board.
+/// The machine around the board.
 pub struct Shop {
-    plant: Plant,
+    lathe: Lathe,
+    /// The parameters that it was made with.
+    params: &'static Params,
+    /// The board's outputs.
+    outputs: u16,
+    /// What a hand does at the machine.
+    touches: Consumer<'static, Touch>,
     /// The drives' frames, for the next tick.
     answers: Deque<Frame, ANSWERS>,
     wire: Wire,
@@ -28,13 +35,18 @@ pub struct Shop {
 
 impl Shop {
     pub const fn new(
-        plant: Plant,
+        lathe: Lathe,
+        params: &'static Params,
         options: Options,
+        touches: Consumer<'static, Touch>,
         told: Producer<'static, Frame>,
         asked: Consumer<'static, Frame>,
     ) -> Self {
         Self {
-            plant,
+            lathe,
+            params,
+            outputs: 0,
+            touches,
             answers: Deque::new(),
             wire: Wire {
                 told,
@@ -76,11 +88,14 @@ impl TickMachine for Shop {
         if let Some(provoke) = &mut self.provoke {
             provoke.tick();
         }
-        self.plant.advance()
+        self.lathe.plant.advance()
     }
 
     fn inputs(&mut self) -> Inputs {
-        Inputs::default()
+        while let Some(touch) = self.touches.dequeue() {
+            self.lathe.touch(self.params, touch);
+        }
+        self.lathe.pins(self.params, self.outputs)
     }
 
     fn receive(&mut self) -> Option<Frame> {
@@ -91,7 +106,7 @@ impl TickMachine for Shop {
         for frame in frames {
             self.wire.tell(frame);
         }
-        let (plant, answers, wire) = (&mut self.plant, &mut self.answers, &mut self.wire);
+        let (plant, answers, wire) = (&mut self.lathe.plant, &mut self.answers, &mut self.wire);
         let mut answer = |frame: Frame| {
             wire.tell(&frame);
             // Seven drives do not send more in a period.
@@ -101,16 +116,20 @@ impl TickMachine for Shop {
             plant.hear(&frame, &mut answer);
         }
         plant.exchange(frames, &mut answer);
-        around::keep(plant);
+        self.lathe.keep();
         true
     }
 
     /// Only to the drives in the plant: the line carries no frames of CAN FD.
     fn send_together(&mut self, setpoints: &Setpoints) -> bool {
         if let Some(frame) = setpoints.frame(NodeId::BOARD) {
-            self.plant.tell_together(&frame);
+            self.lathe.plant.tell_together(&frame);
         }
         true
+    }
+
+    fn set_outputs(&mut self, outputs: u16) {
+        self.outputs = outputs;
     }
 
     fn feed_watchdog(&mut self) {
