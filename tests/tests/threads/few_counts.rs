@@ -81,7 +81,7 @@ fn judged(calls: &[Call], params: &Params) -> Result<(), Alarm> {
 /// Cuts the thread of a case, and compares it with what was said.
 fn cut(case: &Case, calls: Vec<Call>, params: &Params) {
     let options = PlantOptions {
-        angle: Turns::from_raw(case.angle.into()),
+        angle: Turns::from_raw(case.angle),
         ripple: Ripple::new(case.swing, (case.rpm * 1000 / 60) as u32),
         ..PlantOptions::default()
     };
