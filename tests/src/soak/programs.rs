@@ -1,4 +1,4 @@
-//! Programs at random: the cycles of the sheets, lines and arcs, in the text a user writes. Each is one the machine can carry out.
+//! Programs at random: the cycles of the sheets, lines and arcs, in the text a user writes. The machine can carry out each.
 
 use core::fmt::Write as _;
 
