@@ -144,6 +144,52 @@ class Operator(unittest.TestCase):
         code, _, err = machine.end(running)
         self.assertEqual(code, 0, err)
 
+    def enable(self, machine, since):
+        """What the pin of the spindle's enable did from a tick on: (ticks after it, level)."""
+        seen = [(tick - since, level) for tick, name, level in machine.board.pins if name == "spindle enable"]
+        return [change for change in seen if change[0] >= 0]
+
+    def turning(self):
+        """A machine whose spindle turns while an axis moves; the run, and the tick now."""
+        machine = Machine(self)
+        text = "O0001\nG98\nM3 S600\nG0 X50 Z0\nG4 P500\nG1 Z-40 F600\nM30\n"
+        running = machine.start("run", program(self, text))
+        self.addCleanup(lambda: running.poll() is None and running.kill())
+        machine.line.work(lambda: machine.line.status is not None and machine.line.status[0] == 2 and machine.line.runs())
+        begun = machine.board.ticks
+        machine.line.work(lambda: machine.board.ticks >= begun + 800)
+        self.assertEqual(machine.board.shown["spindle enable"], "high")
+        return machine, running, machine.board.ticks
+
+    def test_a_stop_takes_the_enable_of_a_turning_spindle_when_it_stands(self):
+        machine, running, since = self.turning()
+        machine.board.contact("stop", False)
+        machine.line.work(lambda: machine.line.status[0] == 7)
+        machine.line.work(lambda: self.enable(machine, since))
+        [(fell, level)] = self.enable(machine, since)
+        self.assertEqual(level, "low")
+        # From 600 rpm it takes its ramp to stand.
+        self.assertGreater(fell, 50)
+        machine.board.contact("stop", True)
+        later = machine.board.ticks
+        machine.line.work(lambda: machine.board.ticks >= later + 200)
+        self.assertEqual(self.enable(machine, since), [(fell, "low")], "a stop that is released gives no power back")
+        code, _, _ = machine.end(running)
+        self.assertNotEqual(code, 0)
+
+    def test_a_wire_that_fails_takes_the_enable_of_a_turning_spindle(self):
+        machine, running, since = self.turning()
+        board = machine.board
+        board.wire.shorted = True
+        board.run_ticks(20)
+        self.assertTrue(board.fdcan.off)
+        self.assertEqual(self.enable(machine, since), [], "it turns")
+        board.run_until(lambda: self.enable(machine, since))
+        board.wire.shorted = False
+        board.run_ticks(400)
+        self.assertEqual([level for _, level in self.enable(machine, since)], ["low"], "a wire that is back gives none")
+        running.kill()
+
     def test_a_stop_in_a_tap_is_retracted(self):
         machine = Machine(self)
         running = machine.start("run", str(EXAMPLES / "g84-tap.nc"))
