@@ -250,6 +250,14 @@ pub fn colour() -> bool {
         && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
+/// A template with … in place of its figures.
+#[must_use]
+pub fn blanks(template: &str) -> String {
+    let keys = ["{0}", "{1}", "{2}", "{3}", "{w}"];
+    let fill = |text: String, key: &&str| text.replace(*key, "…");
+    keys.iter().fold(template.to_owned(), fill)
+}
+
 /// An alarm that a board gives as its reason: number, cause and remedy in one sentence.
 #[must_use]
 pub fn alarm_words(alarm: &Alarm) -> Both {

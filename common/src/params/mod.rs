@@ -21,6 +21,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
+use leadscrew_core::board::Board;
+use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::{Entry, FindError, Params, Part, Writing};
 use leadscrew_core::units::Axis;
 use leadscrew_language::dialect::Control;
@@ -257,6 +259,9 @@ impl Loaded {
     fn cross_check(&mut self, lang: Lang) {
         let mut found = Vec::new();
         self.params.check(|alarm| found.push(alarm));
+        if found.is_empty() {
+            found.extend(too_much_for_the_bus(&self.params));
+        }
         for alarm in found {
             let figures = alarm.args.map(|arg| figure(arg, lang, false));
             let place = self.blame(&alarm, lang);
@@ -306,6 +311,12 @@ impl Loaded {
     }
 }
 
+/// Why no board would join a bus with this set, whichever number it has: the board itself is asked.
+fn too_much_for_the_bus(params: &Params) -> Option<Alarm> {
+    let joined = Board::new(params, None, None).and_then(|mut board| board.join(NodeId::BOARD));
+    joined.err().filter(|alarm| alarm.code == Code::BusOverload)
+}
+
 /// The parameters that a cross-check compares.
 fn numbers(code: Code) -> &'static [u16] {
     match code {
@@ -337,6 +348,7 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::BlockNodeTaken => &[9461, 9014, 9015, 9016],
         Code::BlockMissing => &[9461],
         Code::DriveNodeTwice => &[9014, 9015, 9016],
+        Code::BusOverload => &[9000, 9014, 9020, 9021, 9022, 9031, 9032],
         _ => &[],
     }
 }

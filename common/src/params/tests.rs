@@ -570,3 +570,29 @@ fn a_condition_of_one_axis_is_not_told_of_another_axis_value() {
     assert!(told.message.contains("1420.C"), "{}", told.message);
     assert_eq!(told.file, "the board's parameters");
 }
+
+/// What the board refuses when it joins its bus is told before.
+#[test]
+fn a_cycle_that_leaves_no_room_on_the_bus_is_told() {
+    for wrong in [
+        &["9000=250"][..],
+        &["9000=250", "9031=1"],
+        &["9021=1"],
+        &["9020=500", "9000=2000"],
+    ] {
+        let loaded = load_texts(&[], wrong);
+        let told = told(&loaded);
+        assert!(!loaded.is_good(), "{wrong:?}");
+        let [told] = told.as_slice() else {
+            panic!("{wrong:?}: {told:?}");
+        };
+        let (name, _) = wrong.last().unwrap().split_once('=').unwrap();
+        assert!(
+            told.contains(" 4333 ") && told.contains("of the bus"),
+            "{told}"
+        );
+        assert!(told.starts_with("--set:") || told.contains(name), "{told}");
+    }
+    let right = ["9020=500", "9000=2000", "9022=20"];
+    assert!(load_texts(&[], &right).is_good());
+}

@@ -23,6 +23,8 @@ const BOARD: &[Object] = &[
     Object::new(0x1006, 0),
     Object::new(0x1016, 1),
     Object::new(0x1017, 0),
+    // Its alarm, which its status has only where somebody has started it.
+    Object::new(0x5001, 4),
 ];
 /// What each drive is asked.
 const DRIVE: &[Object] = &[
@@ -51,7 +53,7 @@ const TRIES: usize = 3;
 const MAPPINGS: [u16; 2] = [0x1600, 0x1A00];
 
 /// What is read, for people.
-pub const READ: &str = "board 1006h 1016h:01 1017h; drives 1006h 1016h:01 1017h 1400h:01 1400h:02 1600h 1800h:01 1800h:02 1A00h \
+pub const READ: &str = "board 1006h 1016h:01 1017h 5001h:04; drives 1006h 1016h:01 1017h 1400h:01 1400h:02 1600h 1800h:01 1800h:02 1A00h \
     60C2h 6060h 6061h; I/O block 1017h 1400h:01 1600h 1800h:01 1A00h 6000h 6200h";
 
 /// Reads all of it. `hear` gets every frame, the questions too.

@@ -49,19 +49,23 @@ struct Part {
 impl Part {
     /// The longest one; `None` where the stroke has none with actual positions.
     fn of(stroke: &[Sample], known: &Known) -> Option<Self> {
+        let span = known.pace.span();
+        let mean = |to: usize| {
+            known
+                .pace
+                .at_the_end(stroke[..=to].iter().rev().map(|of| of.setpoint))
+        };
         let mut best = 0..0;
-        let mut from = 0;
-        for at in 1..stroke.len() {
-            let step = |to: usize| stroke[to].setpoint - stroke[to - 1].setpoint;
-            // Setpoints are whole increments, so their steps differ by one.
-            if at == from + 1 {
-                continue;
+        let (mut from, mut speed) = (0, 0.0);
+        for at in span..stroke.len() {
+            let Some(now) = mean(at) else { continue };
+            if at == span || !known.pace.is_one(now, speed) {
+                (from, speed) = (at, now);
             }
-            let speed = (stroke[at].setpoint - stroke[from].setpoint) / (at - from) as f64;
-            if (step(at) - speed).abs() > 1.5 * known.increment {
-                from = at;
-            } else if speed.abs() > known.increment && at + 1 - from > best.len() {
-                best = from..at + 1;
+            // The mean hears of another speed up to a span late.
+            let part = from..(at + 1).saturating_sub(span);
+            if !known.pace.rests(speed) && part.len() > best.len() {
+                best = part;
             }
         }
         let part = &stroke[best];

@@ -6,12 +6,14 @@
 
 mod lag;
 mod model;
+mod pace;
 pub mod spindle;
 #[cfg(test)]
 mod tests;
 
 pub use lag::{Lag, Value};
 pub use model::Model;
+pub use pace::Pace;
 
 /// What the bus shows of an axis at one SYNC.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +31,8 @@ pub struct Sample {
 pub struct Known {
     /// SYNC period.
     pub tick: f64,
-    /// An increment of setpoints.
-    pub increment: f64,
+    /// How speeds of the setpoints are told apart.
+    pub pace: Pace,
     /// A count of the encoder.
     pub quantum: f64,
     /// Time until a setpoint is the drive's own target: buffer and interpolation.

@@ -74,7 +74,7 @@ fn run(of: impl Fn(f64) -> ServoOptions, constant: f64, every: usize) -> Vec<Vec
 fn known(buffer: u8, ff_percent: u16, count_nm: i64) -> Known {
     Known {
         tick: TICK,
-        increment: 0.001,
+        pace: Pace::of(0.001, TICK, None),
         quantum: count_nm as f64 / 1000.0,
         dead_time: f64::from(buffer + 1) * TICK,
         feed_forward: f64::from(ff_percent) / 100.0,
@@ -210,4 +210,33 @@ fn strokes_have_to_be_as_long_as_the_lag_asks() {
     };
     let told = look(&[untold(once()), untold(once())], &[], &known(0, 0, 100)).unwrap_err();
     assert!(matches!(told, Refusal::NotSettled { .. }), "{told:?}");
+}
+
+/// 100 nm an increment; the lead of a drive of 30/s that is taken off makes steps differ by more than one of them.
+#[test]
+fn targets_that_lead_go_on_at_one_speed() {
+    const INCREMENT: f64 = 0.1;
+    const KV: f64 = 30.0;
+    let lead = 0.5 / (TICK * KV);
+    // Setpoints in whole nanometres, at a speed that is none.
+    let setpoint = |k: i32| (f64::from(k.max(0)) * 8333.37).round();
+    let target = |k: i32| {
+        let slope = 3.0 * setpoint(k) - 4.0 * setpoint(k - 1) + setpoint(k - 2);
+        ((setpoint(k) + lead * slope) / 1000.0 / INCREMENT).round() * INCREMENT
+    };
+    let steps: Vec<f64> = (3..400).map(|k| target(k) - target(k - 1)).collect();
+    let least = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = steps.iter().copied().fold(0.0, f64::max);
+    assert!(most - least > 1.5 * INCREMENT, "{least} to {most}");
+    let pace = Pace::of(INCREMENT, TICK, Some(KV));
+    let mean = |to: i32| pace.at_the_end((3..=to).rev().map(target)).unwrap();
+    for to in 40..400 {
+        assert!(
+            pace.is_one(mean(to), 8.33337) && !pace.rests(mean(to)),
+            "{to}"
+        );
+    }
+    assert!(!pace.is_one(mean(40), 8.33337 * 1.02));
+    assert!(pace.rests(pace.at_the_end((0..40).map(|_| 0.1)).unwrap()));
+    assert_eq!(pace.at_the_end((0..20).map(f64::from)), None);
 }

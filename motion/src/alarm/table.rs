@@ -665,12 +665,12 @@ codes! {
     /// The spindle has not turned at one speed for long enough, so an encoder of few counts has not learned its swings:
     /// speed.
     SpindleNotSteady = 4275, "the spindle does not keep its speed of {0}, so an encoder of so few counts does not know its angle",
-        "wait until the spindle keeps its speed, check its drive and belt, or use an encoder of 1000 counts with timed edges or more (3720, 9006.0)",
-        "主轴不能稳定在 {0}，计数如此少的编码器无法得知其角度", "请等待主轴转速稳定，检查主轴驱动器和皮带，或使用捕获边沿时间且不少于 1000 个计数的编码器（3720、9006.0）";
+        "let the encoder learn the spindle's swing first (9034: `leadscrew tune spindle --write` finds it); then wait until the spindle keeps its speed, check its drive and belt, or use an encoder of 1000 counts with timed edges or more (3720, 9006.0)",
+        "主轴不能稳定在 {0}，计数如此少的编码器无法得知其角度", "请先让编码器学习主轴的摆动（9034：`leadscrew tune spindle --write` 可测得）；然后等待主轴转速稳定，检查主轴驱动器和皮带，或使用捕获边沿时间且不少于 1000 个计数的编码器（3720、9006.0）";
     /// The spindle swings by more than an axis can follow: axis, speed.
     SpindleSwings = 4276, "at {1} the spindle swings by more than {0} can follow on this lead: the tool is farther beside the thread than 9035 allows",
-        "lower S or the lead, check the spindle's drive, belt and load, or raise the axis' acceleration and jerk if the machine allows",
-        "主轴 {1} 时的摆动超出 {0} 轴在此导程上的跟随能力：刀具偏离螺纹超过 9035 的允许值", "请降低 S 或导程，检查主轴驱动器、皮带和负载，或在机床允许时增大该轴的加速度和加加速度";
+        "where the encoder has few counts, let it learn the swing first (9034: `leadscrew tune spindle --write` finds it); then lower S or the lead, check the spindle's drive, belt and load, or raise the axis' acceleration and jerk if the machine allows",
+        "主轴 {1} 时的摆动超出 {0} 轴在此导程上的跟随能力：刀具偏离螺纹超过 9035 的允许值", "编码器计数少时，请先让它学习摆动（9034：`leadscrew tune spindle --write` 可测得）；然后降低 S 或导程，检查主轴驱动器、皮带和负载，或在机床允许时增大该轴的加速度和加加速度";
     /// An encoder without times of edges knows the angle too badly for a thread: lead, the error along it, the
     /// greatest that is allowed, speed.
     EncoderUncertain = 4277, "at {3} the encoder knows the spindle within {1} along a lead of {0}; at most {2} is allowed",

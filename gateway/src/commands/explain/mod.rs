@@ -14,6 +14,7 @@ use leadscrew_core::alarm::{Code, Lang};
 use self::entries::{Entry, entries};
 use self::subjects::SUBJECTS;
 use crate::cli::{Explain, Global};
+use crate::diagnostics::blanks;
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::words::{both, pick};
@@ -144,13 +145,6 @@ fn page(all: &[Explained], lang: Lang) -> String {
         before = subject;
     }
     text
-}
-
-/// A template with … in place of its figures.
-fn blanks(template: &str) -> String {
-    let keys = ["{0}", "{1}", "{2}", "{3}", "{w}"];
-    let fill = |text: String, key: &&str| text.replace(*key, "…");
-    keys.iter().fold(template.to_owned(), fill)
 }
 
 /// The same with a capital letter in front, if its first word is one of letters.

@@ -17,7 +17,7 @@ use leadscrew_core::units::Axis;
 use crate::cli::{AxisWay, Global, Tune, Tuned};
 use crate::commands::board::Greeted;
 use crate::failure::{Failure, Outcome};
-use crate::tuning::{Known, look};
+use crate::tuning::{Known, Pace, look};
 use crate::words::both;
 
 /// Moves, finds, tells, and writes where that was asked.
@@ -63,13 +63,21 @@ fn axis(global: &Global, args: &Tune, way: AxisWay) -> Outcome {
         increment,
         tick,
     };
+    let gain = params.drive_gain(axis);
+    let gain = (gain > 0).then(|| f64::from(gain) / 10.0);
+    let pace = Pace::of(increment, tick, gain);
     machine.link.hear_status()?;
     machine.link.set_mode(OperatingMode::Manual)?;
-    let heard = strokes::make(&mut machine, way, axis, increment, tick)?;
+    let scale = strokes::Scale {
+        increment,
+        tick,
+        pace,
+    };
+    let heard = strokes::make(&mut machine, way, axis, scale)?;
     drop(machine);
     let known = Known {
         tick,
-        increment,
+        pace,
         quantum: heard.quantum(increment),
         dead_time: f64::from(dead_time + age) * 1e-6,
         feed_forward: f64::from(feed_forward) / 1000.0,

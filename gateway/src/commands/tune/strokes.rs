@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
+use leadscrew_core::bus::{Beat, CobId, Frame, NodeId, Service};
 use leadscrew_core::operating::{PressState, Towards};
 use leadscrew_core::units::Axis;
 
@@ -13,14 +13,17 @@ use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::link::Link;
-use crate::tuning::Sample;
+use crate::tuning::{Pace, Sample};
 use crate::words::both;
 
 /// Constant part of a stroke in seconds: 8/Kv of a drive of Kv 15, half a second, and a little.
 const CONSTANT: f64 = 1.1;
 /// Time at rest behind a stroke, in seconds.
 const REST: f64 = 0.7;
-/// The longest stroke, in seconds.
+/// The longest that a press is held, in seconds of the board: the constant part, ramps, and a drive of Kv 5 that knows all of
+/// its speed beforehand.
+const HELD: f64 = 4.0;
+/// The longest stroke, in seconds: behind the press the axis only comes to rest.
 const LONGEST: f64 = 20.0;
 /// Shares of the highest jogging speed, in tenths.
 const SPEEDS: [u32; 3] = [1, 3, 5];
@@ -44,14 +47,18 @@ impl Heard {
     }
 }
 
+/// What targets on the bus mean.
+#[derive(Clone, Copy)]
+pub struct Scale {
+    /// An increment in µm.
+    pub increment: f64,
+    /// The SYNC period in seconds.
+    pub tick: f64,
+    pub pace: Pace,
+}
+
 /// Moves to and fro at three speeds, twice.
-pub fn make(
-    machine: &mut Machine,
-    way: AxisWay,
-    axis: Axis,
-    increment: f64,
-    tick: f64,
-) -> Outcome<Heard> {
+pub fn make(machine: &mut Machine, way: AxisWay, axis: Axis, scale: Scale) -> Outcome<Heard> {
     let node = DriveNodes::of(&machine.params).axis(axis);
     let highest = machine.params.manual_rapid().nm_per_min() / 1_000_000;
     let link = &mut machine.link;
@@ -64,8 +71,8 @@ pub fn make(
             let speed = u16::try_from(speed.clamp(1, 60_000)).unwrap_or(u16::MAX);
             for towards in [way.towards, opposite(way.towards)] {
                 let way = AxisWay { towards, ..way };
-                let stroke = one(link, way, speed, Ear::new(node, increment, tick))?;
-                let still = (0.2 / tick) as usize;
+                let stroke = one(link, way, speed, Ear::new(node, scale))?;
+                let still = (0.2 / scale.tick) as usize;
                 // The rests have different places: only one is a measure of noise.
                 rest = stroke[stroke.len().saturating_sub(still)..].to_vec();
                 run.push(stroke);
@@ -89,6 +96,7 @@ fn one(link: &mut Link, way: AxisWay, speed: u16, mut ear: Ear) -> Outcome<Vec<S
     let held = Held::new(link, way, speed);
     let begun = Instant::now();
     let mut released = false;
+    let mut pressed = Pressed::at(speed);
     loop {
         let until = Instant::now() + RENEWAL;
         link.listen(until, &mut |frame| {
@@ -112,6 +120,9 @@ fn one(link: &mut Link, way: AxisWay, speed: u16, mut ear: Ear) -> Outcome<Vec<S
             Some(PressState::Ended) if !released => return Err(broken(link)?),
             _ => {}
         }
+        if !released && pressed.is_over(ear.way()) {
+            return Err(unsteady(ear.way()));
+        }
         if ear.time() > LONGEST {
             return Err(broken(link)?);
         }
@@ -119,6 +130,7 @@ fn one(link: &mut Link, way: AxisWay, speed: u16, mut ear: Ear) -> Outcome<Vec<S
             break;
         }
         if let Some(told) = link.seen.beat {
+            pressed.goes_on(told.beat);
             held.renew(link, told.beat, released)?;
         }
         link.check_alive()?;
@@ -141,6 +153,16 @@ fn unheard() -> Failure {
     ))
 }
 
+/// A press that was held for long enough, and its targets were not.
+fn unsteady(way: f64) -> Failure {
+    let mm = way / 1000.0;
+    Failure::MachineBecause(both!(
+        "the targets of a stroke have not come to one speed in {HELD} s and {mm:.1} mm, and it was ended: an acceleration (1620) \
+         too low for its jog speed, a feed override that changes, or another board's targets under the number of this drive (9015)",
+        "在 {HELD} s、{mm:.1} mm 内行程的目标值未达到恒定速度，已结束：加速度（1620）对其点动速度过低、进给倍率在变化，或另一控制板以此驱动器的编号（9015）发送目标值"
+    ))
+}
+
 /// Why a stroke has not reached its end.
 fn broken(link: &mut Link) -> Outcome<Failure> {
     let why = match link.status()?.alarm {
@@ -154,25 +176,53 @@ fn broken(link: &mut Link) -> Outcome<Failure> {
     Ok(Failure::MachineBecause(why))
 }
 
+/// A press, by the board's own time: nothing that is heard, or not heard, holds it longer or moves its axis farther.
+struct Pressed {
+    last: Option<Beat>,
+    /// In seconds.
+    time: f64,
+    /// The longest way, in µm.
+    farthest: f64,
+}
+
+impl Pressed {
+    /// At so many mm/min.
+    fn at(speed: u16) -> Self {
+        Self {
+            last: None,
+            time: 0.0,
+            farthest: HELD * f64::from(speed) * 1000.0 / 60.0,
+        }
+    }
+
+    fn goes_on(&mut self, beat: Beat) {
+        let last = self.last.replace(beat);
+        let ms = last.and_then(|last| beat.age_of(last)).unwrap_or(0);
+        self.time += f64::from(ms) / 1000.0;
+    }
+
+    fn is_over(&self, way: f64) -> bool {
+        self.time > HELD || way > self.farthest
+    }
+}
+
 /// Hears the setpoints and actual positions of one drive.
 struct Ear {
     node: NodeId,
-    increment: f64,
-    tick: f64,
+    scale: Scale,
     setpoint: Option<f64>,
     samples: Vec<Sample>,
-    /// The step of the setpoint since the counter began.
+    /// The mean step of the setpoint when the counter began.
     step: f64,
     /// Ticks with this step.
     same: u32,
 }
 
 impl Ear {
-    const fn new(node: NodeId, increment: f64, tick: f64) -> Self {
+    const fn new(node: NodeId, scale: Scale) -> Self {
         Self {
             node,
-            increment,
-            tick,
+            scale,
             setpoint: None,
             samples: Vec::new(),
             step: 0.0,
@@ -195,7 +245,7 @@ impl Ear {
         else {
             return;
         };
-        let at = f64::from(i32::from_le_bytes([a, b, c, d])) * self.increment;
+        let at = f64::from(i32::from_le_bytes([a, b, c, d])) * self.scale.increment;
         match service {
             Service::Rpdo1 => self.setpoint = Some(at),
             Service::Tpdo1 => {
@@ -212,35 +262,106 @@ impl Ear {
         let Some(setpoint) = self.setpoint else {
             return;
         };
-        if let Some(last) = self.samples.last() {
-            let step = setpoint - last.setpoint;
-            if (step - self.step).abs() > 1.5 * self.increment {
-                (self.step, self.same) = (step, 0);
-            }
-            self.same += 1;
-        }
         self.samples.push(Sample {
             setpoint,
             actual: None,
             following: None,
         });
+        let pace = self.scale.pace;
+        let newest_first = self.samples.iter().rev().map(|sample| sample.setpoint);
+        let Some(step) = pace.at_the_end(newest_first) else {
+            return;
+        };
+        if !pace.is_one(step, self.step) {
+            (self.step, self.same) = (step, 0);
+        }
+        self.same += 1;
     }
 
     fn is_moving(&self) -> bool {
-        self.step.abs() > 1.5 * self.increment
+        !self.scale.pace.rests(self.step)
     }
 
     /// For so long it has had the same speed.
     fn constant(&self) -> f64 {
-        f64::from(self.same) * self.tick * f64::from(u8::from(self.is_moving()))
+        f64::from(self.same) * self.scale.tick * f64::from(u8::from(self.is_moving()))
     }
 
     /// For so long it has been at rest.
     fn still(&self) -> f64 {
-        f64::from(self.same) * self.tick * f64::from(u8::from(!self.is_moving()))
+        f64::from(self.same) * self.scale.tick * f64::from(u8::from(!self.is_moving()))
     }
 
     fn time(&self) -> f64 {
-        self.samples.len() as f64 * self.tick
+        self.samples.len() as f64 * self.scale.tick
+    }
+
+    /// How far the setpoint is from where it began.
+    fn way(&self) -> f64 {
+        let at = |sample: Option<&Sample>| sample.map_or(0.0, |sample| sample.setpoint);
+        (at(self.samples.last()) - at(self.samples.first())).abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TICK: f64 = 1e-3;
+
+    fn ear() -> Ear {
+        let scale = Scale {
+            increment: 0.1,
+            tick: TICK,
+            pace: Pace::of(0.1, TICK, Some(30.0)),
+        };
+        Ear::new(NodeId::new(17).unwrap(), scale)
+    }
+
+    fn told(ear: &mut Ear, um: f64) {
+        let [a, b, c, d] = ((um * 10.0) as i32).to_le_bytes();
+        let id = CobId::of(Service::Rpdo1, ear.node);
+        ear.hear(&Frame::new(id, &[0x0F, 0, a, b, c, d]).unwrap());
+        ear.hear(&Frame::new(CobId::SYNC, &[1]).unwrap());
+    }
+
+    #[test]
+    fn a_press_ends_whatever_is_heard() {
+        // At 600 mm/min, 10 mm/s. Nothing is heard, and the board's time goes on.
+        let mut pressed = Pressed::at(600);
+        for ms in (0_u16..).step_by(10).take(401) {
+            assert!(!pressed.is_over(0.0), "{ms}");
+            pressed.goes_on(Beat::new(ms.wrapping_add(65_000)));
+        }
+        pressed.goes_on(Beat::new(4010_u16.wrapping_add(65_000)));
+        assert!(pressed.is_over(0.0));
+        // It gets faster and faster, and the board's time stands.
+        let (pressed, mut ear) = (Pressed::at(600), ear());
+        let mut at = 0.0;
+        for tick in 0.. {
+            at -= f64::from(tick) * 0.05;
+            told(&mut ear, at);
+            if pressed.is_over(ear.way()) {
+                break;
+            }
+            assert!(ear.constant() < CONSTANT, "{tick}");
+        }
+        assert!((40_000.0..40_100.0).contains(&ear.way()), "{}", ear.way());
+    }
+
+    #[test]
+    fn a_stroke_is_constant_and_then_still() {
+        let mut ear = ear();
+        let mut at = 0.0;
+        for tick in 0..1200 {
+            // 8.33 mm/s, with what the lead makes of half nanometres.
+            at -= 8.33;
+            told(&mut ear, at + [0.066, -0.066, 0.03][tick % 3]);
+        }
+        assert!(ear.constant() > CONSTANT && ear.still() < TICK);
+        for _ in 0..800 {
+            told(&mut ear, at);
+        }
+        assert!(ear.constant() < TICK && ear.still() > REST);
     }
 }

@@ -72,6 +72,8 @@ pub struct Drive {
     pub not_enabled: Hits,
     /// It went without torque by itself.
     pub torque_off: Hits,
+    /// It is in fault.
+    pub fault: Hits,
     /// Following errors.
     pub following: Vec<Following>,
     /// It stands while its target moves.
@@ -246,6 +248,9 @@ impl Drive {
         }
         if matches!(state, Some(State::Fault | State::FaultReactionActive)) {
             self.reason = Some(at);
+            self.fault.go_on(at, packet);
+        } else {
+            self.fault.end(at);
         }
         let disabled = state == Some(State::SwitchOnDisabled);
         let shut_down = matches!(control & 0x87, 0x06 | 0x07);
@@ -358,6 +363,7 @@ impl Drive {
             &mut self.no_mains,
             &mut self.not_enabled,
             &mut self.torque_off,
+            &mut self.fault,
             &mut self.limited,
             &mut self.homing_error,
         ] {

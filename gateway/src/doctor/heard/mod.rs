@@ -40,6 +40,8 @@ pub struct Board {
     pub status: Option<BoardStatus>,
     /// Alarms that it stands on, by number.
     pub alarms: BTreeMap<u16, Hits>,
+    /// The one that it stands on now.
+    pub standing: Option<u16>,
     /// Setpoints that it counts as late.
     pub late: Hits,
     /// How many those are.
@@ -253,7 +255,12 @@ impl Heard {
                 self.objects.request(node, frame.payload());
                 self.nodes.entry(node).or_default().asked.hit(at, packet);
             }
-            Service::SdoReply => self.objects.reply(at, node, frame.payload(), packet),
+            Service::SdoReply => {
+                self.objects.reply(at, node, frame.payload(), packet);
+                if node == self.machine.board {
+                    self.told_alarm(at, packet);
+                }
+            }
             Service::Rpdo1 if Some(node) == self.machine.block => {
                 self.nodes.entry(node).or_default().asked.hit(at, packet);
             }
@@ -304,6 +311,11 @@ impl Heard {
         // The board has a limit of its own, and tells the number of its alarm in the detail.
         let [low, high, ..] = emergency.detail;
         let alarm = u16::from_le_bytes([low, high]);
+        if emergency.code == 0 {
+            self.stands_on(at, None, packet);
+        } else if Code::from_number(alarm).is_some_and(|code| !code.is_warning()) {
+            self.stands_on(at, Some(alarm), packet);
+        }
         if emergency.code == 0xFF00 && alarm == Code::FollowingError.number() {
             let off = |drive: &Drive| match (drive.command, drive.status) {
                 (Some((_, command)), Some((_, status))) => command.target.distance(status.actual),
@@ -332,30 +344,44 @@ impl Heard {
             self.board.late.hit(at, packet);
             self.board.late_setpoints += status.late - before.late;
         }
+        self.stands_on(at, status.alarm, packet);
+    }
+
+    /// The board says on which alarm it stands: by its status, or by an emergency where nobody has started it.
+    fn stands_on(&mut self, at: Stamp, alarm: Option<u16>, packet: &Packet) {
+        self.board.standing = alarm;
         for (number, hits) in &mut self.board.alarms {
-            if status.alarm != Some(*number) {
+            if alarm != Some(*number) {
                 hits.end(at);
             }
         }
-        match status.alarm {
-            Some(number) => self
-                .board
-                .alarms
-                .entry(number)
-                .or_default()
-                .go_on(at, packet),
-            None => {
-                // A fault that only the board has told is over with its alarm.
-                for (node, drive) in &mut self.drives {
-                    let faulty = self.nodes.get(node).is_some_and(|node| {
-                        let own = node.emergencies.get(&FOLLOWING);
-                        own.is_some_and(Hits::lasts)
-                    });
-                    if !faulty {
-                        drive.follows_again(at);
-                    }
-                }
+        if let Some(number) = alarm {
+            let hits = self.board.alarms.entry(number).or_default();
+            hits.go_on(at, packet);
+            return;
+        }
+        // A fault that only the board has told is over with its alarm.
+        for (node, drive) in &mut self.drives {
+            let faulty = self.nodes.get(node).is_some_and(|node| {
+                let own = node.emergencies.get(&FOLLOWING);
+                own.is_some_and(Hits::lasts)
+            });
+            if !faulty {
+                drive.follows_again(at);
             }
+        }
+    }
+
+    /// What an object of the board says of its alarm.
+    fn told_alarm(&mut self, at: Stamp, packet: &Packet) {
+        let told = self.objects.value(self.machine.board, 0x5001, 4);
+        let Some((when, value)) = told.filter(|(when, _)| *when == at) else {
+            return;
+        };
+        let alarm = u16::try_from(value).ok().filter(|number| *number > 0);
+        self.stands_on(at, alarm, packet);
+        if let Some(hits) = alarm.and_then(|number| self.board.alarms.get_mut(&number)) {
+            *hits = Hits::standing(when).with(hits);
         }
     }
 

@@ -1,4 +1,4 @@
-//! Rules 33–48: drives by CiA 402. They are asked last, and only where no other has fired.
+//! Rules 33–48 and 51: drives by CiA 402. They are asked last, and only where no other has fired.
 
 use std::time::Duration;
 
@@ -6,9 +6,9 @@ use leadscrew_core::bus::{Mode, State};
 use leadscrew_core::units::Axis;
 
 use super::{Found, Group, Lack, Rule, Verdict, found, found_or};
-use crate::doctor::heard::Heard;
 use crate::doctor::heard::drive::{Drive, takes_setpoints};
 use crate::doctor::heard::motion::Way;
+use crate::doctor::heard::{FOLLOWING, Heard};
 use crate::doctor::hits::Hits;
 use crate::doctor::machine::Expected;
 use crate::params::drives::{DriveName, mode};
@@ -16,7 +16,7 @@ use crate::words::{Both, both};
 
 macro_rules! rules {
     ($($number:literal $judge:ident $fault:expr, $remedy:expr, $guard:expr;)*) => {
-        /// Rules 33–48.
+        /// Rules 33–48 and 51.
         pub const RULES: &[Rule] = &[$(Rule {
             number: $number,
             group: Group::Drive,
@@ -29,6 +29,11 @@ macro_rules! rules {
 }
 
 rules! {
+    51 faulty
+        ("the drive has a fault", "驱动器故障"),
+        ("look the error code up in the drive's manual, remove the cause, then reset", "在驱动器手册中查找错误代码，排除原因后复位"),
+        ("fault (bit 3 of the statusword), or an emergency of a code that no other rule knows; following errors have rules of their own",
+         "状态字第 3 位（故障），或其他规则未涉及的紧急报文；跟随误差另有规则");
     33 other_mode
         ("the drive is not in the mode that it was told", "驱动器不在所要求的模式"),
         ("look whether it has the mode, and let it stand before it changes", "确认它支持该模式，并在静止时切换"),
@@ -52,7 +57,7 @@ rules! {
     38 torque_off
         ("the drive lost its torque by itself", "驱动器自行失去力矩"),
         ("look at safe torque off (STO): its two channels, door and emergency stop", "检查安全转矩关断（STO）的两个通道、门和急停"),
-        ("told 000Fh, without a fault, an emergency or a boot-up within a second", "仍为 000Fh，一秒内没有故障、紧急报文或启动");
+        ("told 000Fh, without a fault, an emergency or a boot-up within a second; or the board says 4358", "仍为 000Fh，一秒内没有故障、紧急报文或启动；或控制板报 4358");
     39 following_in_motion
         ("following error while the axis moves", "运动中跟随误差过大"),
         ("raise the loop's gain or its feed-forward first, then 6065h (1828 at the board)", "先提高增益或前馈，再放宽 6065h（控制板为 1828）"),
@@ -115,6 +120,35 @@ fn each(
 fn word(drive: &Drive) -> String {
     let status = drive.status.map_or(0, |(_, status)| status.status.raw());
     format!("{status:04X}h")
+}
+
+/// Emergencies of drives that have rules of their own.
+const KNOWN: [u16; 6] = [0x8120, 0x8130, 0x8210, 0x8220, 0x8240, FOLLOWING];
+
+fn faulty(heard: &Heard) -> Verdict {
+    found(heard.machine.drives.iter().filter_map(|expected| {
+        let drive = heard.drives.get(&expected.node)?;
+        let told = heard.nodes.get(&expected.node);
+        let told = told.and_then(|node| {
+            let mut all = node.emergencies.iter();
+            all.find(|(code, hits)| !KNOWN.contains(*code) && hits.enough())
+        });
+        let hits = match told {
+            Some((_, hits)) => hits.clone().with(&drive.fault),
+            None if drive.fault.enough() && drive.following.is_empty() => drive.fault.clone(),
+            None => return None,
+        };
+        let (name, word) = (expected.name, word(drive));
+        let code = told.map_or_else(String::new, |(code, _)| format!(", {code:04X}h"));
+        Some(Found::at(
+            expected.node,
+            &hits,
+            both!(
+                "drive {name} has a fault{code} (last statusword {word})",
+                "驱动器 {name} 故障{code}（最后状态字 {word}）"
+            ),
+        ))
+    }))
 }
 
 /// The mode in which the board gives it setpoints.
@@ -256,7 +290,7 @@ fn not_enabled(heard: &Heard) -> Verdict {
 }
 
 fn torque_off(heard: &Heard) -> Verdict {
-    found(each(
+    let mut all = each(
         heard,
         |drive| &drive.torque_off,
         |expected, drive| {
@@ -267,7 +301,14 @@ fn torque_off(heard: &Heard) -> Verdict {
                 "控制字为 000Fh 时驱动器 {name} 从运行使能变为禁止接通（状态字 {word}）"
             )
         },
-    ))
+    );
+    // Before anybody listened.
+    if let Some(hits) = heard.board.alarms.get(&4358).filter(|hits| hits.enough())
+        && all.is_empty()
+    {
+        all.push(Found::alarm(heard, 4358, hits));
+    }
+    found(all)
 }
 
 /// Following errors, where all of them are of one of these kinds, or any is.

@@ -2,6 +2,7 @@
 //! says so, and the function that looks for it in what was heard. One file a group.
 
 mod block;
+mod board;
 mod drive;
 mod network;
 mod pdo;
@@ -27,6 +28,8 @@ pub enum Group {
     Pdo,
     /// Drives by CiA 402.
     Drive,
+    /// What the board says of itself.
+    Board,
 }
 
 /// The same words in English and Chinese.
@@ -146,15 +149,17 @@ fn found_or(all: impl IntoIterator<Item = Found>, known: bool, lack: Lack) -> Ve
     }
 }
 
-/// All rules, in the order in which they are asked: those that are about drives last.
+/// All rules, in the order in which they are asked: what only the board can tell comes last.
 pub fn all() -> impl Iterator<Item = &'static Rule> {
     [
         wire::RULES,
         network::RULES,
         sync::RULES,
+        network::SILENT,
         pdo::RULES,
         block::RULES,
         drive::RULES,
+        board::RULES,
     ]
     .into_iter()
     .flatten()

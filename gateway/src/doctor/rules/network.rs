@@ -9,7 +9,7 @@ use crate::doctor::heard::Heard;
 use crate::doctor::hits::Hits;
 use crate::words::both;
 
-/// Rules 6–13.
+/// Rules 6 and 8–13.
 pub const RULES: &[Rule] = &[
     Rule {
         number: 6,
@@ -27,20 +27,6 @@ pub const RULES: &[Rule] = &[
             "完整周期内同一标识符有两种内容；0.5 s 内两次未经 NMT 复位的启动报文",
         ),
         judge: clash,
-    },
-    Rule {
-        number: 7,
-        group: Group::Network,
-        fault: ("a node does not answer at all", "某节点毫无应答"),
-        remedy: (
-            "look at its supply and plug; compare its number with 9015 and 9016",
-            "检查其电源和插头；核对其编号与 9015、9016",
-        ),
-        guard: (
-            "it was told something for a second and was silent all that time, while others were heard",
-            "一秒以上一直在向它发送，它始终无声，而其他节点有报文",
-        ),
-        judge: silent,
     },
     Rule {
         number: 8,
@@ -133,6 +119,23 @@ pub const RULES: &[Rule] = &[
         judge: missed,
     },
 ];
+
+/// Rule 7 sees only that a node is silent: it is asked behind all that can tell why.
+pub const SILENT: &[Rule] = &[Rule {
+    number: 7,
+    group: Group::Network,
+    fault: ("a node does not answer at all", "某节点毫无应答"),
+    remedy: (
+        "look at its supply and plug; compare its number with 9015 and 9016; one that was heard before may have been stopped \
+             (NMT) by another master",
+        "检查其电源和插头；核对其编号与 9015、9016；先前有报文者可能被另一主站停止（NMT）",
+    ),
+    guard: (
+        "it was told something for a second and was silent all that time, while others were heard",
+        "一秒以上一直在向它发送，它始终无声，而其他节点有报文",
+    ),
+    judge: silent,
+}];
 
 fn clash(heard: &Heard) -> Verdict {
     let mut all = Vec::new();

@@ -262,5 +262,20 @@ pub fn all() -> Vec<(u8, Scene)> {
     // Its heartbeat is no PDO, and remote requests are its own affair.
     guard(50, block([0x1017, 0], 0));
     guard(50, block([0x1800, 1], 0x1C6));
+    // Over at once; and a following error, which has rules of its own.
+    guard(51, brief(0x3210));
+    guard(
+        51,
+        following(600, false).word(|ms| if ms < 600 { 0x1237 } else { 0x0238 }),
+    );
+    // Reset meanwhile.
+    let mut reset = Scene::new();
+    for n in 0..20 {
+        reset.packet(
+            2_000_000 + n * 10_000 + 450,
+            frame(0x181, &[7, 0, 0x07, 0x11, 0, 0, 0, 8]),
+        );
+    }
+    guard(52, reset);
     all
 }

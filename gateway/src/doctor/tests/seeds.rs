@@ -50,6 +50,21 @@ pub fn block(but: [u16; 2], value: u32) -> Scene {
     scene
 }
 
+/// A board that nobody has started sends no status.
+fn no_status() -> Scene {
+    Scene::new().keep(|_, packet| !is(packet, 0x181))
+}
+
+/// The board stands on an alarm for a while.
+fn stands(alarm: u16) -> Scene {
+    let [low, high] = alarm.to_le_bytes();
+    let mut board = no_status();
+    for n in 0..20 {
+        board.frame(2000 + n * 10, 0x181, &[7, 0, low, high, 0, 0, 0, 8]);
+    }
+    board
+}
+
 pub fn all() -> Vec<(u8, Scene)> {
     let mut all = Vec::new();
     let mut seed = |number: u8, scene: Scene| all.push((number, scene));
@@ -130,6 +145,13 @@ pub fn all() -> Vec<(u8, Scene)> {
         second.packet(1_000_700 + n * 10_000, frame(0x080, &[]));
     }
     seed(15, second);
+    // A drive that falls silent meanwhile is no cause.
+    let deaf = |at: u64, packet: &leadscrew_can::Packet| {
+        at < 1_500_000 || !is(packet, 0x190) && !is(packet, 0x181)
+    };
+    let mut second_heard = Scene::new().keep(deaf);
+    second_heard.frame(1490, 0x081, &[0x00, 0xFF, 0x81, 0x15, 0x11, 0, 0, 0]);
+    seed(15, second_heard);
     let lossy =
         |at: u64, packet: &leadscrew_can::Packet| at % 500_000 != 100_000 || !is(packet, 0x080);
     seed(16, Scene::new().keep(lossy));
@@ -212,6 +234,7 @@ pub fn all() -> Vec<(u8, Scene)> {
         38,
         Scene::new().word(|ms| if ms < 2000 { 0x1237 } else { 0x0250 }),
     );
+    seed(38, stands(4358));
     seed(39, following(600, false));
     seed(40, following(803, true));
     seed(41, following(300, false));
@@ -225,17 +248,8 @@ pub fn all() -> Vec<(u8, Scene)> {
     let mut homing = Scene::new().word(|_| 0x2637).control(|_| 0x001F);
     homing.frame(100, 0x310, &[6]);
     seed(48, homing);
-    for alarm in [4526_u16, 4532] {
-        let [low, high] = alarm.to_le_bytes();
-        let mut board = Scene::new();
-        for n in 0..20 {
-            board.frame(2000 + n * 10, 0x181, &[7, 0, low, high, 0, 0, 0, 8]);
-        }
-        let keep = |_: u64, packet: &leadscrew_can::Packet| {
-            let frame = packet.frame();
-            frame.is_none_or(|frame| frame.id().get() != 0x181 || frame.payload()[3] > 0)
-        };
-        seed(48, board.keep(keep));
+    for alarm in [4526, 4532] {
+        seed(48, stands(alarm));
     }
     // Its outputs for a second, or three questions.
     let mut silent = Scene::with_block();
@@ -256,5 +270,15 @@ pub fn all() -> Vec<(u8, Scene)> {
     ] {
         seed(50, block(object, value));
     }
+    // A fault before anybody listened, and one with its code.
+    seed(51, Scene::new().word(|_| 0x0238));
+    seed(51, emergency(0x3210));
+    // By its status; by an emergency, or its object, where nobody has started it.
+    let [mut told, mut asked] = [no_status(), no_status()];
+    told.frame(2000, 0x081, &[0x00, 0xFF, 0x81, 0x07, 0x11, 0, 0, 0]);
+    asked.object(3900, 1, [0x5001, 4], 4359, false);
+    seed(52, stands(4359));
+    seed(52, told);
+    seed(52, asked);
     all
 }
