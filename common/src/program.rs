@@ -6,12 +6,13 @@ mod start;
 use std::collections::VecDeque;
 use std::io;
 
-use leadscrew_core::alarm::Alarm;
+use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::call::Position;
 use leadscrew_core::offsets::{self, Offsets};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Carried, Event, Options};
 use leadscrew_language::dialect::Control;
+use leadscrew_language::drilling::Kind as Drilling;
 use leadscrew_language::flow::{Passes, Rules, Trouble};
 use leadscrew_language::heading::{Allowed, Heading};
 use leadscrew_language::lines::{Lines, Source};
@@ -188,6 +189,12 @@ impl<'p> Program<'p> {
     pub fn allows(&self, alarm: &Alarm) -> bool {
         let own = self.reader.allowed(Whose::line(alarm.span.line));
         self.allowed.and(own).has(alarm.number())
+    }
+
+    /// The drilling cycle that the latest call, with this place in the text, is a move of.
+    #[must_use]
+    pub fn drilling(&self, place: Span) -> Option<Drilling> {
+        self.reader.drilling(place)
     }
 
     /// The next event, or the alarm that ends the program; `None` after the last. Between two passes of the main program

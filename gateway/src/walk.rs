@@ -8,6 +8,7 @@ use leadscrew_core::cycle;
 use leadscrew_core::moves::Move;
 use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
+use leadscrew_language::drilling::Kind as Drilling;
 use leadscrew_language::stock::Stock;
 use leadscrew_verification::Hole;
 
@@ -59,6 +60,17 @@ impl<'s> Walk<'s> {
     /// # Errors
     /// The file cannot be read.
     pub fn next_call(&mut self, mut each: impl FnMut(&Call, &Move)) -> Outcome<Option<Call>> {
+        self.next_with_drilling(|call, step, _| each(call, step))
+    }
+
+    /// As [`next_call`](Self::next_call), with the drilling cycle that the call is a move of.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn next_with_drilling(
+        &mut self,
+        mut each: impl FnMut(&Call, &Move, Option<Drilling>),
+    ) -> Outcome<Option<Call>> {
         while let Some(Ok(event)) = self
             .program
             .next_event()
@@ -72,8 +84,9 @@ impl<'s> Walk<'s> {
             if self.hole.admit(&call, &moves).is_err() {
                 continue;
             }
+            let drilling = self.program.drilling(call.span);
             for step in moves {
-                each(&call, &step);
+                each(&call, &step, drilling);
                 self.hole.push(&step);
                 self.at = step.to;
             }

@@ -15,6 +15,8 @@ pub struct Traits {
     pub angle: Degrees,
     /// Change of the radius per millimetre of Z.
     pub taper: f64,
+    /// Its lead is the same all along.
+    pub is_constant: bool,
     /// Diameter of the uncut surface, where the program says it.
     pub crest: Option<Mm>,
     /// Diameter that the last pass leaves.
@@ -29,23 +31,24 @@ const METRIC: [f64; 22] = [
 
 /// The likely name. A thread of no norm that is known gets one that says nothing about limits.
 pub fn guess(traits: &Traits) -> Designation {
-    let free = || {
-        let major = major(traits);
-        Designation::free(
-            traits.side,
-            major,
-            traits.pitch,
-            traits.starts,
-            traits.angle,
-            traits.taper,
-        )
-    };
-    if traits.angle.0 != 60.0 || traits.taper != 0.0 {
-        return free();
+    if traits.angle.0 != 60.0 || traits.taper != 0.0 || !traits.is_constant {
+        return free(traits);
     }
     let name = metric(traits).or_else(|| unified(traits));
     let read = name.and_then(|name| Designation::read(&name, traits.side).ok());
-    read.unwrap_or_else(free)
+    read.unwrap_or_else(|| free(traits))
+}
+
+/// A thread of no norm.
+pub fn free(traits: &Traits) -> Designation {
+    Designation::free(
+        traits.side,
+        major(traits),
+        traits.pitch,
+        traits.starts,
+        traits.angle,
+        traits.taper,
+    )
 }
 
 /// The nominal diameter: of the crest, else as deep as the basic profile with its rounded root.
@@ -123,6 +126,7 @@ mod tests {
             starts,
             angle: Degrees(60.0),
             taper: 0.0,
+            is_constant: true,
             crest: crest.map(Mm),
             root: Mm(root),
         })
@@ -143,17 +147,22 @@ mod tests {
     }
 
     #[test]
-    fn other_angles_and_tapers_have_no_name() {
-        let traits = Traits {
+    fn other_angles_tapers_and_growing_leads_have_no_name() {
+        let mut traits = Traits {
             side: Side::External,
             pitch: Mm(3.0),
             starts: 1,
             angle: Degrees(30.0),
             taper: 0.0,
+            is_constant: true,
             crest: Some(Mm(40.0)),
             root: Mm(36.0),
         };
         assert_eq!(guess(&traits).text, "");
         assert_eq!(guess(&traits).angle, Degrees(30.0));
+        traits.angle = Degrees(60.0);
+        assert_eq!(guess(&traits).text, "M40x3-6g");
+        traits.is_constant = false;
+        assert_eq!(guess(&traits).text, "");
     }
 }

@@ -11,7 +11,7 @@ mod guess;
 mod plan;
 
 pub use cutting::{Cutting, Instant};
-pub use plan::{Finder, Flat, Plan, Refusal, Wish, tool_of};
+pub use plan::{Declared, Finder, Flat, Plan, Refusal, Wish, tool_of};
 
 use leadscrew_core::call::{CutIn, ThreadCycle};
 use leadscrew_metrology::{Designation, Inspection, Measured, Mm, NoThread, Stock, Tool, Work};

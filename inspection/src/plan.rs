@@ -2,10 +2,10 @@
 
 use leadscrew_core::call::{Aux, Call, CallKind, Position, ThreadCall, ThreadCycle};
 use leadscrew_core::moves::{Move, MoveKind};
-use leadscrew_core::units::Length;
+use leadscrew_core::units::{LeadChange, Length};
 use leadscrew_metrology::{Degrees, Designation, Limits, Mm, Nose, NotKnown, Side, Stock, Tool};
 
-use crate::guess::{Traits, guess};
+use crate::guess::{Traits, free, guess};
 use crate::{Assumed, Edge, Job};
 
 /// What a person says of the threads.
@@ -19,6 +19,49 @@ pub struct Wish {
     pub surface: Option<Mm>,
     /// Z of the face in work coordinates.
     pub face: Option<Mm>,
+    /// What the program declares.
+    pub stock: Option<Declared>,
+}
+
+/// A bar or a tube before the first cut, as a program declares it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Declared {
+    /// Diameter outside.
+    pub outside: Mm,
+    /// Diameter of the hole that is there already; 0 where there is none.
+    pub bore: Mm,
+    /// Z of its face in work coordinates.
+    pub face: Mm,
+}
+
+impl Declared {
+    /// From nanometres: two radii, and a Z.
+    #[must_use]
+    pub fn new(outside: i64, bore: i64, face: i64) -> Self {
+        let mm = |nm: i64| nm as f64 / 1e6;
+        Self {
+            outside: Mm(2.0 * mm(outside)),
+            bore: Mm(2.0 * mm(bore)),
+            face: Mm(mm(face)),
+        }
+    }
+}
+
+impl Wish {
+    /// Z of the face, typed or declared.
+    fn known_face(&self) -> Option<f64> {
+        let declared = || self.stock.map(|stock| stock.face);
+        self.face.or_else(declared).map(|face| face.0)
+    }
+
+    /// A diameter that nobody has said, where the stock has material.
+    fn within_stock(&self, side: Side, diameter: Mm) -> Mm {
+        match (self.stock, side) {
+            (Some(stock), Side::External) => Mm(diameter.0.min(stock.outside.0)),
+            (Some(stock), Side::Internal) => Mm(diameter.0.max(stock.bore.0)),
+            (None, _) => diameter,
+        }
+    }
 }
 
 /// The threads of a program, each kind in order.
@@ -59,6 +102,8 @@ struct Found {
     passes: Vec<(u64, u64, u32)>,
     /// Radius of the deepest pass at D; along X its Z.
     deepest: Length,
+    /// Radius of the first pass at D, and of the next one that is deeper.
+    first: (Length, Option<Length>),
     /// Z where the last stroke of a chain ends.
     reach: Length,
 }
@@ -140,6 +185,7 @@ impl Finder {
             } else {
                 thread.end_x.value
             },
+            first: (thread.end_x.value, None),
             reach: thread.end_z.value,
         };
         let threads = &mut self.threads;
@@ -194,9 +240,17 @@ fn note(cuts: &mut Vec<(u64, u64, u32)>, step: u64, each: &Move) {
     }
 }
 
-/// The call cuts on in the thread before: another pass of G92, a spring pass, another stroke of a chain.
+/// The call cuts on in the thread before: another pass of G92, a spring pass, another stroke of a chain. A chain is one
+/// thread also where one of its strokes is so steep that it goes along X: out of the work, or up a shoulder.
 fn goes_on(before: &Found, now: &Found, call: &Call) -> bool {
     let (a, b) = (&before.call, &now.call);
+    let is_same = before.tool == now.tool
+        && before.origin == call.origin
+        && a.lead.value == b.lead.value
+        && side(a) == side(b);
+    if b.part.is_joined() {
+        return is_same;
+    }
     let same_end = if now.long_x {
         a.end_x.value == b.end_x.value
     } else {
@@ -204,13 +258,11 @@ fn goes_on(before: &Found, now: &Found, call: &Call) -> bool {
     };
     // No pass is deeper than the one before by a lead: what is, cuts at another diameter.
     let apart = (before.deepest - now.deepest).nm().unsigned_abs();
-    let same_end = same_end && a.taper.value == b.taper.value && mm_of(apart) <= lead(a);
-    before.tool == now.tool
+    is_same
         && before.long_x == now.long_x
-        && before.origin == call.origin
-        && a.lead.value == b.lead.value
-        && side(a) == side(b)
-        && (same_end || b.part.is_joined())
+        && same_end
+        && a.taper.value == b.taper.value
+        && mm_of(apart) <= lead(a)
 }
 
 /// Cycles come back to where the tool stood: away from the work. A stroke does not say.
@@ -224,7 +276,12 @@ fn side(call: &ThreadCall) -> Side {
 
 impl Found {
     fn take(&mut self, call: &ThreadCall, cuts: &[(u64, u64, u32)], first: u64, last: u64) {
-        let before = self.pass;
+        // All strokes of a chain are one pass.
+        let before = if call.part.is_joined() {
+            self.pass.saturating_sub(1)
+        } else {
+            self.pass
+        };
         for (from, to, pass) in cuts {
             // What belongs to no pass is that of the one before it.
             self.pass = before + pass;
@@ -236,11 +293,14 @@ impl Found {
         } else {
             (call.end_x.value, side(call) == Side::External)
         };
-        if (is_lower && at < self.deepest) || (!is_lower && at > self.deepest) {
+        let deeper = |than: Length| if is_lower { at < than } else { at > than };
+        if deeper(self.deepest) {
             self.deepest = at;
         }
         if call.part.is_joined() {
             self.reach = call.end_z.value;
+        } else if !self.long_x && self.first.1.is_none() && deeper(self.first.0) {
+            self.first.1 = Some(at);
         }
     }
 }
@@ -304,18 +364,19 @@ fn flat(found: &Found, wish: &Wish) -> Flat {
         -1.0
     };
     let known = height(call).map(|height| end.1 - slope * (end.0 + way * height));
-    let face = wish.face.map_or(end.1.max(0.0), |face| face.0);
+    let face = wish.known_face();
+    let at_rim = face.unwrap_or(end.1.max(0.0));
     Flat {
         tool: edge.map_or_else(
             || Tool::vee(shape.angle, Nose::Round(shape.tip())),
             |edge| edge.shape,
         ),
         tool_number: found.tool,
-        surface: (Mm(known.unwrap_or(face - slope * begin.0)), slope),
+        surface: (Mm(known.unwrap_or(at_rim - slope * begin.0)), slope),
         passes: found.passes.clone(),
         assumed: Assumed {
             tool: edge.is_none(),
-            face: known.is_none() && wish.face.is_none(),
+            face: known.is_none() && face.is_none(),
             ..Assumed::default()
         },
     }
@@ -339,13 +400,10 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Result<Job, Refusal> {
     };
     let starts = call.starts.value.max(1);
     let (low, high) = (start.min(end), start.max(end));
-    let face = wish.face.map_or_else(
-        || {
-            assumed.face = true;
-            if low < 0.0 && high > 0.0 { 0.0 } else { high }
-        },
-        |face| face.0,
-    );
+    let face = wish.known_face().unwrap_or_else(|| {
+        assumed.face = true;
+        if low < 0.0 && high > 0.0 { 0.0 } else { high }
+    });
     // The cycle's radii are those at D.
     let to_face = Mm(2.0 * taper * (face - end));
     let mut traits = Traits {
@@ -354,6 +412,7 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Result<Job, Refusal> {
         starts,
         angle: angle(call),
         taper,
+        is_constant: call.change.value == LeadChange::NONE,
         crest: wish.surface,
         root: Mm(2.0 * mm(found.deepest - found.origin.x)) + to_face,
     };
@@ -365,7 +424,7 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Result<Job, Refusal> {
     traits.crest = traits
         .crest
         .or(height(call).map(|height| traits.root + Mm(way * height)));
-    let thread = match name {
+    let mut thread = match name {
         None => guess(&traits),
         Some(name) => named(name, call, &mut traits)?,
     };
@@ -379,8 +438,15 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Result<Job, Refusal> {
     }
     let crest = traits.crest.unwrap_or_else(|| {
         assumed.surface = true;
-        middle(&thread)
+        let first = before_first(found).map(|d| Mm(d) + to_face);
+        // Where there is a norm, it knows better than the passes.
+        let first = first.filter(|_| thread.text.is_empty());
+        wish.within_stock(traits.side, first.unwrap_or_else(|| middle(&thread)))
     });
+    if assumed.surface && thread.text.is_empty() {
+        traits.crest = Some(crest);
+        thread = free(&traits);
+    }
     let low = low.min(mm(found.reach - found.origin.z));
     let room = (2.0 * thread.lead().0).max(call.run_out.map_or(0.0, |out| mm(out.long.value)));
     let edge = edge(wish, found.tool);
@@ -407,6 +473,12 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Result<Job, Refusal> {
         assumed,
         thread,
     })
+}
+
+/// Diameter of the surface at D if the first pass takes as much as the second one.
+fn before_first(found: &Found) -> Option<f64> {
+    let (first, next) = (found.first.0, found.first.1?);
+    Some(2.0 * mm(first + (first - next) - found.origin.x))
 }
 
 /// Reads a name. A stroke is on the side that its class says.

@@ -22,7 +22,7 @@ use leadscrew_core::program::{Carried, Dialect, Event, Interpreter, Options, Way
 use leadscrew_core::units::{Decimal, StartAngle};
 
 use crate::dialect::{Control, Setting};
-use crate::drilling::Drill;
+use crate::drilling::{Drill, Kind};
 use crate::flow::{Done, Flow, Machine, Rules, Trouble};
 use crate::heading::Allowed;
 use crate::lines::Source;
@@ -62,6 +62,8 @@ struct Core<'p> {
     contour: Option<(Collected, Option<Interpreter<'p>>)>,
     /// The drilling cycle in force, and where the tool was before its first hole.
     drill: Option<(Drill, Position)>,
+    /// The latest drilling cycle, in force or over, and its G word.
+    drilled: Option<(Kind, Span)>,
     /// A line that is given by its angle and ends where the next one says.
     open_line: Option<angle::Open>,
     /// Corners and the round nose.
@@ -97,6 +99,7 @@ impl<'p, S: Source> Reader<'p, S> {
                 first: FirstLines::new(control),
                 contour: None,
                 drill: None,
+                drilled: None,
                 open_line: None,
                 path: Path::new(),
                 events: VecDeque::new(),
@@ -195,6 +198,13 @@ impl<'p, S: Source> Reader<'p, S> {
     #[must_use]
     pub const fn interpreter(&self) -> &Interpreter<'p> {
         &self.core.interpreter
+    }
+
+    /// The drilling cycle that a call of the last step, with this place in the text, is a move of.
+    #[must_use]
+    pub fn drilling(&self, place: Span) -> Option<Kind> {
+        let (kind, word) = self.core.drilled?;
+        (word == place).then_some(kind)
     }
 
     /// The numbers that a subprogram's file silences; none of those of the program's own file.

@@ -12,7 +12,7 @@ use leadscrew_core::offsets::InPlace;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
 use leadscrew_core::signals::Signals;
-use leadscrew_inspection::{Finder, Job, Wish};
+use leadscrew_inspection::{Declared, Finder, Job, Wish};
 use leadscrew_language::flow::{Rules, Trouble};
 use leadscrew_language::heading::{Allowed, Heading};
 use leadscrew_language::lines::Lines;
@@ -165,7 +165,12 @@ impl Program {
         program.found = told.found;
         // No name was given that could be refused.
         program.threads = finder
-            .plan(&Wish::default())
+            .plan(&Wish {
+                stock: heading
+                    .stock
+                    .map(|stock| Declared::new(stock.outside, stock.bore, stock.face)),
+                ..Wish::default()
+            })
             .map_or_else(|_| Vec::new(), |plan| plan.jobs);
         Ok(program)
     }

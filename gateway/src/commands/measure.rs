@@ -7,6 +7,7 @@ use crate::cli::Measure;
 use crate::diagnostics;
 use crate::execution::Execution;
 use crate::failure::{Failure, Outcome};
+use crate::features::{self, Tools};
 use crate::inspection::plan::plan;
 use crate::inspection::samples::Threads;
 use crate::inspection::turned::{self, Found, Turning};
@@ -36,7 +37,13 @@ pub(super) fn run(setup: &Setup, args: &Measure, format: Option<&Format>) -> Out
         tools: args.tool.clone(),
         surface: args.surface.map(Into::into),
         face: args.face.map(Into::into),
+        ..Wish::default()
     };
+    let tools = Tools {
+        edges: args.tool.clone(),
+        widths: args.tool_width.clone(),
+    };
+    features::tell_idle(setup, &source, &tools)?;
     let planned = plan(setup, &source, &wish)?;
     let along_x = planned.along_x.len();
     let mut all = All {

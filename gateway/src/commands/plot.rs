@@ -37,6 +37,7 @@ pub(super) fn run(setup: &Setup, args: &Plot, format: PictureFormat) -> Outcome 
         edges: args.tool.clone(),
         widths: args.tool_width.clone(),
     };
+    features::tell_idle(setup, &source, &tools)?;
     let mut features = features::collect(setup, &source, &execution.report, &tools)?;
     if features.left_out > 0 {
         let told = both!(
@@ -54,6 +55,7 @@ pub(super) fn run(setup: &Setup, args: &Plot, format: PictureFormat) -> Outcome 
         way: Way::new(tick_us / 1e6),
         spindle: None,
         step: 0,
+        locked: 0,
         features: &mut features.list,
     };
     execution.run(&args.drive, [None; 2], &mut watcher)?;
@@ -209,6 +211,8 @@ struct Watcher<'a> {
     spindle: Option<(u8, i64)>,
     /// The move of the tick before.
     step: u64,
+    /// The last move that was locked to the spindle.
+    locked: u64,
     features: &'a mut [Feature],
 }
 
@@ -227,7 +231,18 @@ impl Watcher<'_> {
         {
             let is_here = (lines.0..=lines.1).contains(&point.line);
             let off = match shape {
-                Shape::Thread(_) => micrometres.filter(|_| is_here && point.tap.is_none()),
+                Shape::Thread(_) => {
+                    if !is_here || micrometres.is_none() || point.tap.is_some() {
+                        continue;
+                    }
+                    // The moves of a pass, and of a chain, follow each other; between passes there are others.
+                    if point.step > self.locked + 1
+                        && let Some(phase) = phase
+                    {
+                        phase.interrupt();
+                    }
+                    micrometres
+                }
                 Shape::Tap(tap) => match point.tap.filter(|_| is_here) {
                     Some(place) => {
                         // Each stroke is a move, and counts while it moves.
@@ -247,13 +262,16 @@ impl Watcher<'_> {
                         None
                     }
                 },
-                Shape::Groove(_) | Shape::Contour(_) => continue,
+                Shape::Groove(_) | Shape::Contour(_) | Shape::Drilled(_) => continue,
             };
             match (off, phase) {
                 (Some(off), phase) => phase.get_or_insert_default().push(urev, off),
                 (None, Some(phase)) => phase.interrupt(),
                 (None, None) => {}
             }
+        }
+        if micrometres.is_some() {
+            self.locked = point.step;
         }
     }
 }

@@ -1,9 +1,12 @@
 //! What a program cuts, feature by feature: its threads with their passes, its grooves with their columns, its turned
-//! contours, and its tapped holes with their strokes. Made from the moves of a program that has been checked; must not know
+//! contours, its tapped holes with their strokes, and its drilled ones with their pecks. Made from the moves of a program that has been checked; must not know
 //! how they are drawn.
 
+mod depth;
+mod drill;
 mod tap;
 mod thread;
+mod typed;
 mod width;
 
 use leadscrew_core::alarm::Lang;
@@ -11,10 +14,11 @@ use leadscrew_core::call::{Aux, Call, Position};
 use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
 use leadscrew_core::units::Length;
 use leadscrew_inspection::{Edge, Wish, tool_of};
+use leadscrew_language::drilling::Kind as Drilling;
 use leadscrew_language::stock::Stock as Declared;
-use leadscrew_metrology::Mm;
 use leadscrew_verification::arc;
 
+pub use self::typed::tell_idle;
 pub use self::width::Width;
 
 use self::tap::Holes;
@@ -73,6 +77,7 @@ enum Kind {
     Groove(Groove),
     Contour(Contour),
     Tap(Box<Holes>),
+    Drilled(Box<drill::Holes>),
 }
 
 /// Collects them.
@@ -95,7 +100,6 @@ pub fn collect(
     });
     let wish = Wish {
         tools: tools.edges.clone(),
-        face: stock.map(|stock| Mm(stock.face)),
         ..Wish::default()
     };
     let planned = plan(setup, source, &wish)?;
@@ -110,7 +114,9 @@ pub fn collect(
         step: 0,
         left_out: 0,
     };
-    while let Some(call) = walk.next_call(|call, step| finder.push(call, step))? {
+    while let Some(call) =
+        walk.next_with_drilling(|call, step, drilling| finder.push(call, step, drilling))?
+    {
         finder.threads.lead_in(&call, &setup.params);
     }
     let mut features = finder.finish(report, setup.lang);
@@ -130,7 +136,7 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    fn push(&mut self, call: &Call, step: &Move) {
+    fn push(&mut self, call: &Call, step: &Move, drilling: Option<Drilling>) {
         self.step += 1;
         let of_work = |position: &Position| {
             let (z, x) = (position.z - call.origin.z, position.x - call.origin.x);
@@ -146,6 +152,9 @@ impl Finder<'_> {
                 if let Some(number) = self.threads.push(self.step, step, &thread, lathe) {
                     self.thread(number, line, step.tag.map(|tag| tag.cycle));
                 }
+            }
+            MoveKind::Feed(_) if let Some(kind) = drilling => {
+                self.drill(kind, (&start, &step.to), &call.origin, line);
             }
             MoveKind::Feed(_) => match step.tag {
                 Some(tag) if matches!(tag.cycle, Cycle::G74 | Cycle::G75) => {
@@ -165,7 +174,16 @@ impl Finder<'_> {
                 let way = (tap.axis.of(start), tap.axis.of(step.to));
                 self.tap(&tap, step, way, tap.axis.of(call.origin));
             }
-            MoveKind::Rapid | MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => {}
+            MoveKind::Rapid => {
+                if let Some(Found {
+                    shape: Kind::Drilled(holes),
+                    ..
+                }) = self.found.last_mut()
+                {
+                    holes.rapid(&step.to);
+                }
+            }
+            MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => {}
         }
     }
 
@@ -221,6 +239,26 @@ impl Finder<'_> {
         }
     }
 
+    fn drill(&mut self, kind: Drilling, way: (&Position, &Position), origin: &Position, line: u32) {
+        let is_of = |found: &Found| {
+            let same = |holes: &drill::Holes| holes.is_of(kind, way.0);
+            found.lines.0 == line && matches!(&found.shape, Kind::Drilled(holes) if same(holes))
+        };
+        if !self.last(None).is_some_and(|last| is_of(last)) {
+            let holes = drill::Holes::new(kind, way, origin, self.stock);
+            self.begin(None, line, Kind::Drilled(Box::new(holes)));
+        }
+        let last = self.last(None).filter(|last| is_of(last));
+        if let Some(Found {
+            shape: Kind::Drilled(holes),
+            ..
+        }) = last
+            && !holes.feed(way, origin, line)
+        {
+            self.left_out += 1;
+        }
+    }
+
     fn piece(&mut self, line: u32, cycle: Option<Cycle>, points: Vec<(f64, f64)>) {
         let piece = Piece { line, points };
         let mut is_full = false;
@@ -246,7 +284,7 @@ impl Finder<'_> {
     }
 
     fn peck(&mut self, line: u32, tag: Tag, from: (f64, f64), to: (f64, f64)) {
-        let (cycle, number) = (Some(tag.cycle), tag.pass);
+        let cycle = Some(tag.cycle);
         let across = match tag.cycle {
             Cycle::G74 => Across::Z,
             _ => Across::X,
@@ -258,13 +296,13 @@ impl Finder<'_> {
             .iter()
             .find(|width| width.tool == self.tool);
         let width = width.map(|width| width.mm);
-        let column = Column {
-            number,
+        let mut column = Column {
+            number: 1,
             line,
             from,
             pecks: vec![to],
         };
-        // Each block makes a groove of its own.
+        // Each block makes a groove of its own; carried out again, it cuts further columns of it.
         let is_same = self.found.last().is_some_and(|last| last.lines.0 == line);
         let last = self.last(cycle).filter(|_| is_same);
         let Some(Found {
@@ -281,14 +319,17 @@ impl Finder<'_> {
         };
         let has_room = groove.columns.len() < PIECES;
         match groove.columns.last_mut() {
-            Some(last) if last.number == number && tag.peck > 1 => {
+            Some(last) if last.from.0 == column.from.0 && tag.peck > 1 => {
                 if last.pecks.len() < PIECES {
                     last.pecks.push(to);
                 } else {
                     self.left_out += 1;
                 }
             }
-            _ if has_room => groove.columns.push(column),
+            _ if has_room => {
+                column.number = u32::try_from(groove.columns.len() + 1).unwrap_or(u32::MAX);
+                groove.columns.push(column);
+            }
             _ => self.left_out += 1,
         }
     }
@@ -313,6 +354,10 @@ impl Finder<'_> {
                 Kind::Tap(holes) => {
                     let (figures, tap) = holes.feature(lang);
                     (figures, Shape::Tap(tap))
+                }
+                Kind::Drilled(holes) => {
+                    let (figures, drilled) = holes.feature(lang);
+                    (figures, Shape::Drilled(drilled))
                 }
             };
             Feature {
@@ -348,6 +393,7 @@ fn name(found: &Found, lang: Lang) -> String {
         tool => format!(" · T{tool}"),
     };
     let what = match (&found.shape, found.cycle) {
+        (Kind::Drilled(holes), _) => holes.code(),
         (Kind::Contour(_), None) => pick(lang, "turning", "车削"),
         (_, Some(cycle)) => cycle_name(cycle),
         (_, None) => pick(lang, "thread", "螺纹"),
@@ -357,19 +403,27 @@ fn name(found: &Found, lang: Lang) -> String {
 
 /// The figures of a groove.
 fn columns(groove: &Groove, tool: u32, lang: Lang) -> Vec<String> {
-    let bottoms = groove.columns.iter().map(Column::bottom);
-    let deepest = bottoms.map(|bottom| bottom.1).fold(f64::INFINITY, f64::min);
+    let bottoms = groove.columns.iter().map(|column| column.bottom().1);
+    let (deepest, highest) = bottoms.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+        (low.min(at), high.max(at))
+    });
     let pecks: usize = groove.columns.iter().map(|column| column.pecks.len()).sum();
     let count = groove.columns.len();
     let bottom = groove.across.size(deepest);
-    let mut lines = vec![
-        both!(
-            "bottom {bottom} · columns: {count}, feeds: {pecks}",
-            "槽底 {bottom} · {count} 列，进给 {pecks} 次"
-        )
-        .get(lang)
-        .to_owned(),
-    ];
+    let bottom = match groove.across.size(highest) {
+        other if other != bottom => both!(
+            "bottoms from {other} to {bottom}",
+            "槽底 {other} 至 {bottom}"
+        ),
+        _ => both!("bottom {bottom}", "槽底 {bottom}"),
+    };
+    let told = both!(
+        "{en} · columns: {count}, feeds: {pecks}",
+        "{zh} · {count} 列，进给 {pecks} 次",
+        en = bottom.en,
+        zh = bottom.zh
+    );
+    let mut lines = vec![told.get(lang).to_owned()];
     let told = match groove.width.map(measured) {
         Some(width) if groove.is_drilled() => {
             both!("tool of ⌀{width}, on the axis", "刀具 ⌀{width}，在轴线上")

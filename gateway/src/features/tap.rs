@@ -1,16 +1,17 @@
 //! The holes that a program taps, stroke by stroke, with what a picture says of them. Holes that are alike are one feature.
 
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::call::{Hand, TapAxis, TapMode};
+use leadscrew_core::call::{Hand, TapMode};
 use leadscrew_core::moves::{Stage, Tag, TapMove};
 use leadscrew_core::units::Length;
 use leadscrew_language::stock::Stock;
 
 use super::PIECES;
+use super::depth::Depth;
 use crate::drawing::mm;
 use crate::number::measured;
 use crate::plot::{Reversal, Tap, TapStroke};
-use crate::words::{both, pick};
+use crate::words::both;
 
 /// Holes that are alike.
 #[derive(Debug)]
@@ -18,10 +19,7 @@ pub(super) struct Holes {
     tap: Tap,
     /// What all of them have.
     first: TapMove,
-    /// Where R and the bottom are in the work, millimetres; X is a diameter.
-    ends: (f64, f64),
-    /// The surface is not declared but assumed.
-    is_assumed: bool,
+    depth: Depth,
     /// Turns of the hole under way, and its deepest.
     turned: f64,
     cut: f64,
@@ -33,45 +31,21 @@ impl Holes {
     /// Those of this stroke. `zero`: the coordinate of the work's zero on the axis.
     pub(super) fn new(tap: &TapMove, zero: Length, stock: Option<&Stock>) -> Self {
         let lead = tap.lead.numerator() as f64 / tap.lead.denominator() as f64 / 1e6;
-        let [level, bottom] = [tap.level, tap.bottom].map(|at| mm(at.nm() - zero.nm()));
-        let inward = if bottom > level { 1.0 } else { -1.0 };
-        let below = |at: f64| (at - level) * inward;
-        let deep = below(bottom);
-        let known = match (tap.axis, stock) {
-            (TapAxis::Z, Some(stock)) => {
-                let face = mm(stock.face);
-                Some((face, face - mm(stock.length)))
-            }
-            (TapAxis::X, Some(stock)) => Some((mm(stock.outside), mm(stock.bore))),
-            (_, None) => None,
-        };
-        // From the other side the hole begins where it would end.
-        let known = known.map(|(near, far)| (below(near), below(far)));
-        let known = known.map(|(near, far)| (near.min(far), near.max(far)));
-        let assumed = (known.is_none() && tap.axis == TapAxis::Z).then(|| below(0.0));
-        let assumed = assumed.filter(|face| (0.0..deep).contains(face));
-        let (axis, written) = match tap.axis {
-            TapAxis::X => ("X", 2.0),
-            TapAxis::Z => ("Z", 1.0),
-        };
+        let depth = Depth::new(tap.axis, (tap.level, tap.bottom), zero, stock);
         Self {
             tap: Tap {
-                axis,
+                axis: depth.axis,
                 is_rigid: tap.mode == TapMode::Rigid,
                 lead,
                 is_right_hand: tap.hand == Hand::Right,
-                bottom: deep,
-                material: (
-                    known.map(|known| known.0).or(assumed),
-                    known.map(|known| known.1),
-                ),
+                bottom: depth.bottom,
+                material: depth.material,
                 strokes: Vec::new(),
                 reversal: Reversal::default(),
                 at: None,
             },
             first: *tap,
-            ends: (written * level, written * bottom),
-            is_assumed: assumed.is_some(),
+            depth,
             turned: 0.0,
             cut: 0.0,
             hole: 0,
@@ -136,7 +110,7 @@ impl Holes {
     pub(super) fn feature(self, lang: Lang) -> (Vec<String>, Tap) {
         let mut figures = vec![self.hole(lang)];
         figures.extend(self.chip(lang));
-        figures.push(self.surface(lang));
+        figures.push(self.depth.surface(lang));
         (figures, self.tap)
     }
 
@@ -152,8 +126,13 @@ impl Holes {
         } else {
             both!("left-hand", "左旋")
         };
-        let [lead, turns, level, bottom] =
-            [tap.lead, tap.bottom / tap.lead, self.ends.0, self.ends.1].map(measured);
+        let [lead, turns, level, bottom] = [
+            tap.lead,
+            tap.bottom / tap.lead,
+            self.depth.ends.0,
+            self.depth.ends.1,
+        ]
+        .map(measured);
         let (axis, holes) = (tap.axis, self.hole);
         let told = both!(
             "{kind_en}, {hand_en} · lead {lead} mm along {axis} · R {axis}{level}, bottom {axis}{bottom}: {turns} turns · \
@@ -196,40 +175,5 @@ impl Holes {
             )
         };
         Some(format!("{} · {}", told.get(lang), between.get(lang)))
-    }
-
-    fn surface(&self, lang: Lang) -> String {
-        let tap = &self.tap;
-        let Some(surface) = tap.material.0 else {
-            return pick(
-                lang,
-                "surface not known: declare the stock, `(STOCK X60 L100)`",
-                "工件表面未知：请声明毛坯 `(STOCK X60 L100)`",
-            )
-            .to_owned();
-        };
-        let above = measured(surface);
-        let mut told = both!(
-            "from R to the surface {above} mm",
-            "R 至工件表面 {above} mm"
-        );
-        if self.is_assumed {
-            told = both!(
-                "{en}, which is assumed at Z0",
-                "{zh}（假定表面在 Z0）",
-                en = told.en,
-                zh = told.zh
-            );
-        }
-        if let Some(end) = tap.material.1.filter(|end| *end < tap.bottom) {
-            let beyond = measured(tap.bottom - end);
-            told = both!(
-                "{en} · comes out {beyond} mm behind",
-                "{zh} · 穿出 {beyond} mm",
-                en = told.en,
-                zh = told.zh
-            );
-        }
-        told.get(lang).to_owned()
     }
 }

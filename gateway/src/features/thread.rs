@@ -80,6 +80,8 @@ struct One {
     known: Known,
     passes: Vec<Pass>,
     lead: f64,
+    /// Change of the lead in a turn, millimetres.
+    change: f64,
     /// The spindle turns as for M3.
     forward: bool,
     lead_in: Option<f64>,
@@ -103,6 +105,7 @@ impl Threads {
             known,
             passes: Vec::new(),
             lead: 0.0,
+            change: 0.0,
             forward: true,
             lead_in: None,
         };
@@ -121,13 +124,14 @@ impl Threads {
         thread: &ThreadMove,
         at: Lathe,
     ) -> Option<usize> {
-        let at = if thread.long_x { at.exchanged() } else { at };
         let is_in = |one: &One| {
             let mut passes = one.known.moves.iter();
             passes.any(|(first, last, _)| (*first..=*last).contains(&step))
         };
         let number = self.list.iter().position(is_in)?;
         let one = self.list.get_mut(number)?;
+        let is_flat = one.known.across == Across::Z;
+        let at = if is_flat { at.exchanged() } else { at };
         let start = each.tag.map_or(1, |tag| tag.start.max(1));
         let stage = each.tag.map(|tag| tag.stage);
         let lead = thread.lead.numerator() as f64 / thread.lead.denominator() as f64 / 1e6;
@@ -141,6 +145,7 @@ impl Threads {
                 return Some(number);
             }
             (one.lead, one.forward) = (lead, thread.rpm.get() >= 0);
+            one.change = thread.change.pm() as f64 / 1e9;
             one.passes.push(Pass {
                 number: u32::try_from(before).unwrap_or(u32::MAX).saturating_add(1),
                 line: at.line,
@@ -158,7 +163,8 @@ impl Threads {
             if stage == Some(Stage::RunIn) {
                 pass.run_in = now;
             }
-            if stage != Some(Stage::RunOut) {
+            // A chain may go out of the work by a stroke that is too steep for the thread.
+            if stage != Some(Stage::RunOut) && thread.long_x == is_flat {
                 pass.run_out = now;
             }
         }
@@ -232,13 +238,27 @@ impl One {
             (false, true) => both!("left-hand (M3, toward +Z)", "左旋（M3，向 +Z）"),
         };
         let lead = measured(self.lead);
+        let change = measured(self.change.abs());
+        let change = match self.change {
+            0.0 => both!("", ""),
+            minus if minus < 0.0 => both!(
+                ", less by {change} mm in each turn",
+                "，每转减小 {change} mm"
+            ),
+            _ => both!(
+                ", more by {change} mm in each turn",
+                "，每转增大 {change} mm"
+            ),
+        };
         let passes = self.passes.len();
         let starts = self.passes.iter().map(|pass| pass.start).max().unwrap_or(1);
         let told = both!(
-            "{en} · lead {lead} mm · starts: {starts} · passes: {passes}",
-            "{zh} · 导程 {lead} mm · 头数 {starts} · 走刀 {passes} 次",
+            "{en} · lead {lead} mm{more} · starts: {starts} · passes: {passes}",
+            "{zh} · 导程 {lead} mm{more_zh} · 头数 {starts} · 走刀 {passes} 次",
             en = hand.en,
-            zh = hand.zh
+            zh = hand.zh,
+            more = change.en,
+            more_zh = change.zh
         );
         told.get(lang).to_owned()
     }

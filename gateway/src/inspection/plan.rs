@@ -1,6 +1,6 @@
 //! The threads of a program that has been checked, and in words why there is no plan of them.
 
-use leadscrew_inspection::{Finder, Plan, Refusal, Wish};
+use leadscrew_inspection::{Declared, Finder, Plan, Refusal, Wish};
 use leadscrew_metrology::NotKnown;
 
 use crate::failure::{Failure, Outcome};
@@ -10,17 +10,24 @@ use crate::source::SourceFile;
 use crate::walk::Walk;
 use crate::words::{Both, both};
 
-/// The threads of a program.
+/// The threads of a program, on the stock that it declares.
 ///
 /// # Errors
 /// The program cannot be read; a name says nothing, or there are not as many names as threads.
 pub fn plan(setup: &Setup, source: &SourceFile, wish: &Wish) -> Outcome<Plan> {
     let mut walk = Walk::open(setup, source)?;
+    let stock = walk.stock().copied();
+    let wish = Wish {
+        stock: stock.map(|stock| Declared::new(stock.outside, stock.bore, stock.face)),
+        ..wish.clone()
+    };
     let mut finder = Finder::default();
     while let Some(call) = walk.next_call(|_, each| finder.step(each))? {
         finder.call(&call);
     }
-    finder.plan(wish).map_err(|why| Failure::Usage(words(&why)))
+    finder
+        .plan(&wish)
+        .map_err(|why| Failure::Usage(words(&why)))
 }
 
 fn words(why: &Refusal) -> Both {

@@ -10,8 +10,8 @@ mod thread;
 mod time;
 
 pub use cut::{
-    Across, Column, Contour, Feature, Groove, Pass, Phase, Piece, Reversal, Shape, Tap, TapStroke,
-    Thread,
+    Across, Column, Contour, Drilled, Feature, Groove, Hole, Pass, Peck, Phase, Piece, Reversal,
+    Shape, Tap, TapStroke, Thread,
 };
 pub use path::{Kind, Mark, Stock, Stroke, View};
 pub use series::{Envelope, Sample};

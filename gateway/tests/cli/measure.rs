@@ -96,6 +96,39 @@ fn what_was_assumed_is_told_in_both_languages() {
 }
 
 #[test]
+fn a_chain_of_strokes_is_measured_as_one_thread() {
+    let result = measured(&["examples/shop/nipple-g32.nc"]);
+    let threads = result["threads"].as_array().unwrap();
+    assert_eq!((threads.len(), &result["threads_along_x"]), (1, &0.into()));
+    assert_eq!(threads[0]["thread"], "M40x2-6g");
+    let passes = threads[0]["passes"].as_array().unwrap();
+    assert_eq!(passes.len(), 4);
+}
+
+#[test]
+fn what_is_declared_is_not_assumed() {
+    let thread = &measured(&["examples/cycles/g32.nc"])["threads"][0];
+    assert_eq!(
+        (&thread["face_mm"], &thread["assumed"]["face"]),
+        (&serde_json::json!(0), &false.into())
+    );
+    // A lead that changes is that of no norm, and the bar is no thicker than it was.
+    let thread = &measured(&["examples/cycles/g34.nc"])["threads"][0];
+    assert_eq!(thread["thread"], serde_json::Value::Null);
+    near(&thread["surface_mm"], 40.0, 1e-6);
+    // The first of two passes takes as much as the second: 21.7, then 21.1 at Z-16, 1:16 from the face.
+    let thread = &measured(&["examples/shop/pipe-g92.nc"])["threads"][0];
+    near(&thread["surface_mm"], 22.3 - 1.0, 1e-6);
+    assert!(thread["assumed"]["surface"] == true);
+    let folder = Folder::new("measure-stock");
+    let program = "(STOCK X21 L60 Z0.5)\nM3 S350\nG0 X28 Z8\nG92 X21.7 Z-16 R-0.75 F1.8143\nX21.1\nG0 X60\nM30\n";
+    let program = write(&folder, "pipe.nc", program);
+    let thread = &measured(&[&program])["threads"][0];
+    near(&thread["surface_mm"], 21.0, 1e-6);
+    near(&thread["face_mm"], 0.5, 1e-6);
+}
+
+#[test]
 fn a_bad_thread_fails() {
     // Its surface is turned to 40 and its groove is as deep as the basic profile: nothing is left for the clearance of g.
     let output = leadscrew(&["measure", "examples/shaft.nc"]);

@@ -147,6 +147,125 @@ fn a_thread_along_x_has_z_upwards() {
 }
 
 #[test]
+fn a_chain_of_g32_is_one_thread_though_its_last_stroke_goes_along_x() {
+    let folder = Folder::new("plot-chain");
+    let told = texts(&folder, "examples/shop/nipple-g32.nc", &[]);
+    let has = |line: &str| told.iter().any(|text| text == line);
+    for line in [
+        "G32 · T7 · line 11–13",
+        "right-hand (M3, toward -Z) · lead 2 mm · starts: 1 · passes: 4",
+        "run-out from Z-44 to Z-47",
+        "pass: ⌀ mm",
+        "1: ⌀39.4",
+        "4: ⌀37.6",
+    ] {
+        assert!(has(line), "{line}: {told:?}");
+    }
+    let views = told.iter().filter(|text| text.contains(" · line ")).count();
+    assert_eq!(views, 1, "{told:?}");
+    let told = told.join("\n");
+    assert!(told.contains("filled: all 4 passes"), "{told}");
+}
+
+#[test]
+fn a_drilled_hole_has_its_pecks_and_its_place() {
+    let folder = Folder::new("plot-drill");
+    let told = texts(&folder, "examples/cycles/g83.nc", &[]).join("\n");
+    for line in [
+        "G83 · line 6",
+        "along Z · R Z2, bottom Z-40: 42 mm · holes: 1 · pecks of a hole: 6, the longest 8 mm",
+        "on the axis",
+        "from R to the surface 2 mm",
+        "1: 8",
+        "4: 32",
+        "6: 42",
+    ] {
+        assert!(told.contains(line), "{line}: {told}");
+    }
+    assert!(!told.contains("turning"), "{told}");
+    let told = texts(&folder, "examples/shop/side-holes.nc", &[]).join("\n");
+    for line in [
+        "G87 · T10 · line 7",
+        "along X · R X44, bottom X30: 7 mm · holes: 4 · pecks of a hole: 3, the longest 3 mm",
+        "at Z-15 C0 · Z-15 C90 · Z-15 C180 · Z-15 C270",
+        "3: 7",
+        "C270",
+    ] {
+        assert!(told.contains(line), "{line}: {told}");
+    }
+    // A way back leaves it, another R is another view.
+    let two = "G98 M3 S800\nG0 X0 Z5\nG83 Z-20. R-3. Q8. F100\nZ-25.\nR-6. Z-25.\nG80\nG0 X100 Z50\nM30\n";
+    let two = write(&folder, "two.nc", two);
+    let page = folder.file("two.html");
+    let output = leadscrew(&["plot", &two, "-o", &page]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = std::fs::read_to_string(&page).unwrap();
+    for told in [
+        "R Z2, bottom Z-25: 27 mm · holes: 2 · pecks of a hole: 4",
+        "R Z-1, bottom Z-25: 24 mm · holes: 1 · pecks of a hole: 3",
+        "data-line=\"3\" data-told=\"hole 2, peck 4 to 27 mm, 3 mm of it new, line 3\"",
+    ] {
+        assert!(page.contains(told), "{told}");
+    }
+}
+
+#[test]
+fn what_is_typed_for_a_tool_that_cuts_nothing_is_told() {
+    let folder = Folder::new("plot-idle");
+    let picture = folder.file("shaft.svg");
+    let typed = |tool: &[&str]| {
+        let output =
+            leadscrew(&[&["plot", "examples/shaft.nc", "-o", &picture][..], tool].concat());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        stderr(&output)
+    };
+    let idle = "T9 was typed, and the program cuts nothing with it";
+    for tool in [["--tool", "T9=V60:r0.1"], ["--tool-width", "T9=3"]] {
+        assert!(typed(&tool).contains(idle));
+    }
+    let known = typed(&[
+        "--tool",
+        "T3=V60:r0.1",
+        "--tool-width",
+        "T2=3",
+        "--tool",
+        "V60:r0.2",
+    ]);
+    assert!(!known.contains("was typed"), "{known}");
+}
+
+#[test]
+fn the_surface_of_strokes_is_below_that_of_the_stock_and_above_the_first_pass() {
+    let folder = Folder::new("plot-surface");
+    let told = texts(&folder, "examples/cycles/g34.nc", &[]).join("\n");
+    assert!(
+        told.contains("lead 4 mm, more by 0.5 mm in each turn · starts: 1 · passes: 2"),
+        "{told}"
+    );
+    assert!(
+        told.contains("pass: ⌀ mm") && !told.contains("pass: depth"),
+        "{told}"
+    );
+    let told = texts(&folder, "examples/shop/face-g32.nc", &[]).join("\n");
+    assert!(told.contains("pass: Z mm"), "{told}");
+}
+
+#[test]
+fn a_groove_that_is_cut_again_elsewhere_counts_its_columns_on() {
+    let folder = Folder::new("plot-again");
+    let told = texts(&folder, "examples/shop/macro-a.nc", &[]);
+    let has = |line: &str| told.iter().any(|text| text == line);
+    let figures = told.iter().find(|text| text.contains("columns: 4"));
+    assert!(
+        figures.is_some_and(|text| text.starts_with("bottoms from ⌀38 to ⌀32 · ")),
+        "{told:?}"
+    );
+    for column in ["1", "2", "3", "4"] {
+        assert!(has(column), "{column}: {told:?}");
+    }
+}
+
+#[test]
 fn a_groove_of_g74_goes_into_the_face() {
     let folder = Folder::new("plot-g74");
     let program = "G97 G99 M3 S600\nT0303\nG0 X40 Z2\nG74 R0.5\nG74 X30 Z-8 P50000 Q30000 F0.1\n\

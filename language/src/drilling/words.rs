@@ -44,6 +44,19 @@ impl Kind {
         })
     }
 
+    /// Its G code.
+    #[must_use]
+    pub const fn code(self) -> &'static str {
+        match self {
+            Self::Face => "G83",
+            Self::Side => "G87",
+            Self::Plain => "G81",
+            Self::Dwelling => "G82",
+            Self::Boring => "G85",
+            Self::BoringDwelling => "G89",
+        }
+    }
+
     /// The letters of the axis along which it drills: absolute, increment.
     #[must_use]
     pub const fn axis(self) -> [u8; 2] {

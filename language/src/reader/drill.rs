@@ -49,6 +49,7 @@ impl Acting<'_, '_> {
                 };
                 self.end_drilling()?;
                 self.core.drill = Some((Drill::new(kind, word.span), level));
+                self.core.drilled = Some((kind, word.span));
             }
             None if words.iter().any(ends) => self.end_drilling()?,
             None => {}

@@ -1,7 +1,8 @@
-//! The view of the cut: each thread, groove, turned contour and tapped hole of a program near by, with its passes and its
+//! The view of the cut: each thread, groove, turned contour and hole of a program near by, with its passes and its
 //! warnings. Turns numbers into a part of the picture; knows nothing of programs or machines.
 
 mod contour;
+mod drill;
 mod groove;
 mod pane;
 mod phase;
@@ -9,6 +10,7 @@ mod tap;
 mod thread;
 
 pub use contour::{Contour, Piece};
+pub use drill::{Drilled, Hole, Peck};
 pub use groove::{Column, Groove};
 pub use pane::Across;
 pub use phase::Phase;
@@ -53,6 +55,8 @@ pub enum Shape {
     Contour(Contour),
     /// Tapped holes that are alike.
     Tap(Tap),
+    /// Drilled holes with one R.
+    Drilled(Drilled),
 }
 
 /// Height of a view.
@@ -65,10 +69,11 @@ const LEAST: usize = 2;
 
 impl Shape {
     /// How much of a row its view takes.
-    const fn share(&self) -> usize {
+    fn share(&self) -> usize {
         match self {
             Self::Thread(_) | Self::Tap(_) => ROW,
-            Self::Contour(_) => 2,
+            Self::Drilled(drilled) if drilled.is_around() => ROW,
+            Self::Contour(_) | Self::Drilled(_) => 2,
             Self::Groove(_) => 1,
         }
     }
@@ -112,6 +117,7 @@ pub(super) fn draw(
                 Shape::Groove(groove) => groove::draw(document, area, groove, number, lang),
                 Shape::Contour(contour) => contour::draw(document, area, contour, number, lang),
                 Shape::Tap(tap) => tap::draw(document, area, tap, number, lang),
+                Shape::Drilled(drilled) => drill::draw(document, area, drilled, number, lang),
             }
         }
         bottom = begin + VIEW + 18.0;

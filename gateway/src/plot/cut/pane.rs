@@ -79,6 +79,8 @@ pub(super) struct Axes {
     pub(super) names: (&'static str, &'static str),
     /// More is lower.
     pub(super) is_down: bool,
+    /// To the right things are counted.
+    pub(super) is_count: bool,
 }
 
 impl From<Across> for Axes {
@@ -92,6 +94,7 @@ impl From<Across> for Axes {
             labels,
             names,
             is_down: false,
+            is_count: false,
         }
     }
 }
@@ -143,7 +146,12 @@ pub(super) struct Pane {
 
 impl Pane {
     /// Both axes to one scale, the range in the middle.
-    pub(super) fn true_to_scale(area: Area, across: Across, range: Range, id: String) -> Self {
+    pub(super) fn true_to_scale(
+        area: Area,
+        axes: impl Into<Axes>,
+        range: Range,
+        id: String,
+    ) -> Self {
         let (width, height) = (area.right - area.left, area.bottom - area.top);
         let (length, depth) = (range.z.1 - range.z.0, range.r.1 - range.r.0);
         let mm = (width / length.max(1e-3)).min(height / depth.max(1e-3));
@@ -155,7 +163,7 @@ impl Pane {
             z: middle(range.z, width),
             r: middle(range.r, height),
         };
-        Self::filled(area, across, range, id)
+        Self::filled(area, axes, range, id)
     }
 
     /// Each axis as large as the box allows.
@@ -203,7 +211,9 @@ impl Pane {
         } = self.area;
         document.append(self.edge().set("class", "panel"));
         let (ticks, decimals) = self.z.ticks(((right - left) / 80.0).max(2.0));
-        for tick in ticks {
+        let decimals = if self.axes.is_count { 0 } else { decimals };
+        let is_shown = |tick: &f64| !self.axes.is_count || (tick - tick.round()).abs() < 1e-6;
+        for tick in ticks.into_iter().filter(is_shown) {
             let at = self.z.px(tick);
             line(document, "grid", [(at, top), (at, bottom)]);
             document.append(text(at, bottom + 18.0, "below", &label(tick, decimals)));

@@ -149,6 +149,7 @@ const fn over_turns(lang: Lang) -> Axes {
         labels: (right, "mm"),
         names: (right, up),
         is_down: true,
+        is_count: false,
     }
 }
 
@@ -317,6 +318,7 @@ fn draw_bottom(document: &mut Group, area: Area, tap: &Tap, n: usize, lang: Lang
         labels: ("°", "µm"),
         names: ("°", "µm"),
         is_down: true,
+        is_count: false,
     };
     let (z, r) = (range.z, range.r);
     // The bottom is always in it, and what is beyond has room.

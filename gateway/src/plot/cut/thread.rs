@@ -39,8 +39,14 @@ impl Pass {
         self.points.first().map_or(0.0, |point| point.0)
     }
 
-    /// Where the run-out begins.
+    /// Where the first stroke of the thread ends: that of a cycle, or of a chain, which may go on elsewhere.
     fn bottom(&self) -> (f64, f64) {
+        let end = (self.run_in + 1).min(self.run_out);
+        self.points.get(end).copied().unwrap_or_default()
+    }
+
+    /// Where the run-out begins.
+    fn leaves(&self) -> (f64, f64) {
         self.points.get(self.run_out).copied().unwrap_or_default()
     }
 
@@ -308,7 +314,7 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
         };
         upright(within, "mark", words, 2.0);
     }
-    let (out, end) = (last.bottom().0, last.end().0);
+    let (out, end) = (last.leaves().0, last.end().0);
     if last.run_out + 1 < last.points.len() {
         let words = match lang {
             Lang::En => format!("run-out from {} to {}", place(out), place(end)),
@@ -396,6 +402,11 @@ fn depths(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
             &format!("{number}: {deep}"),
         ));
     }
-    let words = pick(lang, "pass: depth mm", "刀次：深度 mm");
+    let has_depth = thread.passes.iter().any(|pass| pass.depth.is_some());
+    let words = match (has_depth, thread.across) {
+        (true, _) => pick(lang, "pass: depth mm", "刀次：深度 mm"),
+        (false, Across::X) => pick(lang, "pass: ⌀ mm", "刀次：⌀ mm"),
+        (false, Across::Z) => pick(lang, "pass: Z mm", "刀次：Z mm"),
+    };
     document.append(text(area.right + 10.0, area.top - 8.0, "name", words));
 }
