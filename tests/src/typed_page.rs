@@ -235,6 +235,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_chinese_first_hour_types_and_shows_what_the_english_one_does() {
+        let of = |page| {
+            let steps = steps(page).into_iter();
+            let typed: Vec<_> = steps.map(|step| (step.command, step.shown)).collect();
+            typed
+        };
+        let english = of(include_str!("../../docs/first-hour.md"));
+        assert!(english.len() > 30, "{}", english.len());
+        assert_eq!(of(include_str!("../../docs/zh/first-hour.md")), english);
+    }
+
+    #[test]
     fn a_page_is_taken_apart_and_compared_to_the_letter() {
         let page = "text\n$ no\n```sh\n$ no\n```\n```console\n$ a b\nx ... y\n$ c\n```\n";
         let step = |line, command: &str, shown: &str| Step {

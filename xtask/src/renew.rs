@@ -12,6 +12,7 @@ use crate::{pictures, run};
 /// The pages of text, with the arguments of `leadscrew` that print them.
 const PAGES: &[(&str, &[&str])] = &[
     ("docs/alarms.md", &["explain", "--docs", "--lang", "en"]),
+    ("docs/zh/alarms.md", &["explain", "--docs", "--lang", "zh"]),
     ("docs/parameters.md", &["params", "docs", "--lang", "en"]),
 ];
 

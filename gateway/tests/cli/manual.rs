@@ -1,4 +1,5 @@
-//! The pages of the cycles: their programs run, and each mistake gives the number that the page says.
+//! The pages of the cycles: their programs run, and each mistake gives the number that the page says. The Chinese pages
+//! have the same programs, pictures and mistakes.
 
 use crate::{Folder, code, leadscrew, root, stderr, stdout};
 
@@ -76,5 +77,35 @@ fn each_mistake_gives_the_number_that_its_page_says() {
             count += 1;
         }
         assert!(count >= 2, "{name} has {count} mistakes");
+    }
+}
+
+/// What both languages have in common, in its order: blocks of code, the picture, and of each mistake the cells of code
+/// and the number.
+fn common(page: &str) -> Vec<String> {
+    let mut inside = false;
+    let mut common = Vec::new();
+    for line in page.lines() {
+        let fence = line.starts_with("```");
+        if fence || inside {
+            common.push(line.to_owned());
+            inside ^= fence;
+        } else if line.starts_with("![") {
+            let picture = line.rsplit('/').next().unwrap_or_default();
+            common.push(picture.to_owned());
+        } else if line.starts_with("| `") {
+            let cells: Vec<_> = line.split(" | ").take(3).collect();
+            common.push(cells.join(" | ").replace("（不写）", "(nothing)"));
+        }
+    }
+    common
+}
+
+#[test]
+fn each_page_has_a_chinese_one_with_its_programs_pictures_and_mistakes() {
+    for (name, page, _) in pages() {
+        let chinese = root().join(format!("docs/zh/cycles/{name}.md"));
+        let chinese = std::fs::read_to_string(&chinese).unwrap_or_default();
+        assert_eq!(common(&chinese), common(&page), "{name}");
     }
 }

@@ -1,7 +1,7 @@
 //! `explain`: what an alarm or a warning means, what to do, what raises it and what does it right.
 //!
 //! The words are those of the core's table, with … in place of figures. What raises them is in the files of `entries`.
-//! The same text of all numbers is the page `docs/alarms.md`.
+//! The same text of all numbers is the page `docs/alarms.md`, and in Chinese `docs/zh/alarms.md`.
 
 mod entries;
 mod shown;
@@ -67,7 +67,8 @@ impl Explained {
 
     fn section(&self, lang: Lang) -> String {
         let mut text = format!("\n### {}\n\n", self.heading(lang));
-        let _ = writeln!(text, "{}.", sentence(&blanks(self.code.help(lang))));
+        let end = pick(lang, ".", "。");
+        let _ = writeln!(text, "{}{end}", sentence(&blanks(self.code.help(lang))));
         if let Some(entry) = &self.entry {
             shown::page(entry, lang, &mut text);
         }
@@ -130,16 +131,22 @@ fn page(all: &[Explained], lang: Lang) -> String {
          by `leadscrew params validate`. A line with `(1001 times)` behind it is written so often, and a word with `×200` too, in \
          its line. Commands are typed at [a machine on the desk](desk.md), after `export LEADSCREW_BUS=sim:desk`; `leadscrew \
          down` ends it. A test does all of this.\n",
-        "# 报警与警告\n\n由 `leadscrew explain --docs` 生成，请勿手工修改。`leadscrew explain 编号` 只打印一条。…… 代表具体数值。警告不会停止运行。\n\n\
+        "# 报警与警告\n\n由 `leadscrew explain --docs --lang zh` 生成，请勿手工修改。`leadscrew explain 编号` 只打印一条。… 代表具体数值。警告不会停止运行。\n\n\
          每条下面是引发它的示例和正确的做法。程序由 `leadscrew check` 检查，机床文件由 `leadscrew params validate` 检查。行末的 `(1001 times)` 表示该行重复这么多次，\
-         字后的 `×200` 表示该字在行中重复这么多次。命令在[桌面机床](desk.md)上输入，先执行 `export LEADSCREW_BUS=sim:desk`；`leadscrew down` 结束机床。\
+         字后的 `×200` 表示该字在行中重复这么多次。命令在[桌面机床](../desk.md)上输入，先执行 `export LEADSCREW_BUS=sim:desk`；`leadscrew down` 结束机床。\
          以上都有测试执行。\n",
     ));
+    // The other pages that it leads to are English ones, a folder above the Chinese page.
+    let folder = pick(lang, "", "../");
     let mut before = "";
     for one in all {
         let (subject, file) = one.subject(lang);
         if subject != before {
-            let _ = write!(text, "\n## {}\n\n[{file}]({file})\n", sentence(subject));
+            let _ = write!(
+                text,
+                "\n## {}\n\n[{file}]({folder}{file})\n",
+                sentence(subject)
+            );
         }
         text.push_str(&one.section(lang));
         before = subject;
@@ -161,11 +168,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_of_the_manual_is_current() {
-        assert!(
-            page(&Explained::all(), Lang::En) == include_str!("../../../../docs/alarms.md"),
-            "docs/alarms.md is not current: `cargo xtask renew` writes it anew"
-        );
+    fn the_pages_of_the_manual_are_current() {
+        let pages = [
+            (Lang::En, include_str!("../../../../docs/alarms.md")),
+            (Lang::Zh, include_str!("../../../../docs/zh/alarms.md")),
+        ];
+        for (lang, kept) in pages {
+            assert!(
+                page(&Explained::all(), lang) == kept,
+                "the alarms of the manual are not current in {lang:?}: `cargo xtask renew` writes them anew"
+            );
+        }
     }
 
     #[test]
