@@ -48,6 +48,12 @@ pub fn agree(setup: &Setup, source: &SourceFile, line: u32, agreed: bool) -> Out
             diagnostics::print(&told, setup.colour);
             return Err(Failure::Wrong);
         }
+        Err(Unfit::NotReached) if source.line(line).is_none() => {
+            return Err(refusal(
+                line,
+                &both!("the file has fewer lines", "程序文件没有这么多行"),
+            ));
+        }
         Err(unfit) => return Err(refusal(line, &why(&unfit))),
     };
     diagnostics::say(shown(&start, setup, source).get(setup.lang));

@@ -195,7 +195,7 @@ impl Refusal {
                 "程序文件夹中没有该程序；请重新加载列表",
             ],
             Self::Changed => [
-                "it is not what this page has seen: somebody has changed it meanwhile, or the name is taken; open it again, then                  change it",
+                "it is not what this page has seen: somebody has changed it meanwhile, or the name is taken; open it again, then change it",
                 "内容与本页面所见不同：已被他人修改，或名称已被占用；请重新打开后再修改",
             ],
             Self::Unconditional => [

@@ -305,9 +305,12 @@ impl Key {
 
     fn no_value(self, text: &str) -> Both {
         let (text, example) = (one_line(text), self.shown(self.range().1));
+        let point = decimal_point(&text);
         both!(
-            "{self}: `{text}` is no value, as `{example}` is one",
-            "{self}：`{text}` 不是有效值（示例：`{example}`）"
+            "{self}: `{text}` is no value, as `{example}` is one{en}",
+            "{self}：`{text}` 不是有效值（示例：`{example}`）{zh}",
+            en = point.en,
+            zh = point.zh
         )
     }
 
@@ -329,6 +332,15 @@ impl Key {
             "{number}: {self}: `{text}` is outside {min} to {max}{unit}, or finer than {fine}; nothing has been written",
             "{number}：{self}：`{text}` 超出 {min} 至 {max}{unit}，或小于最小单位 {fine}；未写入任何内容"
         )
+    }
+}
+
+/// A hint for who has written a decimal comma.
+#[must_use]
+pub fn decimal_point(text: &str) -> Both {
+    match text.contains(',') {
+        true => both!("; write a point, not a comma", "；小数点请写 `.`，不写逗号"),
+        false => both!("", ""),
     }
 }
 
@@ -368,18 +380,26 @@ pub fn much(changes: &[Change]) -> Vec<Key> {
     found.map(|change| change.key).collect()
 }
 
+/// Key and value of an assignment, the sign of `+=` and `-=` still at the key.
+///
+/// # Errors
+/// There is no `=`.
+pub fn parts(text: &str) -> Result<(&str, &str), Both> {
+    text.split_once('=').ok_or_else(|| {
+        let text = one_line(text);
+        both!(
+            "`{text}` sets nothing: write KEY=VALUE, KEY+=VALUE or KEY-=VALUE",
+            "`{text}` 未设定任何值：请写 KEY=VALUE、KEY+=VALUE 或 KEY-=VALUE"
+        )
+    })
+}
+
 /// `KEY=VALUE`, `KEY+=VALUE` or `KEY-=VALUE`, put into a table.
 ///
 /// # Errors
 /// No such form, key or value: the table is unchanged.
 pub fn assign(table: &mut Offsets, text: &str) -> Result<(), Both> {
-    let Some((key, value)) = text.split_once('=') else {
-        let text = one_line(text);
-        return Err(both!(
-            "`{text}` sets nothing: write KEY=VALUE, KEY+=VALUE or KEY-=VALUE",
-            "`{text}` 未设定任何值：请写 KEY=VALUE、KEY+=VALUE 或 KEY-=VALUE"
-        ));
-    };
+    let (key, value) = parts(text)?;
     let (key, sign) = match (key.strip_suffix('+'), key.strip_suffix('-')) {
         (Some(key), _) => (key, 1),
         (_, Some(key)) => (key, -1),

@@ -80,6 +80,7 @@ fn what_is_no_value_is_refused_and_changes_nothing() {
         ("T1=5", "there is no `T1`"),
         ("T40.X=1", "there is no `T40.X`"),
         ("T1.X=abc", "is no value"),
+        ("T1.X=38,42", "write a point, not a comma"),
         (
             "T1.X=10000",
             "4582: T1.X: `10000` is outside -9999.9999 to 9999.9999 mm",

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use leadscrew_core::bus::StepRequest;
 use leadscrew_core::operating::{Led, OperatingMode, Towards, WheelFactor};
 use leadscrew_core::units::Axis;
@@ -124,20 +124,21 @@ impl StepLength {
 
 /// `jog`.
 #[derive(Args, Debug)]
+#[command(group = ArgGroup::new("how far").args(["by", "hold"]).required(true))]
 pub struct Jog {
     /// Axis and direction: `X+`, `X-`, `Z+`, `Z-`; with `--hold` one of each axis
     #[arg(required = true, num_args = 1..=2, value_name = "AXIS")]
     pub ways: Vec<AxisWay>,
-    /// Go this far, in mm (X: of the diameter), and stop
-    #[arg(long, value_name = "MM", required_unless_present = "hold", conflicts_with_all = ["hold", "feed", "rapid"])]
+    /// Go this far, in mm (X: of the diameter), and stop; at the speed of parameter 9041
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub by: Option<StepLength>,
     /// Go until Enter or Ctrl-C, or until this program is gone
     #[arg(long)]
     pub hold: bool,
-    /// Speed of the slide in mm/min [default: parameter 9041]
+    /// With `--hold`: speed of the slide in mm/min [default: parameter 9041]
     #[arg(long, value_name = "MM/MIN", value_parser = clap::value_parser!(u16).range(1..), conflicts_with = "rapid")]
     pub feed: Option<u16>,
-    /// At jog rapid (parameter 9042)
+    /// With `--hold`: at jog rapid (parameter 9042)
     #[arg(long)]
     pub rapid: bool,
 }

@@ -46,7 +46,11 @@ pub enum OffsetsCommand {
 #[derive(Args, Debug)]
 pub struct Assign {
     /// Millimetres or with a unit, X in diameter; `+=` and `-=` add
-    #[arg(required = true, value_name = "KEY=VALUE")]
+    #[arg(
+        required = true,
+        value_name = "KEY=VALUE",
+        allow_negative_numbers = true
+    )]
     pub values: Vec<String>,
     /// Do not ask where a wear changes by more than 1 mm
     #[arg(long)]

@@ -4,10 +4,11 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::device::objects::{BEAT, BY_WHEEL, MODE, REFUSED, TOOL};
-use leadscrew_core::bus::{Beat, BoardCommand, Order};
+use leadscrew_core::bus::{Beat, BoardCommand, BoardState, Object, Order};
 use leadscrew_core::link::Event;
 use leadscrew_core::offsets::InPlace;
 use leadscrew_core::operating::OperatingMode;
+use leadscrew_core::units::Axes;
 
 use super::{Link, LinkResult, Trouble};
 
@@ -15,6 +16,8 @@ use super::{Link, LinkResult, Trouble};
 pub const BY_MODE: std::ops::Range<u16> = 4500..4600;
 /// By default a beat comes every 10 ms. Boards above node 31 send none, and are asked.
 const BEAT_COMES: Duration = Duration::from_millis(100);
+/// An axis that was let go comes to rest within this time, and the dead man's time of 9040 is over.
+const BY_HAND_ENDS: Duration = Duration::from_secs(1);
 
 impl Link {
     /// The board's beat for an order that needs its echo.
@@ -58,15 +61,54 @@ impl Link {
         mode.ok_or_else(|| self.strange(MODE))
     }
 
-    /// Changes the mode, if the machine is in another.
+    /// Brings the machine into the mode that a command needs. Whoever moves it by hand goes on: only who asks for a mode by
+    /// its name [ends a press](Self::change_mode).
     ///
     /// # Errors
     /// [`Trouble::Refused`]; the board does not answer.
     pub fn set_mode(&mut self, mode: OperatingMode) -> LinkResult {
+        self.nobody_by_hand()?;
+        self.change_mode(mode)
+    }
+
+    /// Changes the mode, if the machine is in another, which ends every press.
+    ///
+    /// # Errors
+    /// As [`set_mode`](Self::set_mode).
+    pub fn change_mode(&mut self, mode: OperatingMode) -> LinkResult {
         if self.mode()? == mode {
             return Ok(());
         }
         self.order(Order::Mode(mode))
+    }
+
+    /// Waits a moment for somebody who moves the machine by hand: the last command may have left it coming to rest.
+    ///
+    /// # Errors
+    /// 4505 where it goes on; the board does not answer.
+    pub fn nobody_by_hand(&mut self) -> LinkResult {
+        let end = Instant::now() + BY_HAND_ENDS;
+        while self.status()?.state == BoardState::Run && self.mode()?.by_hand() {
+            if Instant::now() >= end {
+                return Err(self.refused_by(Alarm::of(Code::AnotherOperator, &[])));
+            }
+            self.idle(BEAT_COMES)?;
+        }
+        Ok(())
+    }
+
+    /// The axes that have a way to find their reference (9050).
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn axes_that_home(&mut self) -> LinkResult<Axes> {
+        let mut axes = Axes::NONE;
+        for (sub, axis) in (1..).zip(Axes::ALL.each()) {
+            if self.read_number(Object::new(0x2000 + 9050, sub))? != 0 {
+                axes = axes.with(axis);
+            }
+        }
+        Ok(axes)
     }
 
     /// The next program follows a handwheel, or does not.
@@ -103,7 +145,7 @@ impl Link {
         if self.mode()?.runs() {
             return Ok(());
         }
-        self.order(Order::Mode(OperatingMode::Automatic))
+        self.set_mode(OperatingMode::Automatic)
     }
 
     /// Whether the order that was just confirmed was carried out. That no program waited is told by the event log alone.

@@ -57,6 +57,10 @@ fn nothing_that_counts_from_the_reference_goes_before_it_is_found() {
     // The board refuses the run, which ends with its reason.
     let told = bad(&leadscrew(&["run", "examples/shaft.nc"], &bus), 1);
     assert!(told.contains("4503 not referenced: X Z"), "{told}");
+    // The reference comes before what a check says of the travel.
+    let told = bad(&leadscrew(&["mdi", "G0 X-9000"], &bus), 1);
+    assert!(told.contains("4503 not referenced: X Z"), "{told}");
+    assert!(!told.contains("4258"), "{told}");
     let ran = leadscrew(&["run", "examples/shaft.nc", "--json"], &bus);
     bad(&ran, 1);
     assert_eq!(
@@ -68,6 +72,12 @@ fn nothing_that_counts_from_the_reference_goes_before_it_is_found() {
         good(&leadscrew(&["home"], &bus)),
         "X referenced at 24.6912\nZ referenced at 0\nnode 1: referenced X Z C\n"
     );
+    // Each axis is told again, and one without a way to home is not.
+    let again = good(&leadscrew(&["home"], &bus));
+    for axis in ["X referenced at 24.6912\n", "Z referenced at 0\n"] {
+        assert!(again.contains(axis), "{again}");
+    }
+    assert_eq!(again.lines().count(), 3, "{again}");
     // What changes offsets leaves the mode that finds the reference.
     let mode = || json(&leadscrew(&["status", "--json"], &bus))["mode"].clone();
     assert_eq!(mode(), "reference");

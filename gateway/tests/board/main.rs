@@ -337,7 +337,10 @@ fn a_stop_is_an_alarm_with_its_line_and_reset_clears_it() {
         (&Value::Bool(true), &Value::from(0))
     );
     let told = good(&leadscrew(&["status"], &bus));
-    assert!(told.contains("\nemergency stop is on\n"), "{told}");
+    assert!(
+        told.contains("\nstopped: by the emergency stop or by `leadscrew stop`\n"),
+        "{told}"
+    );
     let refused = bad(&leadscrew(&["run", "examples/g84-tap.nc"], &bus), 4);
     assert!(refused.contains("`leadscrew reset`"), "{refused}");
     good(&leadscrew(&["reset"], &bus));

@@ -357,6 +357,10 @@ fn a_negative_figure_is_answered_as_a_figure() {
             "expected a whole number of percent",
         ),
         (&["check", "examples/shaft.nc", "--seed", "-1"], "--seed"),
+        (
+            &["offsets", "set", "G54.Z", "-400", "--bus", "can0"],
+            "sets nothing: write KEY=VALUE",
+        ),
     ] {
         let output = leadscrew(args);
         let told = stderr(&output);
@@ -366,6 +370,24 @@ fn a_negative_figure_is_answered_as_a_figure() {
 }
 
 /// [D175]
+#[test]
+fn a_jog_says_what_it_can_be_given() {
+    for (args, part) in [
+        (&["X-"][..], "<--by <MM>|--hold>"),
+        (&["X-", "--by", "-5"], "its direction stands with the axis"),
+        (&["X-", "--by", "5", "--hold"], "cannot be used with"),
+        (
+            &["X-", "--by", "5", "--feed", "100"],
+            "`leadscrew override feed`",
+        ),
+        (&["X-", "--by", "5", "--rapid"], "parameter 9041"),
+    ] {
+        let told = leadscrew(&[&["jog", "--bus", "can0"], args].concat());
+        assert_eq!(code(&told), 2, "{args:?}");
+        assert!(stderr(&told).contains(part), "{}", stderr(&told));
+    }
+}
+
 #[test]
 fn the_number_of_this_side_is_no_boards() {
     let output = leadscrew(&["check", "examples/shaft.nc", "--node", "127"]);

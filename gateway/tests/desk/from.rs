@@ -5,7 +5,7 @@ use std::process::Stdio;
 
 use crate::{User, bad, good, text};
 
-const PART: &str = "O1\nG98 G97 S500 M3\nT0101\nM8\nG0 X-30 Z-5\nG1 X-40 F2000\nZ-20\nG61\nX-30\nG0 Z-5\nG2 X-34 Z-7 R2 F500\nG0 X-10\nM30\n";
+const PART: &str = "O1\nG98 G97 S500 M3\nT0101\nM8\nG0 X-30 Z-5\nG1 X-40 F2000\nZ-20\nG61\nX-30\nG0 Z-5\nG2 X-34 Z-7 R2 F500\nG0 X-10\nM30\n(end)\n";
 
 /// Starts it with something typed.
 fn from(user: &User, line: &str, typed: &str) -> std::process::Output {
@@ -62,7 +62,8 @@ fn what_cannot_be_a_start_is_refused() {
     let user = User::with_machine();
     for (line, why) in [
         ("11", "the line is an arc"),
-        ("99", "carries out no block of its own there"),
+        ("14", "carries out no block of its own there"),
+        ("99", "the file has fewer lines"),
     ] {
         let told = bad(&from(&user, line, line), 1);
         assert!(told.contains(why) && told.contains("4590"), "{told}");

@@ -2,6 +2,7 @@
 
 mod agent;
 mod away;
+mod by_hand;
 mod clients;
 mod explain;
 mod fleet;

@@ -565,5 +565,6 @@ fn each_refusal_says_what_helps_in_two_languages() {
     for refusal in Refusal::ALL {
         let [en, zh] = refusal.words();
         assert!(en.contains("; ") && zh.contains('；'), "{refusal:?}");
+        assert!(!en.contains("  ") && !zh.contains("  "), "{refusal:?}");
     }
 }

@@ -7,10 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use leadscrew_core::bus::{Beat, JogRequest, StepRequest};
+use leadscrew_core::call::Position;
+use leadscrew_core::link::Status;
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 
+use super::monitor::hand::broken;
 use super::open;
 use crate::cli::{AxisWay, Global, Jog, ModeName, StepLength};
+use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::link::Link;
@@ -23,6 +27,9 @@ pub const RENEWAL: Duration = Duration::from_millis(20);
 /// The board's answer to a press comes with its beat, every 10 ms by default.
 pub const ANSWER: Duration = Duration::from_secs(1);
 
+/// No axis brakes for longer.
+const BRAKES: Duration = Duration::from_secs(5);
+
 /// Enter has been pressed.
 static ENTER: AtomicBool = AtomicBool::new(false);
 
@@ -31,7 +38,7 @@ pub fn mode(global: &Global, name: ModeName) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
-    link.set_mode(name.mode())?;
+    link.change_mode(name.mode())?;
     let mode = link.mode()?;
     if global.json {
         return output::json(|json| {
@@ -63,8 +70,15 @@ pub fn jog(global: &Global, jog: &Jog) -> Outcome {
     if let Wish::Hold { .. } = wish {
         await_enter(global);
     }
+    let from = link.status()?.position;
     let end = Press::new(&link, wish).carry_out(&mut link)?;
-    tell(global, &mut link, end)
+    match wish {
+        Wish::Step { on_z, way } => {
+            let asked = Asked { from, on_z, way };
+            tell_way(global, &mut link, end, Some(asked))
+        }
+        Wish::Hold { .. } => tell(global, &mut link, end),
+    }
 }
 
 /// What is asked.
@@ -85,6 +99,12 @@ impl Wish {
     fn of(jog: &Jog) -> Outcome<Self> {
         let usage = |words: Both| Err(Failure::Usage(words));
         match (jog.by, jog.ways.as_slice()) {
+            // A step's frame has no room for a speed.
+            (Some(_), _) if jog.feed.is_some() || jog.rapid => usage(both!(
+                "a step goes at the speed of parameter 9041 times the feed override: change that with `leadscrew override feed`, \
+                 or go with `--hold` instead of `--by`",
+                "步进以参数 9041 乘以进给倍率的速度移动：请用 `leadscrew override feed` 改变倍率，或用 `--hold` 代替 `--by`"
+            )),
             (Some(by), &[way]) => Self::step(by, way),
             (Some(_), _) => usage(both!(
                 "`--by` moves one axis: give the other one a step of its own",
@@ -202,7 +222,13 @@ impl Press {
             self.send(link, released)?;
             link.idle(RENEWAL)?;
             match self.state(link) {
-                Some(PressState::Refused) => return Err(refusal(link)),
+                // The next frame of a press that an alarm has ended is refused, without a reason of its own.
+                Some(PressState::Refused) => {
+                    return match link.refusal()? {
+                        Some(reason) => Err(link.refused_by(reason).into()),
+                        None => Ok(End::Broken),
+                    };
+                }
                 Some(PressState::Limit) => return Ok(End::Limit),
                 Some(PressState::Ended) if released || matches!(self.wish, Wish::Step { .. }) => {
                     return Ok(End::Done);
@@ -305,11 +331,61 @@ fn await_enter(global: &Global) {
     });
 }
 
+/// The way that was asked for.
+#[derive(Clone, Copy)]
+struct Asked {
+    from: Position,
+    on_z: bool,
+    /// Signed, in 0.1 µm of the slide.
+    way: i32,
+}
+
+impl Asked {
+    /// The way that was made, and the one that was asked for, in nanometres, X in diameter.
+    fn lengths(&self, to: &Position) -> (i64, i64) {
+        let asked = i64::from(self.way).saturating_mul(100);
+        match self.on_z {
+            true => ((to.z - self.from.z).nm(), asked),
+            false => (
+                (to.x - self.from.x).nm().saturating_mul(2),
+                asked.saturating_mul(2),
+            ),
+        }
+    }
+}
+
 /// Where the machine has come to.
 pub(super) fn tell(global: &Global, link: &mut Link, end: End) -> Outcome {
-    // The answer comes before the axis stands.
+    tell_way(global, link, end, None)
+}
+
+/// The machine stands. An alarm and a hold are told while it still brakes.
+fn stands(link: &mut Link) -> Outcome<Status> {
     link.wait_at_rest()?;
-    let status = link.status()?;
+    let mut status = link.status()?;
+    let end = Instant::now() + BRAKES;
+    loop {
+        link.idle(RENEWAL)?;
+        let now = link.status()?;
+        if now.position == status.position || Instant::now() >= end {
+            return Ok(now);
+        }
+        status = now;
+    }
+}
+
+/// Where the machine has come to. The board tells of a step that something else has cut short as of one that was made: how
+/// far it came says which.
+fn tell_way(global: &Global, link: &mut Link, end: End, asked: Option<Asked>) -> Outcome {
+    // The answer comes before the axis stands.
+    let status = stands(link)?;
+    let lengths = asked.map(|asked| (asked, asked.lengths(&status.position)));
+    let short = lengths.filter(|(_, (made, asked))| made != asked);
+    let end = match end {
+        End::Done if short.is_some() => End::Broken,
+        end => end,
+    };
+    let ok = end != End::Broken && short.is_none();
     let (x, z) = (
         status.position.x.nm().saturating_mul(2),
         status.position.z.nm(),
@@ -321,7 +397,7 @@ pub(super) fn tell(global: &Global, link: &mut Link, end: End) -> Outcome {
     };
     if global.json {
         output::json(|json| {
-            json.flag("ok", end != End::Broken);
+            json.flag("ok", ok);
             json.integer("node", i64::from(link.node().get()));
             json.text("end", name);
             json.decimal::<6>("mx", x);
@@ -347,17 +423,35 @@ pub(super) fn tell(global: &Global, link: &mut Link, end: End) -> Outcome {
         );
         output::write(text.get(global.lang()).as_bytes())?;
     }
-    if end != End::Broken {
+    if ok {
         return Ok(());
     }
-    let reason = status.alarm.map_or_else(
-        || {
-            both!(
-                "the board has ended the motion: a feed hold, another order, or frames that came too late (9040)",
-                "控制板结束了移动：进给保持、其他指令，或报文到达过晚（9040）"
-            )
-        },
-        |alarm| crate::diagnostics::alarm_words(&alarm),
-    );
-    Err(Failure::MachineBecause(reason))
+    let reason = match end {
+        End::Limit => both!("the travel or a zone ends there", "该处为行程极限或禁区"),
+        _ => why_broken(&status),
+    };
+    let Some((asked, (made, wanted))) = short else {
+        return Err(Failure::MachineBecause(reason));
+    };
+    Err(Failure::MachineBecause(both!(
+        "{axis} has gone {made} of {wanted} mm: {en}",
+        "{axis} 只移动了 {made} / {wanted} mm：{zh}",
+        axis = if asked.on_z { 'Z' } else { 'X' },
+        made = number::text::<6>(made),
+        wanted = number::text::<6>(wanted),
+        en = reason.en,
+        zh = reason.zh
+    )))
+}
+
+/// What has ended a motion, as far as the board tells it.
+fn why_broken(status: &Status) -> Both {
+    match status.alarm {
+        Some(alarm) => alarm_words(&alarm),
+        None if status.hold => both!(
+            "a feed hold has ended it; `leadscrew resume` takes the hold away",
+            "被进给保持结束；`leadscrew resume` 解除保持"
+        ),
+        None => broken(),
+    }
 }

@@ -36,14 +36,16 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     link.keep_alive(BEAT);
-    let wanted = axes
+    let asked = axes
         .iter()
         .fold(Axes::NONE, |all, axis| all.with(axis.axis()));
+    let wanted = if asked.is_empty() { Axes::ALL } else { asked };
+    let home = wanted.and(link.axes_that_home()?);
     interrupt::defer(UnderWay::Machine);
     link.set_mode(OperatingMode::Reference)?;
     let last = link.newest_event()?;
     let before = link.status()?.referenced;
-    link.order(Order::Home(wanted))?;
+    link.order(Order::Home(asked))?;
     let ended = wait(&mut link, global, before)?;
     // What the tick refuses is in the event log alone.
     let told = link.events_behind(last)?;
@@ -54,10 +56,9 @@ pub fn home(global: &Global, axes: &[HomeAxis]) -> Outcome {
     // An axis that was referenced before may have lost its reference and found it again between two looks.
     let is_quiet = !told.iter().any(|entry| is_against(&entry.event));
     if is_quiet && !ended.interrupted && status.alarm.is_none() {
-        let found = wanted.and(status.referenced);
+        let found = home.and(status.referenced);
         found_at(global, &status, found.minus(ended.told))?;
     }
-    let wanted = if wanted.is_empty() { Axes::ALL } else { wanted };
     let missing = wanted.minus(status.referenced);
     tell(global, link.node().get(), &status, missing)?;
     if let Some(alarm) = status.alarm {

@@ -233,7 +233,11 @@ fn words(status: &Status, mode: OperatingMode, node: u8, lang: Lang) -> String {
         text.push_str(pick(lang, "single block is on\n", "单段已打开\n"));
     }
     if mirrors(status, Signals::STOP) {
-        text.push_str(pick(lang, "emergency stop is on\n", "急停有效\n"));
+        text.push_str(pick(
+            lang,
+            "stopped: by the emergency stop or by `leadscrew stop`\n",
+            "已停止：急停或 `leadscrew stop`\n",
+        ));
     }
     if let Some(error) = status.sync_error {
         let error = number::text::<3>(error.nm());
@@ -281,6 +285,12 @@ mod tests {
             assert_eq!(told(true, signals), ["feed hold is on", "进给保持已打开"]);
         }
         let stop = told(false, Signals::STOP);
-        assert_eq!(stop, ["emergency stop is on", "急停有效"]);
+        assert_eq!(
+            stop,
+            [
+                "stopped: by the emergency stop or by `leadscrew stop`",
+                "已停止：急停或 `leadscrew stop`"
+            ]
+        );
     }
 }

@@ -16,7 +16,7 @@ use crate::words::{both, pick};
 /// Sets single values.
 pub fn run(global: &Global, args: &Assign, belongs: impl Fn(Key) -> bool) -> Outcome {
     for text in &args.values {
-        let key = text.split_once('=').map_or(&**text, |(key, _)| key);
+        let (key, _) = tools::parts(text).map_err(Failure::Usage)?;
         let key = key.strip_suffix(['+', '-']).unwrap_or(key);
         if !Key::find(key).into_iter().all(&belongs) {
             return Err(Failure::Usage(unknown(key)));

@@ -19,8 +19,8 @@ use crate::commands::ending;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::tools::{self, Change, Field, Key, Raw, changes};
-use crate::words::{both, one_line};
+use crate::tools::{self, Change, Field, Key, Raw, changes, decimal_point};
+use crate::words::{Both, both, one_line};
 
 /// Touches off.
 pub fn touch(global: &Global, args: &Touch) -> Outcome {
@@ -53,7 +53,7 @@ pub fn touch(global: &Global, args: &Touch) -> Outcome {
     let touched = Touched {
         axis,
         machine: marked.unwrap_or(now),
-        value: Key::Work(54, axis).parse(value).map_err(Failure::Usage)?,
+        value: coordinate(axis, value).map_err(Failure::Usage)?,
         system: args.system.code(),
     };
     let mut table = home.table;
@@ -81,6 +81,21 @@ pub fn touch(global: &Global, args: &Touch) -> Outcome {
     tell(global, &home, &touched, key, &table, &changes)
 }
 
+/// The coordinate that was typed, which is no value of a table.
+fn coordinate(axis: Axis, text: &str) -> Result<Raw, Both> {
+    Key::Work(54, axis).parse(text).map_err(|_: Both| {
+        let point = decimal_point(text);
+        both!(
+            "`{text}` is no coordinate of {axis}: millimetres to 0.0001, as 38.42 is one{en}",
+            "`{text}` 不是 {axis} 坐标：应为毫米数，最多四位小数，如 38.42{zh}",
+            text = one_line(text),
+            axis = char::from(axis.letter()),
+            en = point.en,
+            zh = point.zh
+        )
+    })
+}
+
 /// Where a tool touched, and what is known there.
 struct Touched {
     axis: Axis,
@@ -94,7 +109,7 @@ struct Touched {
 
 impl Touched {
     /// Geometry of a tool. Its wear becomes 0.
-    fn tool(&self, table: &mut Offsets, tool: u8) -> Result<Key, crate::words::Both> {
+    fn tool(&self, table: &mut Offsets, tool: u8) -> Result<Key, Both> {
         let axis = self.axis;
         let zero = Key::Work(self.system, axis).get(table) + Key::Shift(axis).get(table);
         let key = Key::Tool(tool, Field::Geometry(axis));
@@ -107,7 +122,7 @@ impl Touched {
     }
 
     /// A work offset, by a tool whose offset is known; 0: none.
-    fn work(&self, table: &mut Offsets, code: u8, tool: u8) -> Result<Key, crate::words::Both> {
+    fn work(&self, table: &mut Offsets, code: u8, tool: u8) -> Result<Key, Both> {
         let axis = self.axis;
         let offset = offset(table, tool, axis);
         let key = Key::Work(code, axis);
@@ -126,8 +141,11 @@ pub fn stands(status: &Status) -> Outcome {
     if at_rest {
         return Ok(());
     }
-    let alarm = Alarm::of(Code::OffsetsAtWork, &[]);
-    Err(Failure::WrongBecause(alarm_words(&alarm)))
+    let code = match status.in_program {
+        true => Code::OffsetsAtWork,
+        false => Code::NotAtRest,
+    };
+    Err(Failure::WrongBecause(alarm_words(&Alarm::of(code, &[]))))
 }
 
 /// Refuses an axis without the reference that a program would need: what follows from its place would be wrong.
@@ -226,6 +244,7 @@ impl SystemName {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::bench;
 
     fn touched(axis: Axis, machine: Raw, value: Raw) -> Touched {
         Touched {
@@ -284,6 +303,38 @@ mod tests {
         };
         let key = x.tool(&mut table, 3).unwrap();
         assert_eq!(key.shown(key.get(&table)), "19");
+    }
+
+    #[test]
+    fn what_is_no_coordinate_is_refused_as_one() {
+        assert_eq!(coordinate(Axis::X, "38.42"), Ok(384_200));
+        let told = |text| coordinate(Axis::X, text).unwrap_err().en;
+        let comma = told("38,42");
+        assert!(
+            comma.starts_with("`38,42` is no coordinate of X"),
+            "{comma}"
+        );
+        assert!(comma.ends_with("write a point, not a comma"), "{comma}");
+        assert!(told("0.00001").ends_with("38.42 is one"));
+    }
+
+    #[test]
+    fn what_moves_without_a_program_is_told_apart_from_a_program() {
+        let refused = |state, in_program| {
+            let status = Status {
+                state,
+                in_program,
+                ..bench::status()
+            };
+            match stands(&status) {
+                Err(Failure::WrongBecause(words)) => words.en.get(..4).unwrap().to_owned(),
+                other => format!("{other:?}"),
+            }
+        };
+        assert_eq!(refused(BoardState::Run, false), "4507");
+        assert_eq!(refused(BoardState::Run, true), "4580");
+        assert_eq!(refused(BoardState::Idle, true), "4580");
+        assert_eq!(refused(BoardState::Idle, false), "Ok(())");
     }
 
     #[test]

@@ -5,8 +5,8 @@
 
 use std::time::{Duration, Instant};
 
-use leadscrew_core::bus::{Beat, Frame, JogRequest, NodeId, StepRequest};
-use leadscrew_core::operating::{PressState, Towards};
+use leadscrew_core::bus::{Beat, BoardState, Frame, JogRequest, NodeId, StepRequest};
+use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 
 use crate::cli::AxisWay;
 use crate::link::Seen;
@@ -88,6 +88,8 @@ struct Active {
     begun: Instant,
     /// When it was let go.
     released: Option<Instant>,
+    /// When a step was told to be over, and the number of statuses before.
+    over: Option<(Instant, u64)>,
     /// The next frame.
     next: Instant,
 }
@@ -162,6 +164,7 @@ impl Hand {
             doing,
             begun: now,
             released: None,
+            over: None,
             next: now,
         });
     }
@@ -244,7 +247,19 @@ impl Hand {
                 }
                 return;
             }
-            Some(PressState::Ended) if released || is_step => None,
+            Some(PressState::Ended) if is_step => {
+                let (at, before) = active.over.unwrap_or((now, seen.statuses));
+                // What has ended it is in the status, which comes behind the beat.
+                if seen.statuses == before && now < at + ANSWER {
+                    self.active = Some(Active {
+                        over: Some((at, before)),
+                        ..active
+                    });
+                    return;
+                }
+                is_cut_short(seen).then_some(End::Broken)
+            }
+            Some(PressState::Ended) if released => None,
             Some(PressState::Ended) => Some(End::Broken),
             Some(PressState::Limit) => Some(End::Limit),
             Some(PressState::Refused) => Some(End::Refused),
@@ -264,6 +279,15 @@ impl Hand {
             None => self.ended.take(),
         }
     }
+}
+
+/// The board tells of a step that a hold, an alarm or a change of mode has ended as of one that was made.
+fn is_cut_short(seen: &Seen) -> bool {
+    let status = seen.status.unwrap_or_default();
+    let left = seen
+        .beat
+        .is_some_and(|told| told.mode != OperatingMode::Step);
+    left || status.flags.hold || status.state == BoardState::Alarm
 }
 
 fn frame(doing: Doing, session: u8, number: u8, echo: Beat, node: NodeId) -> Frame {
@@ -292,6 +316,62 @@ fn frame(doing: Doing, session: u8, number: u8, echo: Beat, node: NodeId) -> Fra
                 echo,
             }
             .frame(node)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use leadscrew_core::bus::{BoardBeat, BoardStatus};
+
+    use super::*;
+
+    /// What was heard after so many statuses.
+    fn heard(statuses: u64, press: u8, state: PressState) -> Seen {
+        let mut seen = Seen::default();
+        seen.statuses = statuses;
+        seen.status = Some(BoardStatus::default());
+        seen.beat = Some(BoardBeat {
+            mode: OperatingMode::Step,
+            session: 7,
+            press,
+            state,
+            ..BoardBeat::default()
+        });
+        seen
+    }
+
+    #[test]
+    fn a_step_that_is_over_is_judged_by_the_next_status() {
+        type Ended = fn(&mut Seen);
+        let cases: [(Ended, Option<End>); 4] = [
+            (|_| {}, None),
+            (
+                |seen| seen.status.as_mut().unwrap().flags.hold = true,
+                Some(End::Broken),
+            ),
+            (
+                |seen| seen.status.as_mut().unwrap().state = BoardState::Alarm,
+                Some(End::Broken),
+            ),
+            (
+                |seen| seen.beat.as_mut().unwrap().mode = OperatingMode::Manual,
+                Some(End::Broken),
+            ),
+        ];
+        for (ends, wanted) in cases {
+            let now = Instant::now();
+            let mut hand = Hand::new(NodeId::BOARD, 7);
+            hand.step(true, -10_000, &heard(0, 0, PressState::None), now);
+            assert!(hand.frame(&heard(1, 1, PressState::Runs), now).is_some());
+            // The status is still that from before.
+            hand.frame(&heard(1, 1, PressState::Ended), now);
+            assert!(!hand.is_idle());
+            let mut over = heard(2, 1, PressState::Ended);
+            ends(&mut over);
+            hand.frame(&over, now);
+            assert!(hand.is_idle());
+            assert_eq!(hand.ended(), wanted);
         }
     }
 }

@@ -118,8 +118,12 @@ pub fn perform_on<'a>(
     let mut setup = Setup::over(global, Some(base), Some(source.path()), answer)?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
+    link.nobody_by_hand()?;
     let status = link.status()?;
     work::ready(&status, &link, global)?;
+    if !in_hole {
+        work::referenced(&status, &link)?;
+    }
     ensure_mode(&mut link, work)?;
     setup.passes = passes(args);
     setup.position = Some(status.position);

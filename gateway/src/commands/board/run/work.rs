@@ -5,7 +5,7 @@
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use indicatif::ProgressBar;
-use leadscrew_core::alarm::Code;
+use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::call::Position;
@@ -134,6 +134,17 @@ pub fn ready(status: &Status, link: &Link, global: &Global) -> Outcome {
             state = state_words(other, lang)
         ))),
     }
+}
+
+/// Refuses a machine that does not know where it is, as the board would: what a check says of its travel may be wrong.
+pub fn referenced(status: &Status, link: &Link) -> Outcome {
+    if status.unreferenced.is_empty() {
+        return Ok(());
+    }
+    let axes = status.unreferenced.each();
+    let figures: Vec<Arg> = axes.map(|axis| Arg::Letter(axis.letter())).collect();
+    let reason = Alarm::of(Code::NotReferenced, &figures);
+    Err(link.refused_by(reason).into())
 }
 
 /// A program that runs on a board.

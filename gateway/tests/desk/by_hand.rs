@@ -1,0 +1,73 @@
+//! Axes moved by hand from two terminals at a time, and steps that something else cuts short.
+
+use std::process::{Child, Stdio};
+
+use crate::{User, bad, good, text};
+
+/// A user whose machine waits for the frames of a press as long as it may: this computer has other work, too.
+fn patient() -> User {
+    let user = User::with_machine();
+    good(&user.does(&["params", "set", "9040=500"]));
+    user
+}
+
+/// A command that moves an axis by hand.
+fn moves(user: &User, args: &[&str]) -> Child {
+    let mut command = user.command(args);
+    let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = piped.spawn().unwrap();
+    user.wait_for("run");
+    child
+}
+
+#[test]
+fn a_step_that_is_cut_short_is_no_success() {
+    let user = patient();
+    for (order, why) in [
+        (&["hold"][..], "a feed hold has ended it"),
+        (&["stop"], "4300 emergency stop"),
+        (&["sim", "estop", "press"], "4300 emergency stop"),
+        (&["mode", "manual"], "another order"),
+    ] {
+        let step = moves(&user, &["jog", "Z-", "--by", "60"]);
+        // An order that stops the machine tells of the alarm.
+        let _ = user.does(order);
+        let ended = step.wait_with_output().unwrap();
+        let told = bad(&ended, 4);
+        assert!(told.contains("Z has gone -"), "{order:?}: {told}");
+        assert!(told.contains(" of -60 mm: "), "{order:?}: {told}");
+        assert!(told.contains(why), "{order:?}: {told}");
+        assert!(text(&ended.stdout).ends_with(", ended by the board\n"));
+        good(&user.does(&["sim", "estop", "release"]));
+        good(&user.does(&["reset"]));
+        user.wait_for("idle");
+    }
+    good(&user.does(&["jog", "Z+", "--by", "1.5"]));
+}
+
+#[test]
+fn what_another_moves_by_hand_goes_on() {
+    let user = patient();
+    let program = user.program("G98 G1 X-4 F3000\nM30\n");
+    let press = moves(&user, &["jog", "Z-", "--hold", "--feed", "20"]);
+    for (args, number) in [
+        (&["jog", "X-", "--by", "5"][..], "4505"),
+        (&["jog", "X-", "--hold"], "4505"),
+        (&["handwheel", "X", "x10", "10"], "4505"),
+        (&["home"], "4505"),
+        (&["mdi", "G0 X-4"], "4505"),
+        (&["run", &program], "4505"),
+        (&["touch", "X", "38", "--tool", "1"], "4507"),
+    ] {
+        let told = bad(&user.does(args), 1);
+        assert!(told.contains(number), "{args:?}: {told}");
+    }
+    let status = user.json(&["status"]);
+    assert_eq!(
+        (&status["state"], &status["mode"], &status["mx"]),
+        (&"run".into(), &"manual".into(), &0.into())
+    );
+    // Who asks for a mode by its name means it.
+    good(&user.does(&["mode", "automatic"]));
+    bad(&press.wait_with_output().unwrap(), 4);
+}
