@@ -23,7 +23,8 @@ CREATE OR REPLACE MACRO run_of(thread_key, program) AS
     split_part(thread_key, '/', 1) || '/' || split_part(thread_key, '/', 2) || '/' || program;
 
 -- Which tool cuts which line of which program, as the shop knows it: no certificate names a tool. A program is known by the
--- hash of its setpoints, which is another where it begins from another place. Empty where the shop says nothing.
+-- hash of its setpoints, which is another where it begins from another place, and at each run where threads follow a real
+-- spindle (docs/agent.md). Empty where the shop says nothing.
 --
 --     INSERT INTO tools SELECT * FROM 'tools.csv';
 CREATE TABLE IF NOT EXISTS tools (setpoint_hash VARCHAR, line BIGINT, tool VARCHAR);

@@ -13,11 +13,16 @@ pub const BROKER: Tool = Tool {
     program: "/usr/sbin/mosquitto",
     package: "mosquitto",
 };
+/// Reads the rules for alerts. The package brings Prometheus itself, which `contrib/shop` starts.
+const RULES: Tool = Tool {
+    program: "promtool",
+    package: "prometheus",
+};
 const TESTS: [&str; 2] = ["test_history", "test_broker"];
 
 /// Installs what these tests need.
 pub fn ensure() -> Result<()> {
-    setup::tools(&[BROKER])?;
+    setup::tools(&[BROKER, RULES])?;
     python().map(drop)
 }
 
@@ -32,6 +37,7 @@ fn tests() -> std::path::PathBuf {
 /// Runs the tests, or those of one module. Gives the number that passed.
 pub fn check(name: Option<&str>) -> Result<u64> {
     ensure()?;
+    rules()?;
     let built = run::programs(&["--example", "many", "--bin", "leadscrew"])?;
     let mut unittest = command(&built, &["-m", "unittest"])?;
     match name {
@@ -55,6 +61,18 @@ pub fn check(name: Option<&str>) -> Result<u64> {
     }
     println!("{passed} tests with DuckDB, mosquitto and pysparkplug passed");
     Ok(passed)
+}
+
+/// The scrape of `contrib` with the rules that it names, as Prometheus reads them.
+fn rules() -> Result<()> {
+    let folder = run::root().join("contrib").join("prometheus");
+    let check = ["check", "config", "prometheus.yml"];
+    let told = run::read(run::command(&folder, RULES.program, &check))?;
+    // A file of rules that is not named is not read.
+    if !told.contains("leadscrew.rules.yml") {
+        bail!("promtool has read no rules:\n{told}");
+    }
+    Ok(())
 }
 
 /// Measures: what is given goes to `measure.py`.

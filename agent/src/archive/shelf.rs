@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use crate::reserve::is_full;
+
 /// A place for files. Their paths are relative, with `/` between the parts.
 pub trait Shelf {
     /// There is a file of that name.
@@ -24,10 +26,31 @@ pub trait Shelf {
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// It is made when the first file comes.
+    /// It is made by [`Folder::try_out`], or when the first file comes.
     #[must_use]
     pub const fn new(path: PathBuf) -> Self {
         Self(path)
+    }
+
+    /// Makes it, and a file in it that goes again: who names a folder by mistake is to hear it before the hour is over.
+    ///
+    /// # Errors
+    /// It is not there, or nothing can be written in it. One that is full is good: there may be room again.
+    pub fn try_out(&self) -> io::Result<()> {
+        let tried = make(&self.0).and_then(|()| {
+            let trial = self.0.join(format!("trial.{}.part", std::process::id()));
+            let written = File::create(&trial).and_then(|mut file| {
+                file.write_all(b"trial")?;
+                file.sync_all()
+            });
+            // An agent of another computer may have tried under the same name.
+            let _ = fs::remove_file(&trial);
+            written
+        });
+        match tried {
+            Err(error) if is_full(&error) => Ok(()),
+            tried => tried,
+        }
     }
 }
 
@@ -103,6 +126,19 @@ mod tests {
         assert!(folder.has("c/d/e").unwrap());
         assert_eq!(fs::read(path.join("a/b/c/d/e")).unwrap(), b"content");
         assert_eq!(fs::read_dir(path.join("a/b/c/d")).unwrap().count(), 1);
+        fs::remove_dir_all(&path).unwrap();
+    }
+
+    #[test]
+    fn a_folder_is_tried_out_and_nothing_stays_in_it() {
+        let path = scratch("trial");
+        let folder = path.join("a/b");
+        Folder::new(folder.clone()).try_out().unwrap();
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+        fs::write(folder.join("c"), "a file in the place of a folder").unwrap();
+        for wrong in [folder.join("c"), folder.join("c/d"), "/proc/nope".into()] {
+            assert!(Folder::new(wrong.clone()).try_out().is_err(), "{wrong:?}");
+        }
         fs::remove_dir_all(&path).unwrap();
     }
 

@@ -23,11 +23,19 @@ const KEEP_ALIVE: Duration = Duration::from_secs(30);
 const PING: Duration = Duration::from_secs(15);
 /// A broker that is silent for this time is gone, whatever the network says.
 const SILENCE: Duration = Duration::from_secs(45);
+/// The same of one that has not taken this client yet: it has nothing else to do.
+const ANSWER: Duration = Duration::from_secs(10);
 /// The largest packet that is read: orders are small, and a set of parameters has a third of it. Of a larger message the
 /// topic is read, and the rest is dropped as it comes.
 const LARGEST: usize = 64 << 10;
 /// The upper half of the first byte of a `PUBLISH`.
 const PUBLISH: u8 = 3;
+/// The first byte of `CONNACK`, which a broker begins with.
+const ACCEPTANCE: u8 = 0x20;
+/// The first two bytes of an alert and of a handshake in TLS, of any version of it.
+const TLS: [[u8; 2]; 2] = [[0x15, 3], [0x16, 3]];
+/// Bytes of an answer that is no MQTT, which are quoted.
+const QUOTED: usize = 16;
 /// `PINGREQ`, which has no content.
 const PING_REQUEST: [u8; 2] = [0xC0, 0];
 /// `DISCONNECT`.
@@ -63,13 +71,38 @@ pub enum Fault {
     /// Its name or password is wrong.
     Login,
     /// The broker refuses this client otherwise.
-    Refused(String),
+    Refused(Refusal),
     /// The broker does not let it hear orders.
     Orders,
+    /// The broker has never said anything.
+    Mute,
     /// The broker says nothing any more.
     Silent,
-    /// What it says is no MQTT.
+    /// It answers in TLS, where nobody has asked for that.
+    Tls,
+    /// What it says is no MQTT: how it begins.
     Nonsense(String),
+}
+
+/// Why a broker takes nobody of this name and kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// It does not speak MQTT 3.1.1.
+    Version,
+    /// It does not like what the client is called.
+    Name,
+    /// It is not in service.
+    Closed,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Version => "it does not speak MQTT 3.1.1",
+            Self::Name => "it does not take the name of this client",
+            Self::Closed => "it is not in service",
+        })
+    }
 }
 
 impl fmt::Display for Fault {
@@ -78,8 +111,10 @@ impl fmt::Display for Fault {
             Self::Login => f.write_str("the broker refuses user and password"),
             Self::Refused(why) => write!(f, "the broker refuses the connection: {why}"),
             Self::Orders => f.write_str("the broker refuses the subscription to its orders"),
+            Self::Mute => f.write_str("the connection is taken, and nobody answers on it"),
             Self::Silent => f.write_str("the broker has gone silent"),
-            Self::Nonsense(what) => write!(f, "what answers is no MQTT broker: {what}"),
+            Self::Tls => f.write_str("what answers speaks TLS"),
+            Self::Nonsense(what) => write!(f, "what answers is no MQTT broker: it says {what}"),
         }
     }
 }
@@ -94,6 +129,8 @@ pub struct Client {
     under_way: VecDeque<(u16, Option<u64>)>,
     /// So many bytes of a message that is too large are still to come.
     skip: usize,
+    /// The broker has taken this client.
+    accepted: bool,
     heard: Duration,
     sent: Duration,
 }
@@ -115,6 +152,7 @@ impl Client {
             last_id: 0,
             under_way: VecDeque::new(),
             skip: 0,
+            accepted: false,
             heard: now,
             sent: now,
         };
@@ -198,7 +236,11 @@ impl Client {
     /// # Errors
     /// The broker is.
     pub fn attend(&mut self, now: Duration) -> Result<(), Fault> {
-        if now.saturating_sub(self.heard) > SILENCE {
+        let silent = now.saturating_sub(self.heard);
+        if !self.accepted && silent > ANSWER {
+            return Err(Fault::Mute);
+        }
+        if silent > SILENCE {
             return Err(Fault::Silent);
         }
         if now.saturating_sub(self.sent) > PING {
@@ -215,6 +257,9 @@ impl Client {
         self.heard = now;
         self.input.extend_from_slice(bytes);
         let mut said = Vec::new();
+        if !self.accepted {
+            self.first()?;
+        }
         loop {
             let skipped = self.skip.min(self.input.len());
             self.input.advance(skipped);
@@ -222,6 +267,8 @@ impl Client {
             if self.skip > 0 {
                 return Ok(said);
             }
+            // What is read is gone, also where it is not understood.
+            let start = quoted(&self.input);
             match read(&mut self.input, LARGEST) {
                 Ok(packet) => said.extend(self.packet(packet, now)?),
                 Err(Error::InsufficientBytes(_)) => return Ok(said),
@@ -229,15 +276,28 @@ impl Client {
                     Some(topic) => said.push(Said::Huge(topic)),
                     None => return Ok(said),
                 },
-                Err(error) => return Err(Fault::Nonsense(error.to_string())),
+                Err(_) => return Err(Fault::Nonsense(start)),
             }
+        }
+    }
+
+    /// Looks at how an answer begins: what is no broker may be understood as the beginning of a long message, which would
+    /// be waited for.
+    fn first(&self) -> Result<(), Fault> {
+        match &self.input[..] {
+            [] | [ACCEPTANCE, ..] => Ok(()),
+            [one, two, ..] if TLS.contains(&[*one, *two]) => Err(Fault::Tls),
+            // The second byte tells.
+            [one] if TLS.iter().any(|[first, _]| first == one) => Ok(()),
+            other => Err(Fault::Nonsense(quoted(other))),
         }
     }
 
     /// The topic of a message that is too large, whose rest is dropped from now on; `None` where it has not come whole.
     /// `length`: of the message behind its first bytes.
     fn huge(&mut self, length: usize, now: Duration) -> Result<Option<String>, Fault> {
-        let nonsense = || Fault::Nonsense(format!("a packet of {length} bytes"));
+        let start = quoted(&self.input);
+        let nonsense = || Fault::Nonsense(start.clone());
         let first = self.input.first().copied().unwrap_or_default();
         if first >> 4 != PUBLISH {
             return Err(nonsense());
@@ -270,11 +330,16 @@ impl Client {
     fn packet(&mut self, packet: Packet, now: Duration) -> Result<Option<Said>, Fault> {
         match packet {
             Packet::ConnAck(answer) => match answer.code {
-                ConnectReturnCode::Success => Ok(Some(Said::Accepted)),
+                ConnectReturnCode::Success => {
+                    self.accepted = true;
+                    Ok(Some(Said::Accepted))
+                }
                 ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized => {
                     Err(Fault::Login)
                 }
-                other => Err(Fault::Refused(format!("{other:?}"))),
+                ConnectReturnCode::RefusedProtocolVersion => Err(Fault::Refused(Refusal::Version)),
+                ConnectReturnCode::BadClientId => Err(Fault::Refused(Refusal::Name)),
+                ConnectReturnCode::ServiceUnavailable => Err(Fault::Refused(Refusal::Closed)),
             },
             Packet::PubAck(answer) => Ok(self.has(answer.pkid)),
             Packet::SubAck(answer) => {
@@ -297,7 +362,7 @@ impl Client {
                 }))
             }
             Packet::PingResp => Ok(Some(Said::Alive)),
-            other => Err(Fault::Nonsense(format!("{other:?}"))),
+            _ => Err(Fault::Nonsense("what only a client says".to_owned())),
         }
     }
 
@@ -307,4 +372,10 @@ impl Client {
         let done = self.under_way.drain(..=place);
         done.filter_map(|(_, number)| number).max().map(Said::Has)
     }
+}
+
+/// The first bytes of an answer, as text where they are.
+fn quoted(bytes: &[u8]) -> String {
+    let start = &bytes[..bytes.len().min(QUOTED)];
+    format!("\"{}\"", start.escape_ascii())
 }

@@ -4,5 +4,5 @@ pub mod client;
 pub mod retained;
 pub mod wire;
 
-pub use client::{Client, Fault, Said};
+pub use client::{Client, Fault, Refusal, Said};
 pub use wire::{Address, Identity, Login, Tls, Wire, WireError};

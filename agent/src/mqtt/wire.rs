@@ -1,5 +1,6 @@
 //! The way to a broker: a socket, with TLS or without.
 
+use std::env;
 use std::fmt;
 use std::fs;
 use std::io::{self, ErrorKind, Read, Write};
@@ -12,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use rustls::pki_types::pem::PemObject as _;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
-use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
+use rustls::{ClientConfig, ClientConnection, InvalidMessage, RootCertStore, StreamOwned};
 
 /// The longest wait for a connection, and for room to write.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -21,6 +22,10 @@ const PLAIN: u16 = 1883;
 const WITH_TLS: u16 = 8883;
 /// Bits of a file's mode that let others than its owner at it.
 const OTHERS: u32 = 0o077;
+/// The bit that an access list shows as where it lets one user more read a file.
+const LISTED: u32 = 0o040;
+/// Where a service manager tells the folder of a service's secrets.
+const CREDENTIALS: &str = "CREDENTIALS_DIRECTORY";
 
 /// Where a broker is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,6 +120,10 @@ pub enum WireError {
     Tls(rustls::Error),
     /// The broker cannot be reached, or has ended the connection.
     Socket(io::Error),
+    /// The connection has ended before a word came over it.
+    Ended,
+    /// It has ended before TLS was agreed upon, or what answers speaks no TLS.
+    NoTls,
 }
 
 impl fmt::Display for WireError {
@@ -129,6 +138,8 @@ impl fmt::Display for WireError {
             Self::NoCertificate => f.write_str("it holds no certificate"),
             Self::NoKey => f.write_str("it holds no private key"),
             Self::Tls(error) | Self::Authority(error) => error.fmt(f),
+            Self::Ended => f.write_str("the connection was ended without a word"),
+            Self::NoTls => f.write_str("what is there does not answer in TLS"),
         }
     }
 }
@@ -156,10 +167,20 @@ impl Login {
 /// A file that its owner alone may read.
 fn secret(path: &Path) -> Result<String, WireError> {
     let mode = fs::metadata(path).map_err(WireError::File)?.permissions();
-    if mode.mode() & OTHERS != 0 {
+    let credentials = env::var_os(CREDENTIALS);
+    if is_open(path, mode.mode(), credentials.as_deref().map(Path::new)) {
         return Err(WireError::Open);
     }
     fs::read_to_string(path).map_err(WireError::File)
+}
+
+/// True where a file of this mode is open to others than its owner. In the folder of credentials it belongs to root, and an
+/// access list lets the service read it, which shows as the group's right [D458].
+fn is_open(path: &Path, mode: u32, credentials: Option<&Path>) -> bool {
+    let is_given =
+        credentials.is_some_and(|folder| folder.is_absolute() && path.parent() == Some(folder));
+    let others = if is_given { OTHERS & !LISTED } else { OTHERS };
+    mode & others != 0
 }
 
 /// Certificates of a file.
@@ -252,12 +273,28 @@ fn has_instructions() -> bool {
         && is_aarch64_feature_detected!("sha2")
 }
 
-trait Stream: Read + Write {}
-impl<T: Read + Write> Stream for T {}
+trait Stream: Read + Write {
+    /// TLS is not agreed upon yet.
+    fn is_greeting(&self) -> bool;
+}
+
+impl Stream for TcpStream {
+    fn is_greeting(&self) -> bool {
+        false
+    }
+}
+
+impl Stream for StreamOwned<ClientConnection, TcpStream> {
+    fn is_greeting(&self) -> bool {
+        self.conn.is_handshaking()
+    }
+}
 
 /// A connection.
 pub struct Wire {
     stream: Box<dyn Stream>,
+    /// Something has come over it, or it is by TLS.
+    heard: bool,
 }
 
 impl Wire {
@@ -283,7 +320,10 @@ impl Wire {
                 Box::new(StreamOwned::new(connection, socket))
             }
         };
-        Ok(Self { stream })
+        Ok(Self {
+            stream,
+            heard: tls.is_some(),
+        })
     }
 
     /// Reads what is there; nothing where nothing comes in time.
@@ -292,10 +332,13 @@ impl Wire {
     /// The connection has ended.
     pub fn read<'a>(&mut self, room: &'a mut [u8]) -> Result<&'a [u8], WireError> {
         match self.stream.read(room) {
-            Ok(0) => Err(WireError::Socket(ErrorKind::UnexpectedEof.into())),
-            Ok(count) => Ok(&room[..count]),
+            Ok(0) => Err(self.fault(ErrorKind::UnexpectedEof.into())),
+            Ok(count) => {
+                self.heard = true;
+                Ok(&room[..count])
+            }
             Err(error) if is_early(&error) => Ok(&[]),
-            Err(error) => Err(fault(error)),
+            Err(error) => Err(self.fault(error)),
         }
     }
 
@@ -312,10 +355,33 @@ impl Wire {
                 Ok(count) => rest = &rest[count..],
                 // The first bytes wait for the handshake of TLS, and so for what the broker says in it.
                 Err(error) if is_early(&error) && Instant::now() < end => {}
-                Err(error) => return Err(fault(error)),
+                Err(error) if is_early(&error) => {
+                    return Err(WireError::Socket(ErrorKind::TimedOut.into()));
+                }
+                Err(error) => return Err(self.fault(error)),
             }
         }
-        self.stream.flush().map_err(fault)
+        let flushed = self.stream.flush();
+        flushed.map_err(|error| self.fault(error))
+    }
+
+    /// What an error means. One of TLS comes as one of the socket.
+    fn fault(&self, error: io::Error) -> WireError {
+        let is_end = matches!(
+            error.kind(),
+            ErrorKind::UnexpectedEof | ErrorKind::ConnectionReset | ErrorKind::BrokenPipe
+        );
+        match error.downcast::<rustls::Error>() {
+            Ok(rustls::Error::InvalidMessage(InvalidMessage::InvalidContentType))
+                if self.stream.is_greeting() =>
+            {
+                WireError::NoTls
+            }
+            Ok(error) => WireError::Tls(error),
+            Err(_) if is_end && self.stream.is_greeting() => WireError::NoTls,
+            Err(_) if is_end && !self.heard => WireError::Ended,
+            Err(error) => WireError::Socket(error),
+        }
     }
 }
 
@@ -324,14 +390,6 @@ fn is_early(error: &io::Error) -> bool {
         error.kind(),
         ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
     )
-}
-
-/// An error of TLS comes as one of the socket.
-fn fault(error: io::Error) -> WireError {
-    match error.downcast::<rustls::Error>() {
-        Ok(error) => WireError::Tls(error),
-        Err(error) => WireError::Socket(error),
-    }
 }
 
 fn connect(address: &Address) -> io::Result<TcpStream> {
@@ -343,4 +401,46 @@ fn connect(address: &Address) -> io::Result<TcpStream> {
         }
     }
     Err(last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_credential_may_have_an_access_list_and_nothing_else_may() {
+        let folder = Path::new("/run/credentials/agent.service");
+        let file = folder.join("login");
+        for (mode, is_open_there) in [
+            (0o400, false),
+            (0o440, false),
+            (0o460, true),
+            (0o450, true),
+            (0o444, true),
+            (0o441, true),
+        ] {
+            assert_eq!(
+                is_open(&file, mode, Some(folder)),
+                is_open_there,
+                "{mode:o}"
+            );
+        }
+        for (path, credentials) in [
+            (file.as_path(), None),
+            (&file, Some(Path::new("/run/credentials"))),
+            (&file, Some(Path::new(""))),
+            (&folder.join("below/login"), Some(folder)),
+            (Path::new("login"), Some(Path::new(""))),
+            (Path::new("/etc/leadscrew/login"), Some(folder)),
+        ] {
+            assert!(
+                is_open(path, 0o440, credentials),
+                "{path:?} {credentials:?}"
+            );
+            assert!(
+                !is_open(path, 0o600, credentials),
+                "{path:?} {credentials:?}"
+            );
+        }
+    }
 }

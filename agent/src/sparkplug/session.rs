@@ -52,7 +52,8 @@ impl Names {
         node: &'a str,
         machines: impl IntoIterator<Item = &'a str>,
     ) -> Result<Self, NameError> {
-        for name in [group, node].into_iter().chain(machines) {
+        // What the agent is called may be made of a machine's name, and nobody has typed that.
+        for name in machines.into_iter().chain([group, node]) {
             let is_bad = |c: char| "/+#".contains(c) || c.is_control();
             if name.is_empty() || name.contains(is_bad) {
                 return Err(NameError(name.to_owned()));

@@ -1,6 +1,7 @@
 //! Why nothing could be kept or read.
 
 use std::fmt;
+use std::io;
 
 use crate::reserve;
 
@@ -11,6 +12,8 @@ pub enum StoreError {
     InUse,
     /// An earlier version kept it for its one machine, and it does not say for which of several.
     Nameless,
+    /// The file is something else.
+    Foreign,
     /// The file cannot be opened, read or written.
     File(Box<redb::Error>),
     /// What is kept cannot be understood.
@@ -22,6 +25,7 @@ impl fmt::Display for StoreError {
         match self {
             Self::InUse => f.write_str("another process has it open"),
             Self::Nameless => f.write_str("it was kept for one machine whose name is not in it"),
+            Self::Foreign => f.write_str("it is no store of an agent"),
             Self::File(error) => error.fmt(f),
             Self::Content(error) => write!(f, "what is kept is not understood: {error}"),
         }
@@ -43,6 +47,7 @@ impl<E: Into<redb::Error>> From<E> for StoreError {
     fn from(error: E) -> Self {
         match error.into() {
             redb::Error::DatabaseAlreadyOpen => Self::InUse,
+            redb::Error::Io(error) if error.kind() == io::ErrorKind::InvalidData => Self::Foreign,
             error => Self::File(Box::new(error)),
         }
     }

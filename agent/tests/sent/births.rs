@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use bytes::BytesMut;
-use leadscrew_agent::mqtt::{Client, Fault, Login};
+use leadscrew_agent::mqtt::{Client, Fault, Login, Refusal};
 use leadscrew_agent::record::{Cut, Errors, Figure, Measured, Start, Thread};
 use leadscrew_agent::sender::{Sending, Trouble};
 use leadscrew_agent::sparkplug::payload::{Metric, Payload, Value};
@@ -291,21 +291,24 @@ fn refusals_and_silence_are_told_apart() {
         Err(Fault::Login)
     );
     assert_eq!(answer(ConnectReturnCode::NotAuthorized), Err(Fault::Login));
-    assert!(matches!(
-        answer(ConnectReturnCode::ServiceUnavailable),
-        Err(Fault::Refused(_))
-    ));
+    for (code, refusal) in [
+        (ConnectReturnCode::RefusedProtocolVersion, Refusal::Version),
+        (ConnectReturnCode::BadClientId, Refusal::Name),
+        (ConnectReturnCode::ServiceUnavailable, Refusal::Closed),
+    ] {
+        assert_eq!(answer(code), Err(Fault::Refused(refusal)));
+    }
     // SUBACK that refuses.
-    assert_eq!(
-        client(None).take(&[0x90, 3, 0, 1, 0x80], NOW),
-        Err(Fault::Orders)
-    );
-    assert!(matches!(
-        client(None).take(&[0, 0], NOW),
-        Err(Fault::Nonsense(_))
-    ));
-    let mut quiet = client(None);
+    let mut taken = client(None);
+    taken.take(&accept(), NOW).unwrap();
+    assert_eq!(taken.take(&[0x90, 3, 0, 1, 0x80], NOW), Err(Fault::Orders));
+    // Who has not answered yet has less time than who has.
     let second = Duration::from_secs(1);
+    let mut mute = client(None);
+    mute.attend(10 * second).unwrap();
+    assert_eq!(mute.attend(11 * second), Err(Fault::Mute));
+    let mut quiet = client(None);
+    quiet.take(&accept(), NOW).unwrap();
     quiet.output().clear();
     quiet.attend(15 * second).unwrap();
     assert!(quiet.output().is_empty());
@@ -313,6 +316,32 @@ fn refusals_and_silence_are_told_apart() {
     assert_eq!(quiet.output()[..], [0xC0, 0]);
     quiet.attend(45 * second).unwrap();
     assert_eq!(quiet.attend(46 * second), Err(Fault::Silent));
+}
+
+#[test]
+fn what_is_no_broker_is_told_at_its_first_bytes() {
+    let answer = |bytes: &[u8]| client(None).take(bytes, NOW);
+    let quoted = |text: &str| Err(Fault::Nonsense(text.to_owned()));
+    // MQTT would wait for more of both.
+    assert_eq!(
+        answer(b"HTTP/1.1 400 Bad Request\r\n"),
+        quoted("\"HTTP/1.1 400 Bad\"")
+    );
+    assert_eq!(answer(b"SSH-2.0\r\n"), quoted("\"SSH-2.0\\r\\n\""));
+    assert_eq!(answer(&[0, 0]), quoted("\"\\x00\\x00\""));
+    // An alert and a handshake of TLS, in two parts too.
+    assert_eq!(answer(&[0x15, 3, 1, 0, 2, 2, 70]), Err(Fault::Tls));
+    assert_eq!(answer(&[0x16, 3, 3]), Err(Fault::Tls));
+    let mut parts = client(None);
+    assert_eq!(parts.take(&[0x15], NOW), Ok(Vec::new()));
+    assert_eq!(parts.take(&[3, 1, 0, 2, 2, 70], NOW), Err(Fault::Tls));
+    // And what goes wrong later, in no words of a library.
+    let mut taken = client(None);
+    taken.take(&accept(), NOW).unwrap();
+    assert_eq!(
+        taken.take(&[0x32, 2, 0x44, 0x4F], NOW),
+        quoted("\"2\\x02DO\"")
+    );
 }
 
 #[test]

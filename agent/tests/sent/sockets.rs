@@ -286,6 +286,45 @@ fn nobody_at_the_address_is_named() {
     assert!(matches!(wire, Err(WireError::Socket(_))));
 }
 
+/// What a client hears of somebody who takes its first bytes, says this, and goes.
+fn heard_of(scheme: &str, says: &'static [u8]) -> WireError {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let other = thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let _ = stream.read(&mut [0; 4096]).unwrap();
+        stream.write_all(says).unwrap();
+    });
+    let address = format!("{scheme}://localhost:{port}").parse().unwrap();
+    let tls = (scheme == "mqtts").then(|| Tls::of(&file("authority.pem")).unwrap());
+    let mut wire = Wire::open(&address, tls.as_ref(), Duration::from_millis(20)).unwrap();
+    let mut room = [0; 16];
+    let error = loop {
+        let done = wire
+            .write(b"words")
+            .and_then(|()| wire.read(&mut room).map(drop));
+        if let Err(error) = done {
+            break error;
+        }
+    };
+    other.join().unwrap();
+    error
+}
+
+#[test]
+fn a_port_of_the_other_kind_is_named() {
+    // One with TLS ends what is none, one without ends a handshake; or it answers in its own way.
+    let ended = heard_of("mqtt", b"");
+    assert!(matches!(ended, WireError::Ended), "{ended:?}");
+    let ended = heard_of("mqtts", b"");
+    assert!(matches!(ended, WireError::NoTls), "{ended:?}");
+    let plain = heard_of("mqtts", &[0x20, 2, 0, 0]);
+    assert!(matches!(plain, WireError::NoTls), "{plain:?}");
+    // Who has spoken before is no port of the other kind.
+    let cut = heard_of("mqtt", &[0x20, 2, 0, 0]);
+    assert!(matches!(cut, WireError::Socket(_)), "{cut:?}");
+}
+
 #[test]
 fn a_handshake_may_take_longer_than_a_glance() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();

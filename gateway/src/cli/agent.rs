@@ -150,7 +150,12 @@ impl FromStr for Board {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use clap::Parser as _;
+
     use super::*;
+    use crate::cli::{Cli, Command};
 
     #[test]
     fn a_board_is_a_name_a_bus_and_what_follows() {
@@ -176,6 +181,37 @@ mod tests {
         ] {
             let said = wrong.parse::<Board>().unwrap_err().to_string();
             assert!(said.contains(words), "{wrong}: {said}");
+        }
+    }
+
+    #[test]
+    fn the_shipped_units_give_options_that_are_known_and_write_where_they_may() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../contrib/systemd");
+        for name in ["leadscrew-agent.service", "leadscrew-agent@.service"] {
+            let unit = std::fs::read_to_string(folder.join(name)).unwrap();
+            let of = |key: &str| {
+                let mut lines = unit.lines();
+                let value = lines.find_map(|line| line.strip_prefix(key)?.strip_prefix('='));
+                value.unwrap_or_else(|| panic!("{name}: {key}"))
+            };
+            let typed = of("ExecStart")
+                .replace("$OPTIONS", of("#   OPTIONS"))
+                .replace("%d", "/credentials")
+                .replace("%i", "can0");
+            let Command::Agent(agent) = Cli::try_parse_from(typed.split_whitespace())
+                .unwrap_or_else(|error| panic!("{name}: {error}"))
+                .command
+            else {
+                panic!("{name}: {typed}");
+            };
+            let (secret, _) = of("LoadCredential").split_once(':').unwrap();
+            let login = Path::new("/credentials").join(secret);
+            assert_eq!(agent.access.login, Some(login), "{name}");
+            // All else is closed to it.
+            assert!(agent.store.is_none_or(|path| path.is_relative()), "{name}");
+            assert!(agent.archive.unwrap().is_relative(), "{name}");
+            let state = format!("%S/{}", of("StateDirectory"));
+            assert_eq!(of("WorkingDirectory"), state, "{name}");
         }
     }
 }

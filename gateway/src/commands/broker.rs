@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use leadscrew_agent::mqtt::{Address, Identity, Login, Tls, WireError};
+use leadscrew_agent::mqtt::{Address, Fault, Identity, Login, Refusal, Tls, WireError};
 use leadscrew_agent::sparkplug::NameError;
 
 use crate::cli::Access;
@@ -120,6 +120,53 @@ fn wrong_identity(path: &Path, error: &WireError) -> Failure {
             "无法使用 --identity 的 `{path}`：{other}"
         ),
     })
+}
+
+/// Why there is no way to a broker, with what helps.
+pub fn no_way(error: &WireError) -> Both {
+    match error {
+        WireError::Ended => both!(
+            "the connection was ended without a word; where the port is for TLS, it wants mqtts:// and --ca",
+            "连接未收到任何数据即被关闭；如果该端口使用 TLS，请用 mqtts:// 和 --ca"
+        ),
+        WireError::NoTls => both!(
+            "what is there does not answer in TLS; where the port is one without, it wants mqtt://",
+            "对方没有以 TLS 应答；如果该端口不使用 TLS，请用 mqtt://"
+        ),
+        other => Both::same(other.to_string()),
+    }
+}
+
+/// Why a broker is of no use, with what helps.
+pub fn no_use(fault: &Fault) -> Both {
+    match fault {
+        Fault::Tls => both!(
+            "what answers speaks TLS: it wants mqtts:// and --ca",
+            "对方使用 TLS：请用 mqtts:// 和 --ca"
+        ),
+        Fault::Mute => both!(
+            "the connection is taken, and nobody answers on it",
+            "连接已建立，但没有应答"
+        ),
+        Fault::Silent => both!("the broker has gone silent", "代理服务器不再应答"),
+        Fault::Nonsense(start) => both!(
+            "what answers is no MQTT broker: it says {start}",
+            "应答的不是 MQTT 代理服务器：{start}"
+        ),
+        Fault::Refused(Refusal::Version) => both!(
+            "the broker does not speak MQTT 3.1.1",
+            "代理服务器不支持 MQTT 3.1.1"
+        ),
+        Fault::Refused(Refusal::Name) => both!(
+            "the broker does not take the name of this client",
+            "代理服务器不接受此客户端名称"
+        ),
+        Fault::Refused(Refusal::Closed) => both!(
+            "the broker says that it is not in service",
+            "代理服务器暂停服务"
+        ),
+        other @ (Fault::Login | Fault::Orders) => Both::same(other.to_string()),
+    }
 }
 
 /// The broker is reached over a network without TLS.

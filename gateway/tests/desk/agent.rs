@@ -18,7 +18,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use prost::Message as _;
 
-use crate::{LIMIT, User, good};
+use crate::{LIMIT, User, bad, good};
 
 /// A tapped hole, with an end.
 const TAP: &str = "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-5 F1000\nG80\nM30\n";
@@ -225,13 +225,25 @@ fn files(folder: &Path) -> BTreeMap<String, usize> {
     files
 }
 
+/// What an agent says when it begins.
+fn begun(agent: &mut Child) -> String {
+    let mut output = BufReader::new(agent.stdout.take().unwrap());
+    let mut lines = String::new();
+    while !lines.contains("Ctrl-C") {
+        assert_ne!(output.read_line(&mut lines).unwrap(), 0);
+    }
+    lines
+}
+
 #[test]
 fn an_archive_needs_no_broker_and_what_cannot_be_written_waits() {
     let user = User::with_machine();
     let archive = user.0.join("archive");
     let args = ["--archive", archive.to_str().unwrap(), "--machine", "lathe"];
+    let mut agent = start(&user, &args);
+    begun(&mut agent);
+    fs::remove_dir(&archive).unwrap();
     fs::write(&archive, "a file in the place of the folder").unwrap();
-    let agent = start(&user, &args);
     let program = user.program(TAP);
     good(&user.does(&["run", &program]));
     let said = end(agent);
@@ -241,11 +253,7 @@ fn an_archive_needs_no_broker_and_what_cannot_be_written_waits() {
     // What was kept is written by the next one, and once.
     for _ in 0..2 {
         let mut agent = start(&user, &args);
-        let mut output = BufReader::new(agent.stdout.take().unwrap());
-        let mut lines = String::new();
-        while !lines.contains("Ctrl-C") {
-            assert_ne!(output.read_line(&mut lines).unwrap(), 0);
-        }
+        let lines = begun(&mut agent);
         assert!(lines.contains("each hour\n"), "{lines}");
         end(agent);
         let files = files(&archive);
@@ -380,6 +388,27 @@ fn a_board_that_goes_or_never_was_delays_none_of_the_others() {
 }
 
 #[test]
+fn a_credential_of_the_service_manager_is_taken() {
+    let user = User::new();
+    let login = user.0.join("login");
+    fs::write(&login, "user\npassword\n").unwrap();
+    // So it looks with an access list.
+    fs::set_permissions(&login, fs::Permissions::from_mode(0o440)).unwrap();
+    let login = login.to_str().unwrap();
+    // It would begin, but for its store.
+    let args = ["--broker", "mqtt://x", "--login", login, "--store", login];
+    let words = |folder: &Path| {
+        let mut command = user.command(&[&["agent"], &args[..]].concat());
+        let output = command.env("CREDENTIALS_DIRECTORY", folder).output();
+        bad(&output.unwrap(), 2)
+    };
+    let said = words(&user.0);
+    assert!(said.contains("is no store of an agent"), "{said}");
+    let said = words(&user.0.join("run"));
+    assert!(said.contains("chmod 600"), "{said}");
+}
+
+#[test]
 fn what_cannot_be_is_refused_with_what_helps() {
     let user = User::new();
     let login = user.0.join("login");
@@ -400,7 +429,15 @@ fn what_cannot_be_is_refused_with_what_helps() {
     refused(&["--broker", "http://x"], "neither mqtt nor mqtts");
     refused(
         &["--broker", "mqtt://x", "--machine", "a/b"],
-        "no part of a topic",
+        "`a/b` can be no part of a topic",
+    );
+    refused(
+        &["--archive", "/proc/nope"],
+        "nothing can be written to the archive `/proc/nope`",
+    );
+    refused(
+        &["--archive", "archive", "--store", login],
+        "login` is no store of an agent: name another file",
     );
     refused(&["--broker", "mqtt://x", "--login", login], "chmod 600");
     refused(&["--broker", "mqtts://x"], "--ca");

@@ -249,7 +249,11 @@ fn an_agent_may_keep_the_set_to_itself() {
     end(agent);
     assert!(shop.broker.retained.lock().unwrap().is_empty());
     let nobody = shop.fleet(&["list"]);
-    assert!(bad(&nobody, 0).contains("retains no set of the group `leadscrew`"));
+    assert!(bad(&nobody, 3).contains("retains no set of the group `leadscrew`"));
+    // Silence is no consent either.
+    shop.file("lathe.toml", "schema = 2\n");
+    let nobody = shop.fleet(&["diff", "machines"]);
+    assert!(bad(&nobody, 3).contains("retains no set of the group `leadscrew`"));
 }
 
 #[test]

@@ -64,7 +64,7 @@ pub fn run(global: &Global, folder: &Path, asked: &Asked) -> Outcome {
         .filter(|(name, _)| !is_heard(name))
         .map(|(_, path)| path)
         .collect();
-    fleet.tell(global, asked);
+    fleet.tell(global, asked)?;
     let same = silent.is_empty() && rows.iter().all(|row| row.found.is_same());
     if global.json {
         json(global, &fleet, &rows, &silent, same)?;

@@ -101,8 +101,11 @@ impl Fleet {
         }
     }
 
-    /// Says what is no set, and that nobody was heard.
-    pub fn tell(&self, global: &Global, asked: &Asked) {
+    /// Says what is no set.
+    ///
+    /// # Errors
+    /// Nobody was heard: a group without agents looks as one whose sets this user may not read [D459].
+    pub fn tell(&self, global: &Global, asked: &Asked) -> Outcome {
         let lang = global.lang();
         let tell = |words: &Both| say(&format!("{}\n", words.get(lang)));
         for (topic, why) in &self.ignored {
@@ -121,8 +124,9 @@ impl Fleet {
             ));
         }
         if self.machines.is_empty() {
-            tell(&words::nobody(asked));
+            return Err(words::nobody(asked));
         }
+        Ok(())
     }
 
     /// `"ignored"` and `"ignored_more"` in the machine format.

@@ -11,7 +11,7 @@ use crate::words::{one_line, pick};
 /// Prints them.
 pub fn run(global: &Global, asked: &Asked) -> Outcome {
     let fleet = ask(global, asked)?;
-    fleet.tell(global, asked);
+    fleet.tell(global, asked)?;
     if global.json {
         return output::json(|json| {
             json.flag("ok", true);

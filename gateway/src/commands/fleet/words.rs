@@ -8,6 +8,7 @@ use leadscrew_agent::mqtt::{Fault, WireError};
 use leadscrew_agent::set::{NoSet, Set};
 
 use crate::cli::Asked;
+use crate::commands::broker::{no_use, no_way};
 use crate::failure::Failure;
 use crate::origin::utc;
 use crate::words::{Both, both};
@@ -46,15 +47,15 @@ pub fn no_set(why: &NoSet) -> Both {
 }
 
 /// Nobody was heard.
-pub fn nobody(asked: &Asked) -> Both {
+pub fn nobody(asked: &Asked) -> Failure {
     let (broker, group) = (&asked.broker, &asked.access.group);
-    both!(
+    Failure::Bus(both!(
         "{broker} retains no set of the group `{group}`: is this the --group of the agents, are they of a version that tells \
          sets, have they met their boards, and does the broker's access list let them write and this user read \
          leadscrew/v1/#?",
         "{broker} 上没有组 `{group}` 的参数集：请检查 --group 是否与代理程序一致、代理程序的版本是否发布参数集、是否已连接控制板，以及代理服务器的\
          访问列表是否允许写入和读取 leadscrew/v1/#"
-    )
+    ))
 }
 
 /// The broker has not told all.
@@ -65,10 +66,15 @@ pub fn deaf(deaf: &Deaf, asked: &Asked, topics: &str) -> Failure {
             "the certificate of {broker} is not believed, or its TLS is another: {error}; look at --ca and at the name of the host",
             "{broker} 的证书不可信，或 TLS 不符：{error}；请检查 --ca 和主机名"
         ),
-        Deaf::Wire(error) => both!(
-            "{broker} is not reached: {error}; is it on, and is this its address?",
-            "无法连接 {broker}：{error}；请检查其是否运行、地址是否正确"
-        ),
+        Deaf::Wire(error) => {
+            let why = no_way(error);
+            both!(
+                "{broker} is not reached: {en}; is it on, and is this its address?",
+                "无法连接 {broker}：{zh}；请检查其是否运行、地址是否正确",
+                en = why.en,
+                zh = why.zh
+            )
+        }
         Deaf::Broker(Fault::Login) => both!(
             "{broker} refuses user and password: look at the file of --login, and at the broker's list of users",
             "{broker} 拒绝用户名和密码：请检查 --login 的文件和代理服务器的用户表"
@@ -77,10 +83,15 @@ pub fn deaf(deaf: &Deaf, asked: &Asked, topics: &str) -> Failure {
             "{broker} does not let this user hear {topics}: its access list is in docs/agent.md",
             "{broker} 不允许此用户接收 {topics}：访问列表见 docs/agent.md"
         ),
-        Deaf::Broker(fault) => both!(
-            "{broker} tells nothing: {fault}; is this the address of an MQTT broker?",
-            "{broker} 没有提供数据：{fault}；请检查这是否是 MQTT 代理服务器的地址"
-        ),
+        Deaf::Broker(fault) => {
+            let why = no_use(fault);
+            both!(
+                "{broker} tells nothing: {en}; is this the address of an MQTT broker?",
+                "{broker} 没有提供数据：{zh}；请检查这是否是 MQTT 代理服务器的地址",
+                en = why.en,
+                zh = why.zh
+            )
+        }
         Deaf::NoAnswer => both!(
             "{broker} has not answered within {wait} s: is this the address of an MQTT broker? --wait gives it longer",
             "{broker} 在 {wait} 秒内没有应答：请检查这是否是 MQTT 代理服务器的地址；可用 --wait 延长时间"

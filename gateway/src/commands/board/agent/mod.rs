@@ -26,7 +26,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use leadscrew_agent::archive::Origin;
+use leadscrew_agent::archive::{Folder, Origin};
 use leadscrew_agent::metrics::{Metrics, Server};
 use leadscrew_agent::sender::{Broker, News, Shared, now, send};
 use leadscrew_agent::sparkplug::{Host, Names};
@@ -72,6 +72,10 @@ pub fn agent(global: &Global, wish: &cli::Agent) -> Outcome {
         }
     }
     let seats = boards::seats(global, wish)?;
+    if let Some(folder) = &wish.archive {
+        let tried = Folder::new(folder.clone()).try_out();
+        tried.map_err(|error| words::no_archive(folder, &error))?;
+    }
     let shared = Arc::new(Shared::default());
     let broker = broker_of(wish, &seats)?;
     let kept = if readers.broker || readers.archive {

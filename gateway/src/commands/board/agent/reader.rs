@@ -119,10 +119,8 @@ impl Reader {
                 true
             }
             Err(error) => {
-                if !common.full.swap(true, Ordering::Relaxed)
-                    && let Some(words) = words::store(&common.path, &error).words()
-                {
-                    say(self.global(), &words);
+                if !common.full.swap(true, Ordering::Relaxed) {
+                    say(self.global(), &words::not_kept(&common.path, &error));
                 }
                 false
             }

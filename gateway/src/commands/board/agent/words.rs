@@ -7,10 +7,11 @@ use leadscrew_agent::archive::ArchiveError;
 use leadscrew_agent::mqtt::{Fault, WireError};
 use leadscrew_agent::sender::{News, Trouble};
 
+use crate::commands::broker;
 use crate::failure::Failure;
 use crate::words::{Both, both};
 
-/// A store that cannot be used.
+/// A store that cannot be opened.
 pub fn store(path: &Path, error: &StoreError) -> Failure {
     let path = path.display();
     Failure::Usage(match error {
@@ -26,9 +27,14 @@ pub fn store(path: &Path, error: &StoreError) -> Failure {
             "`{path}` 由早期版本为一台机床保存，其中没有机床名称：请先单独为该机床运行一次（--machine NAME --store \
              `{path}`），或用 --store 指定另一个文件"
         ),
+        StoreError::Foreign => both!(
+            "`{path}` is no store of an agent: name another file with --store",
+            "`{path}` 不是代理程序的存储文件：请用 --store 指定另一个文件"
+        ),
         StoreError::File(error) => both!(
-            "nothing can be kept in `{path}`: {error}; what the board tells is read again once there is room and leave",
-            "无法写入 `{path}`：{error}；恢复空间和权限后会重新读取控制板的数据"
+            "`{path}` cannot be opened: {error}; see that its folder is there, may be written and has room, or name another file \
+             with --store",
+            "无法打开 `{path}`：{error}；请检查文件夹是否存在、可写且有空间，或用 --store 指定另一个文件"
         ),
         StoreError::Content(error) => both!(
             "`{path}` is of another version of this program: {error}; let that version send it, or name another file with \
@@ -36,6 +42,15 @@ pub fn store(path: &Path, error: &StoreError) -> Failure {
             "`{path}` 属于本程序的另一版本：{error}；请用该版本发送其中的数据，或用 --store 指定另一个文件"
         ),
     })
+}
+
+/// A store that takes nothing any more, while the agent goes on.
+pub fn not_kept(path: &Path, error: &StoreError) -> Both {
+    let path = path.display();
+    both!(
+        "nothing can be kept in `{path}`: {error}; what the board tells is read again once there is room and leave",
+        "无法写入 `{path}`：{error}；恢复空间和权限后会重新读取控制板的数据"
+    )
 }
 
 /// The disk of the store is full, or is so no more.
@@ -58,6 +73,15 @@ pub fn tight(path: &Path, is_tight: bool) -> Both {
 /// The store takes records again.
 pub fn kept_again() -> Both {
     both!("what the board tells is kept again", "控制板的数据恢复保存")
+}
+
+/// A folder of the archive that cannot be written at the beginning.
+pub fn no_archive(folder: &Path, error: &std::io::Error) -> Failure {
+    let folder = folder.display();
+    Failure::Usage(both!(
+        "nothing can be written to the archive `{folder}`: {error}; name a folder with --archive that this user may write",
+        "无法写入归档 `{folder}`：{error}；请用 --archive 指定当前用户可写的文件夹"
+    ))
 }
 
 /// A file of the archive that cannot be written.
@@ -102,19 +126,29 @@ pub fn news(news: &News) -> Both {
              kept meanwhile",
             "代理服务器不允许接收出生证请求（NCMD）或主站状态（STATE）：访问列表见 docs/agent.md；数据仍在保存"
         ),
-        News::Trouble(Trouble::Broker(fault)) => both!(
-            "no broker takes what is kept: {fault}; all is kept meanwhile",
-            "没有代理服务器接收数据：{fault}；数据仍在保存"
-        ),
+        News::Trouble(Trouble::Broker(fault)) => {
+            let why = broker::no_use(fault);
+            both!(
+                "no broker takes what is kept: {en}; all is kept meanwhile",
+                "没有代理服务器接收数据：{zh}；数据仍在保存",
+                en = why.en,
+                zh = why.zh
+            )
+        }
         News::Trouble(Trouble::Wire(WireError::Tls(error))) => both!(
             "the broker's certificate is not believed, or its TLS is another: {error}; look at --ca and at the name of the \
              host; all is kept meanwhile",
             "代理服务器的证书不可信，或 TLS 不符：{error}；请检查 --ca 和主机名；数据仍在保存"
         ),
-        News::Trouble(Trouble::Wire(error)) => both!(
-            "the broker is not reached: {error}; it is tried again, and all is kept meanwhile",
-            "无法连接代理服务器：{error}；将重试，数据仍在保存"
-        ),
+        News::Trouble(Trouble::Wire(error)) => {
+            let why = broker::no_way(error);
+            both!(
+                "the broker is not reached: {en}; it is tried again, and all is kept meanwhile",
+                "无法连接代理服务器：{zh}；将重试，数据仍在保存",
+                en = why.en,
+                zh = why.zh
+            )
+        }
         News::Trouble(Trouble::Store(error)) => both!(
             "what is kept cannot be sent: {error}; it is tried again",
             "保存的数据无法发送：{error}；将重试"
