@@ -1,6 +1,6 @@
 //! What a program cuts, feature by feature: its threads with their passes, its grooves with their columns, its turned
-//! contours, its tapped holes with their strokes, and its drilled ones with their pecks. Made from the moves of a program that has been checked; must not know
-//! how they are drawn.
+//! contours, its tapped holes with their strokes, and its drilled ones with their pecks. Made from the moves of a program
+//! that has been checked; must not know how they are drawn.
 
 mod depth;
 mod drill;
