@@ -20,8 +20,8 @@ use crate::words::both;
 const CONSTANT: f64 = 1.1;
 /// Time at rest behind a stroke, in seconds.
 const REST: f64 = 0.7;
-/// The longest that a press is held, in seconds of the board: the constant part, ramps, and a drive of Kv 5 that knows all of
-/// its speed beforehand.
+/// The longest that a press is held, in seconds of the board: the constant part, ramps, and a drive of Kv 5 that knows
+/// all of its speed beforehand.
 const HELD: f64 = 4.0;
 /// The longest stroke, in seconds: behind the press the axis only comes to rest.
 const LONGEST: f64 = 20.0;
