@@ -162,7 +162,11 @@ impl<'p> Program<'p> {
         }
         Ok(Self {
             reader,
-            queue: heading.warning.map(Event::Warning).into_iter().collect(),
+            queue: [heading.warning, heading.unknown]
+                .into_iter()
+                .flatten()
+                .map(Event::Warning)
+                .collect(),
             steps: 0,
             pass: 1,
             over: heading.alarm.is_some(),

@@ -3,15 +3,18 @@
 
 use std::io::{BufRead as _, BufReader};
 
-use leadscrew_core::alarm::{Alarm, Arg, Code};
-use leadscrew_core::call::{Call, Position};
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
+use leadscrew_core::call::{Call, CallKind, Position};
 use leadscrew_core::moves::Move;
 use leadscrew_core::program::Event;
 use leadscrew_core::units::{Axis, Length};
+use leadscrew_language::behind::not_carried_out;
 use leadscrew_language::dialect::{Control, Looks, Written, lengths};
 use leadscrew_language::flow::Passes;
 use leadscrew_language::heading::Allowed;
+use leadscrew_language::lines::Lines;
 use leadscrew_language::text::span;
+use leadscrew_language::whose::Whose;
 use leadscrew_verification::{CycleFigures, Findings, Machine, Verifier};
 
 use crate::diagnostics::{self, Diagnostic, Place};
@@ -138,14 +141,24 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         inch: false,
         beyond: Vec::new(),
         program,
+        last: Span::default(),
+        end: None,
+        again: false,
     };
     loop {
         let next = checker.program.next_event().map_err(unreadable)?;
         checker.inch = checker.program.is_inch();
         match next {
             None => break,
-            Some(Ok(Event::Warning(warning))) => checker.tell(&warning),
+            Some(Ok(Event::Warning(warning))) => {
+                checker.again |= warning.code == Code::MainRepeats;
+                checker.tell(&warning);
+            }
             Some(Ok(Event::Call(call))) => {
+                checker.last = call.span;
+                if let CallKind::End(_) = call.kind {
+                    checker.end = Some(call.span);
+                }
                 let tip = checker.program.offsets().tip(verifier.tool().number());
                 verifier.call(&call, tip, &mut checker);
             }
@@ -153,6 +166,9 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         }
     }
     verifier.end(&mut checker);
+    if checker.report.alarms.is_empty() {
+        checker.mind_end()?;
+    }
     checker.points()?;
     if let Some(control) = checker.program.assumed() {
         checker.look(control)?;
@@ -176,6 +192,12 @@ struct Checker<'a> {
     inch: bool,
     /// Alarms of travel on lines in millimetres.
     beyond: Vec<Alarm>,
+    /// The latest action.
+    last: Span,
+    /// M30 or M02 that was carried out.
+    end: Option<Span>,
+    /// M99 begins the main program again.
+    again: bool,
 }
 
 impl Findings for Checker<'_> {
@@ -326,6 +348,26 @@ impl Checker<'_> {
                 let figure = Arg::Length(Length::from_nm(increments));
                 let told = Alarm::new(Code::PointMissing, span);
                 self.tell(&told.word(word.letter).with([figure]));
+            }
+        }
+        Ok(())
+    }
+
+    /// Warns of a program without an end, and of one behind the end that somebody may expect to run. A line that goes on
+    /// behind others is no program [D444].
+    fn mind_end(&mut self) -> Outcome {
+        let Some(end) = self.end else {
+            if self.last.line > 0 && !self.again && self.setup.carried.is_none() {
+                self.tell(&Alarm::new(Code::EndMissing, self.last));
+            }
+            return Ok(());
+        };
+        if let Whose::Program = Whose::line(end.line) {
+            let unreadable = |error| Failure::file(Doing::Read, self.source.name(), &error);
+            let text = self.front()?;
+            let told = not_carried_out(&mut Lines::new(&text[..]), end.line).map_err(unreadable)?;
+            if let Some(told) = told {
+                self.tell(&told);
             }
         }
         Ok(())

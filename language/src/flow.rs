@@ -229,9 +229,13 @@ impl<S: Source> Flow<S> {
     /// Before the first line.
     #[must_use]
     pub fn new(source: S, kept: Kept, rules: Rules) -> Self {
+        let variables = Variables::new(kept);
         Self {
             lines: Lines::new(source),
-            variables: Variables::new(kept),
+            variables: match rules.control {
+                Control::Gsk980td => variables.with_registers(),
+                _ => variables,
+            },
             rules,
             translator: Translator::new(rules.control),
             files: HashMap::new(),

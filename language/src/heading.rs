@@ -29,6 +29,8 @@ pub struct Heading {
     pub alarm: Option<Alarm>,
     /// The comment of the stock cannot be read.
     pub warning: Option<Alarm>,
+    /// A comment with ALLOW names what is no number that may be silenced.
+    pub unknown: Option<Alarm>,
 }
 
 impl Heading {
@@ -65,7 +67,10 @@ impl Heading {
             }
             Said::Nothing => {}
         }
-        self.allowed.add_of(text);
+        if let Some((from, to)) = self.allowed.add_of(text) {
+            let told = Alarm::new(Code::AllowUnknown, span(line, from, to));
+            self.unknown.get_or_insert(told);
+        }
     }
 }
 
@@ -81,6 +86,7 @@ impl Allowed {
     const fn bit(number: u16) -> Option<u32> {
         match number {
             4800..=4811 => Some(1 << (number - 4800)),
+            4976..=4977 => Some(1 << (number - 4976 + 24)),
             4980..=4991 => Some(1 << (number - 4980 + 12)),
             _ => None,
         }
@@ -115,23 +121,26 @@ impl Allowed {
         Self(self.0 | other.0)
     }
 
-    /// Adds those of `(ALLOW 4800 4985)` in a line.
-    fn add_of(&mut self, line: &[u8]) {
+    /// Adds those of `(ALLOW 4800 4985)` in a line. The place of the first that is none.
+    fn add_of(&mut self, line: &[u8]) -> Option<(usize, usize)> {
         const WORD: &[u8] = b"(ALLOW ";
         let is = |window: &[u8]| window.eq_ignore_ascii_case(WORD);
-        let Some(at) = line.windows(WORD.len()).position(is) else {
-            return;
-        };
-        let numbers = line[at + WORD.len()..].split(|byte| *byte == b')').next();
+        let mut at = line.windows(WORD.len()).position(is)? + WORD.len();
+        let mut unknown = None;
+        let numbers = line[at..].split(|byte| *byte == b')').next();
         for number in numbers
             .unwrap_or_default()
-            .split(|byte| matches!(byte, b' ' | b','))
+            .split(|byte| matches!(byte, b' ' | b',' | b'\t' | b'\r' | b'\n'))
         {
-            let number = std::str::from_utf8(number).ok();
-            if let Some(number) = number.and_then(|number| number.parse().ok()) {
-                self.add(number);
+            let (from, to) = (at, at + number.len());
+            at = to + 1;
+            let text = std::str::from_utf8(number).ok();
+            let known = text.and_then(|text| text.parse().ok());
+            if from != to && !known.is_some_and(|number| self.add(number)) {
+                unknown.get_or_insert((from, to));
             }
         }
+        unknown
     }
 }
 
@@ -144,7 +153,8 @@ mod tests {
         let may: Vec<u16> = (0..=u16::MAX)
             .filter(|number| Allowed::may_have(*number))
             .collect();
-        assert_eq!(may, (4800..=4811).chain(4980..=4991).collect::<Vec<_>>());
+        let numbers = (4800..=4811).chain(4976..=4977).chain(4980..=4991);
+        assert_eq!(may, numbers.collect::<Vec<_>>());
         let mut all = Allowed::default();
         for number in &may {
             let mut one = Allowed::default();
@@ -168,6 +178,18 @@ mod tests {
         let all: Vec<u16> = (4000..5000).filter(silenced).collect();
         assert_eq!(all, [4800, 4985, 4991]);
         assert_eq!(heading.stock.map(|stock| stock.length), Some(100_000_000));
+        // 4056 may not be silenced.
+        let unknown = heading.unknown.map(|alarm| (alarm.number(), alarm.span));
+        assert_eq!(unknown, Some((4975, span(2, 21, 25))));
+        for text in [
+            "(ALLOW 9999 ABC)",
+            "(ALLOW ABC)",
+            "(allow 4800,x)",
+            "(ALLOW 4801",
+        ] {
+            let unknown = read(text).unknown;
+            assert_eq!(unknown.is_some(), !text.ends_with('1'), "{text}");
+        }
         assert_eq!((heading.alarm, heading.warning), (None, None));
         // A line that begins in the 4096th byte is one of them, and the next one is not.
         for (blanks, is_read) in [(4095, true), (4096, false)] {

@@ -59,6 +59,7 @@
 //! ```
 
 pub mod arguments;
+pub mod behind;
 pub mod contour;
 pub mod corner;
 pub mod dialect;

@@ -7,9 +7,11 @@
 mod angle;
 mod drill;
 mod glimpse;
+mod pointless;
 #[cfg(test)]
 mod published;
 mod system;
+mod tap_level;
 #[cfg(test)]
 mod tests;
 
@@ -598,10 +600,12 @@ impl Machine for Acting<'_, '_> {
         if let Some(done) = self.line_by_angle(line, words)? {
             return Ok(done);
         }
-        match self.drill(line, words)? {
-            Some(done) => Ok(done),
-            None => self.plain_words(line, words),
+        if let Some(done) = self.drill(line, words)? {
+            return Ok(done);
         }
+        let tap = self.tap_level(line, words)?;
+        self.plain_words(line, tap.as_deref().unwrap_or(words))
+            .map_err(|alarm| self.core.without_point(alarm, words))
     }
 
     fn wants_words(&self) -> bool {

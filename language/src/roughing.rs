@@ -111,6 +111,9 @@ struct PatternLine {
     passes: Option<At<i64>>,
 }
 
+/// The most passes of a pattern.
+const MOST_PASSES: u32 = 9999;
+
 /// Words of a block by letter.
 struct Words<'w>(&'w [Word]);
 
@@ -123,16 +126,16 @@ impl Words<'_> {
         self.find(letter).map(|word| unit.length(word)).transpose()
     }
 
-    fn passes(&self, letter: u8) -> Result<Option<At<i64>>, Alarm> {
+    /// A count. Programs write `R3.` too; a part of one is refused.
+    fn count(&self, letter: u8, low: u32, high: u32) -> Result<Option<At<i64>>, Alarm> {
         let Some(word) = self.find(letter) else {
             return Ok(None);
         };
-        // Programs write `R3.` too; a part of a pass is refused.
         let plain = Word {
             given: Given::Calculated(word.value()),
             ..*word
         };
-        Ok(Some(At::new(i64::from(plain.count(1, 9999)?), word.span)))
+        Ok(Some(At::new(i64::from(plain.count(low, high)?), word.span)))
     }
 
     /// Refuses a word that this line of the cycle does not have.
@@ -189,10 +192,25 @@ impl FirstLines {
                 let kept = &mut self.pattern;
                 kept.x = words.length(b'U', unit)?.or(kept.x);
                 kept.z = words.length(b'W', unit)?.or(kept.z);
-                kept.passes = words.passes(b'R')?.or(kept.passes);
+                kept.passes = words.count(b'R', 1, MOST_PASSES)?.or(kept.passes);
             }
         }
         Ok(())
+    }
+
+    /// R of the block of this cycle says whether the contour has pockets, as the words of its first block do.
+    fn has_pockets_by_word(&self, cycle: Cycle) -> bool {
+        self.control == Control::Haas && matches!(cycle, Cycle::Rough(_))
+    }
+
+    /// R1 of a Haas.
+    fn pockets(&self, cycle: Cycle, block: &[Word]) -> Result<bool, Alarm> {
+        if !self.has_pockets_by_word(cycle) {
+            return Ok(false);
+        }
+        Ok(Words(block)
+            .count(b'R', 0, 1)?
+            .is_some_and(|r| r.value == 1))
     }
 
     /// The figures of a cycle: from its own block, where that is the one-line form (D), else from its first line, else from
@@ -214,17 +232,16 @@ impl FirstLines {
         };
         let one_line = words.find(b'D').is_some();
         if !one_line {
-            words.without(b"RIK")?;
+            words.without(b"IK")?;
+        }
+        if !self.has_pockets_by_word(cycle) {
+            words.without(b"R")?;
         }
         Ok(match cycle {
             Cycle::Finish => Figures::Finish,
             Cycle::Rough(along) => {
                 let RoughLine { depth, retract } = self.rough[index(along)];
                 let depth = if one_line {
-                    // R1 of a Haas says that the contour has pockets, which its first block tells.
-                    if self.control != Control::Haas {
-                        words.without(b"R")?;
-                    }
                     words.length(b'D', unit)?
                 } else {
                     depth
@@ -244,11 +261,10 @@ impl FirstLines {
             }
             Cycle::Pattern => {
                 let PatternLine { x, z, passes } = if one_line {
-                    words.without(b"R")?;
                     PatternLine {
                         x: words.length(b'I', unit)?,
                         z: words.length(b'K', unit)?,
-                        passes: words.passes(b'D')?,
+                        passes: words.count(b'D', 1, MOST_PASSES)?,
                     }
                 } else {
                     self.pattern
@@ -317,6 +333,8 @@ pub struct Collected {
     figures: Figures,
     start: Point,
     axes: Option<Axes>,
+    /// The block of the cycle says that there are pockets: the first block need not.
+    pockets: bool,
     elements: Vec<Element>,
 }
 
@@ -338,6 +356,7 @@ impl Collected {
             figures: first.figures(cycle, words, unit, params, span)?,
             start,
             axes: None,
+            pockets: first.pockets(cycle, words)?,
             elements: Vec::new(),
         })
     }
@@ -357,7 +376,10 @@ impl Collected {
     /// The next block has these letters; only those of the first block count.
     pub fn block(&mut self, letters: impl Iterator<Item = u8>) {
         if self.axes.is_none() {
-            let mut axes = Axes { x: false, z: false };
+            let mut axes = Axes {
+                x: self.pockets,
+                z: self.pockets,
+            };
             for letter in letters {
                 axes.x |= matches!(letter, b'X' | b'U');
                 axes.z |= matches!(letter, b'Z' | b'W');

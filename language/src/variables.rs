@@ -5,6 +5,7 @@
 //! | `#0` | nowhere: it is always null |
 //! | `#1`–`#33` | as long as the macro that was called |
 //! | `#100`–`#199` | as long as the program runs |
+//! | `#200`–`#231` | as long as the program runs, on a GSK 980TD alone |
 //! | `#500`–`#999` | for ever: [`Kept`] is what the caller stores |
 //! | from `#1000` on | in the machine, behind [`System`] |
 //!
@@ -23,6 +24,8 @@ pub const NO_LOCALS: Locals = [Value::Null; 33];
 
 const COMMON: i64 = 100;
 const COMMONS: usize = 100;
+const REGISTERS: i64 = 200;
+const REGISTER_COUNT: usize = 32;
 const KEPT: i64 = 500;
 const KEPTS: usize = 500;
 
@@ -91,6 +94,8 @@ pub struct Variables {
     /// Those of the program, and of each macro that has been called and has not returned.
     locals: Vec<Locals>,
     common: Box<[Value; COMMONS]>,
+    /// `#200` … `#231`, where the control has them.
+    registers: Option<Box<[Value; REGISTER_COUNT]>>,
     kept: Kept,
 }
 
@@ -101,8 +106,16 @@ impl Variables {
         Self {
             locals: vec![NO_LOCALS],
             common: Box::new([Value::Null; COMMONS]),
+            registers: None,
             kept,
         }
+    }
+
+    /// With `#200` … `#231` of a GSK 980TD.
+    #[must_use]
+    pub fn with_registers(mut self) -> Self {
+        self.registers = Some(Box::new([Value::Null; REGISTER_COUNT]));
+        self
     }
 
     /// The variables to store.
@@ -130,6 +143,9 @@ impl Variables {
         }
         if let Some(place) = place(number, COMMON, COMMONS) {
             return Some(&mut self.common[place]);
+        }
+        if let Some(place) = place(number, REGISTERS, REGISTER_COUNT) {
+            return Some(&mut self.registers.as_mut()?[place]);
         }
         place(number, KEPT, KEPTS).map(|place| &mut self.kept.values[place])
     }

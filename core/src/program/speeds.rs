@@ -178,7 +178,7 @@ impl State<'_> {
         }
     }
 
-    /// G50 without X U Z W: S is the highest speed under G96. What the spindle cannot do anyway is told.
+    /// S of G50 as the highest speed under G96. What the spindle cannot do anyway is told.
     pub(super) fn limit_speed(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
         let Some(word) = block.find(b'S') else {
             return Ok(());

@@ -11,8 +11,8 @@ use crate::cycle::{
 };
 use crate::params::Params;
 use crate::text::{
-    AXES, Block, Group, Letters, Modal, ModalFeed, Options, PLANE_AXES, Plan, Scale, Word, g_arg,
-    seconds,
+    AXES, Block, Group, Letters, MGroup, Modal, ModalFeed, Options, PLANE_AXES, Plan, Scale, Word,
+    g_arg, seconds,
 };
 use crate::units::{Length, Millis};
 
@@ -373,9 +373,13 @@ impl<'p> State<'p> {
         if !is_thread && let Some(word) = block.find(b'F') {
             self.modal.set_feed(&word)?;
         }
-        let sets_limit = code == 50 && !block.has_any(PLANE_AXES);
+        let sets_limit =
+            code == 50 && (self.modal.options.limits_every_speed || !block.has_any(PLANE_AXES));
         if !sets_limit {
             self.before_motion(block, plan)?;
+            if code == 50 {
+                tell_ordinary_speed(block, plan);
+            }
         }
         match code {
             4 => self.dwell(block, word, motion_word, plan),
@@ -460,6 +464,16 @@ impl<'p> State<'p> {
             return Err(word.alarm(Code::PositionOutOfRange).with(args));
         }
         Ok(())
+    }
+}
+
+/// Warns of S beside the coordinates of G50 where nothing says that it is meant as a speed [D441].
+fn tell_ordinary_speed(block: &Block, plan: &mut Plan) {
+    let turns = |word: Word| word.value.mantissa() != 5;
+    if let Some(speed) = block.find(b'S')
+        && !block.m(MGroup::Spindle).is_some_and(turns)
+    {
+        plan.warn(speed.alarm(Code::SpeedNoLimit));
     }
 }
 

@@ -3,9 +3,58 @@
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 
 use super::Control;
+use crate::word::{Given, Word};
 
 /// Pairs: as the control writes it, and as system A does.
 type Pairs = &'static [(i64, i64)];
+
+/// What is told of a code that other controls have, in tenths: what to write in its place.
+const fn refusal(tenths: u16) -> Option<Code> {
+    Some(match tenths {
+        270 | 290 => Code::ReferenceMove,
+        350 | 360 => Code::CircularThread,
+        71 | 1070 | 121 | 1120 => Code::PolarMoves,
+        90 | 220 | 260 | 680 | 1540 | 1840 | 841 | 881 => Code::OtherControls,
+        _ => return None,
+    })
+}
+
+/// True for a code, in tenths, of a FANUC or Haas that ends what this machine does not have: it stands in the first lines
+/// of programs, and there is nothing to do [D442].
+const fn ends_nothing(tenths: i64) -> bool {
+    // G23 G25 G49 G69, and the end of G12.1 and G112.
+    matches!(tenths, 230 | 250 | 490 | 690 | 131 | 1130)
+}
+
+/// Takes the codes and words out of a block that say nothing on this machine: cancels, M23 and G103 P of a Haas, V0 of
+/// G28.
+pub(super) fn leave_out(words: &mut Vec<Word>, control: Control) {
+    let code = |word: &Word, letter| (word.letter == letter).then(|| tenths(word))?;
+    let has = |tenths| words.iter().any(|word| code(word, b'G') == Some(tenths));
+    let goes_home = has(280) || has(300);
+    let looks_ahead = control == Control::Haas && has(1030);
+    words.retain(|word| {
+        let is_zero = word.value().is_null() || word.value().whole() == Some(0);
+        let leaves = match word.letter {
+            b'V' | b'Y' => goes_home && is_zero,
+            _ if control.is_gsk() => false,
+            b'G' => code(word, b'G')
+                .is_some_and(|code| ends_nothing(code) || (looks_ahead && code == 1030)),
+            b'M' => control == Control::Haas && code(word, b'M') == Some(230),
+            b'P' => looks_ahead,
+            _ => false,
+        };
+        !leaves
+    });
+}
+
+/// Ten times the number of a code.
+fn tenths(word: &Word) -> Option<i64> {
+    match word.given {
+        Given::Written(number) => number.scaled(1).ok(),
+        Given::Calculated(value) => value.whole()?.checked_mul(10),
+    }
+}
 
 const SYSTEM_B: Pairs = &[
     (77, 90),
@@ -67,6 +116,13 @@ impl Control {
     /// The alarm with the codes as this control writes them.
     #[must_use]
     pub fn in_own_codes(self, mut alarm: Alarm) -> Alarm {
+        if let (Code::UnknownG | Code::GNotAvailable, Arg::GCode(tenths)) =
+            (alarm.code, alarm.args[0])
+            && let Some(code) = refusal(tenths)
+        {
+            alarm.code = code;
+            return alarm;
+        }
         if alarm.code == Code::UnknownG {
             // It names what was written.
             return alarm;

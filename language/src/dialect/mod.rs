@@ -21,6 +21,7 @@ use leadscrew_core::program::Dialect;
 pub use looks::Looks;
 pub use name::{Named, named};
 pub use points::{Written, lengths, written};
+pub(crate) use translator::in_milliseconds;
 pub use translator::{Setting, Translator};
 
 /// True for the letters of X and Z.

@@ -1,5 +1,7 @@
 //! Programs of other controls against the same program of system A, call by call.
 
+mod readings;
+
 use leadscrew_core::alarm::{Alarm, Arg};
 use leadscrew_core::call::{CallKind, CutIn, Infeed, ThreadCall};
 use leadscrew_core::params::{Entry, Params};
@@ -165,9 +167,13 @@ fn a_code_of_another_system_is_refused_as_it_is_written() {
 #[test]
 fn codes_with_a_point_are_refused_by_name() {
     for control in Control::ALL {
-        for (text, code) in [("G12.1", 121), ("G0 X1 G84.1", 841), ("G13.1 X1", 131)] {
+        for (text, number, code) in [
+            ("G12.1", 4095, 121),
+            ("G0 X1 G84.1", 4097, 841),
+            ("G5.1", 4020, 51),
+        ] {
             let alarm = alarm(control, text);
-            assert_eq!((alarm.number(), alarm.args[0]), (4020, Arg::GCode(code)));
+            assert_eq!((alarm.number(), alarm.args[0]), (number, Arg::GCode(code)));
         }
     }
 }

@@ -3,6 +3,7 @@
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::units::Decimal;
 
+use super::codes::leave_out;
 use super::{Control, one_line};
 use crate::value::Value;
 use crate::word::{Given, Word};
@@ -86,6 +87,7 @@ impl Translator {
     /// # Errors
     /// A code that this control does not have, or a count with a point.
     pub fn translate(&mut self, words: &mut Vec<Word>, now: Setting) -> Result<(), Alarm> {
+        leave_out(words, self.control);
         refuse_decimal_codes(words)?;
         if self.control == Control::Haas {
             refuse_no_chamfer(words)?;
@@ -114,9 +116,13 @@ impl Translator {
             count_from_here(words);
         }
         if self.control == Control::Haas {
-            of_haas(words, motion, alone);
-            return Ok(());
+            of_haas(words, motion, alone, now.holes);
+            return refuse_turns_per_inch(words, motion, alone);
         }
+        if self.control == Control::FanucA && alone {
+            old_tapers(words, motion);
+        }
+        refuse_turns_per_inch(words, motion, alone)?;
         of_fanuc(words, now)
     }
 
@@ -215,7 +221,7 @@ fn refuse_speed_limit(words: &[Word]) -> Result<(), Alarm> {
 fn refuse_no_chamfer(words: &[Word]) -> Result<(), Alarm> {
     let is = |word: &&Word| word.letter == b'M' && word.value().whole() == Some(24);
     match words.iter().find(is) {
-        Some(word) => Err(word.alarm(Code::MNotAvailable).with([Arg::Int(24)])),
+        Some(word) => Err(word.alarm(Code::NoChamfer)),
         None => Ok(()),
     }
 }
@@ -227,6 +233,33 @@ fn refuse_run_out(words: &[Word]) -> Result<(), Alarm> {
             .alarm(Code::StrokeWithoutRunOut)
             .with([Arg::Letter(word.letter), Arg::GCode(320)])),
         None => Ok(()),
+    }
+}
+
+/// I of a thread that is not one line of G76: turns per inch of a GSK, which an old FANUC takes for a taper [D440].
+fn refuse_turns_per_inch(words: &[Word], motion: i64, alone: bool) -> Result<(), Alarm> {
+    let two_lines = [76, 78].into_iter().find(|code| has_code(words, *code));
+    let code = match two_lines {
+        Some(code) if !one_line::is_thread(words) => code,
+        None if alone && matches!(motion, 32 | 34 | 92) => motion,
+        _ => return Ok(()),
+    };
+    let is_written = |word: &&Word| word.letter == b'I' && !word.value().is_null();
+    match words.iter().find(is_written) {
+        Some(word) => {
+            let code = u16::try_from(code * 10).unwrap_or(0);
+            Err(word.alarm(Code::TurnsPerInch).with([Arg::GCode(code)]))
+        }
+        None => Ok(()),
+    }
+}
+
+/// I of G90 and K of G94 in an old FANUC: the taper.
+fn old_tapers(words: &mut [Word], motion: i64) {
+    for word in words {
+        if let (b'I', 90) | (b'K', 94) = (word.letter, motion) {
+            word.letter = b'R';
+        }
     }
 }
 
@@ -297,7 +330,7 @@ fn counted(word: &Word, increment: u8) -> Result<Given, Alarm> {
 }
 
 /// G28 without an axis, which is X and Z from where they are, and the words that a Haas writes with another letter.
-fn of_haas(words: &mut Vec<Word>, motion: i64, alone: bool) {
+fn of_haas(words: &mut Vec<Word>, motion: i64, alone: bool, taps: bool) {
     let names_axis = |word: &Word| b"XUZWCH".contains(&word.letter);
     if let Some(home) = words.iter().find(|word| code_of(word) == Some(28)).copied()
         && !words.iter().any(names_axis)
@@ -310,7 +343,11 @@ fn of_haas(words: &mut Vec<Word>, motion: i64, alone: bool) {
         }));
     }
     let dwell = has_code(words, 4);
+    let taps = !dwell && (taps || has_code(words, 84) || has_code(words, 88));
     for word in words {
+        if taps && word.letter == b'P' {
+            *word = in_milliseconds(word);
+        }
         let point = matches!(word.given, Given::Written(number) if number.has_point());
         word.letter = match (word.letter, motion) {
             (b'P', _) if dwell && point => b'X',
@@ -319,6 +356,18 @@ fn of_haas(words: &mut Vec<Word>, motion: i64, alone: bool) {
             (letter, _) => letter,
         };
     }
+}
+
+/// P of a dwell in a Haas: with a point it is seconds.
+pub(crate) fn in_milliseconds(word: &Word) -> Word {
+    let given = match word.given {
+        Given::Written(number) if number.has_point() => match number.scaled(3) {
+            Ok(count) => Given::Written(Decimal::new(count, 0)),
+            Err(_) => word.given,
+        },
+        given => given,
+    };
+    Word { given, ..*word }
 }
 
 /// `L` and `D` of a cut: a chamfer and a rounding at its end.

@@ -3,7 +3,7 @@
 use leadscrew_core::alarm::{Alarm, Arg, At, Code, Span};
 use leadscrew_core::units::{Decimal, Diameter, Length};
 
-use crate::dialect::Control;
+use crate::dialect::{Control, in_milliseconds};
 use crate::roughing::Unit;
 use crate::value::Value;
 use crate::word::{Given, Word};
@@ -211,6 +211,9 @@ impl Drill {
                         return Err(word.alarm(Code::Negative));
                     }
                     self.peck = (peck.value > Length::ZERO).then_some(peck);
+                }
+                b'P' if control == Control::Haas => {
+                    self.dwell = in_milliseconds(word).count(0, 99_999_999)?;
                 }
                 b'P' => self.dwell = word.count(0, 99_999_999)?,
                 b'K' | b'L' => parts.holes = word.count(1, 9999)?,

@@ -89,11 +89,11 @@ impl<S: Source> Flow<S> {
             return match self.statement(&mut cursor, machine) {
                 Statement::Empty => Ok(()),
                 Statement::Plain => self.plain(from, text, piece, machine),
-                kind => self.macro_block(kind, here, cursor, None, machine),
+                kind => self.macro_block(kind, from, cursor, None, machine),
             };
         }
         self.start(here);
-        self.macro_block(kind, here, cursor, sequence, machine)
+        self.macro_block(kind, here.in_line(front), cursor, sequence, machine)
     }
 
     /// What a block is. Only those of a GSK may be the core's as they are.
@@ -125,8 +125,8 @@ impl<S: Source> Flow<S> {
             machine.words(here.line, &[word])?;
         }
         if self.in_contour && kind != Statement::Assign {
-            let place = cursor.here();
-            return Err(Alarm::new(Code::ContourWord, place).word(b'G').into());
+            let place = cursor.span_from(here.column);
+            return Err(Alarm::new(Code::ContourFlow, place).into());
         }
         match kind {
             Statement::Assign => self.assign(&mut cursor, machine)?,

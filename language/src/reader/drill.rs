@@ -6,6 +6,7 @@ use leadscrew_core::program::{Event, Way, is_free_m};
 use leadscrew_core::units::{Decimal, Length};
 
 use super::Acting;
+use crate::dialect::Control;
 use crate::drilling::{Drill, Hole, Kind, Level, Parts, Step};
 use crate::flow::Done;
 use crate::plane::Point;
@@ -169,13 +170,22 @@ impl Acting<'_, '_> {
         };
         let beyond = |a: Length, b: Length| (bottom - level).signum() * (a - b).signum() < 0;
         if bottom == level || beyond(level, of(initial)) || hole.pecks() > MOST_PECKS {
-            return Err(Alarm::new(Code::HoleDepth, drill.code));
+            let code = match self.core.control {
+                Control::Haas => Code::HoleLevels,
+                _ => Code::HoleDepth,
+            };
+            return Err(Alarm::new(code, drill.code));
         }
         Ok(hole)
     }
 
     /// Where a coordinate would take the tool.
-    fn probe(&self, line: u32, letter: u8, coordinate: &Word) -> Result<Position, Alarm> {
+    pub(super) fn probe(
+        &self,
+        line: u32,
+        letter: u8,
+        coordinate: &Word,
+    ) -> Result<Position, Alarm> {
         let mut probe = self.core.interpreter.clone();
         let place = Word {
             letter,

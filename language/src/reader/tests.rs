@@ -65,7 +65,11 @@ fn programs_without_macros_are_what_they_are_to_the_core() {
         {
             let text = &text[..end];
             let (params, options) = (Params::sheets(), Options::default());
-            let (expected, found) = (alone(text, &params, options), read(text));
+            let (mut expected, found) = (alone(text, &params, options), read(text));
+            // A `G9` that is cut off is a code that is refused by name.
+            expected.1 = expected
+                .1
+                .map(|alarm| Control::default().in_own_codes(alarm));
             // A letter in front of a space is a word only with the number after it.
             if expected != found {
                 let number = expected.1.map(|alarm| alarm.number());

@@ -292,7 +292,7 @@ codes! {
         "此处不能执行 M{0}", "请将调用单独写成一个程序段";
     /// G33 [D19].
     G33Tapping = 4022, "G33 is a tapping cycle on one control and a thread on another",
-        "write G76 or G78 for a thread", "G33 在不同系统中含义不同（攻丝或螺纹）", "切螺纹请用 G76 或 G78";
+        "write G32, G92 or G76 for a thread", "G33 在不同系统中含义不同（攻丝或螺纹）", "切螺纹请用 G32、G92 或 G76";
     /// A point in a word that is a whole number.
     PointInInteger = 4023, "{w} is a whole number and has a point", "write it without a point",
         "{w} 为整数，不能有小数点", "请去掉小数点";
@@ -474,6 +474,36 @@ codes! {
     /// A feed per turn or a lead without a point, where numbers without one count increments.
     FeedWithoutPoint = 4090, "{w} has no point, and numbers without one count increments here (3401.0 = 0): for a feed per turn controls count 0.01, 0.001 or 0.0001 mm", "write it with a point, as F0.2",
         "{w} 没有小数点，而此处省略小数点的数以最小增量为单位（3401.0 = 0）；每转进给的单位因系统而异（0.01、0.001 或 0.0001 mm）", "请带小数点书写，如 F0.2";
+    /// I in a thread of a control that does not count turns per inch; {0} the code of the thread [D440].
+    TurnsPerInch = 4091, "{w} in {0} is turns per inch on a GSK and a taper on an old FANUC, and has no meaning here",
+        "for turns per inch write F, the lead: 25.4 divided by them (G20: 1 divided by them); for a taper write R, the radius at the start less that at the end",
+        "{0} 中的 {w} 在 GSK 上为每英寸牙数，在旧 FANUC 上为锥度，此处没有意义", "每英寸牙数请写成导程 F（25.4 除以牙数；G20 时为 1 除以牙数）；锥度请写 R，即起点半径减去终点半径";
+    /// The same as 4085 on a Haas, whose R is a coordinate.
+    HoleLevels = 4092, "this hole has no depth below R, R is not between the initial level and the bottom, or Q makes more than 9999 pecks of it",
+        "write a bottom beyond R, R as a coordinate between the place where the tool stands before the cycle and the bottom, and Q in millimetres or inches",
+        "该孔在 R 平面以下没有深度，或 R 不在初始平面与孔底之间，或 Q 使进给次数超过 9999", "请将孔底写在 R 平面之外，R 写为坐标值（位于循环前刀具位置与孔底之间），Q 以毫米或英寸为单位";
+    /// G27 and G29; {0} the code.
+    ReferenceMove = 4093, "{0}, a move about the reference point, is not built", "leave G27 out: it moves nothing that G28 does not; in place of G29 write G00 to the point where the work goes on",
+        "未实现参考点指令 {0}", "G27 可省略；代替 G29 请用 G00 移到继续加工的位置";
+    /// G35 and G36; {0} the code.
+    CircularThread = 4094, "{0}, a thread along an arc, is not built", "write G32 for each piece of the thread that is straight: strokes that follow each other are one thread",
+        "未实现圆弧螺纹 {0}", "请将螺纹分成直线段，用连续的 G32 编写：相连的各段为同一螺纹";
+    /// G7.1, G107, G12.1, G112; {0} the code.
+    PolarMoves = 4095, "{0} moves X and C as one plane for a live tool, and is not built", "let the CAM system write these moves with X, Z and C of their own (without polar or cylindrical interpolation)",
+        "未实现 {0}（动力刀具的极坐标或圆柱插补）", "请让 CAM 系统直接输出 X、Z、C 的移动（不用极坐标或圆柱插补）";
+    /// M24 of a Haas.
+    NoChamfer = 4096, "M24, threads without a run-out at their end, is not built", "leave it out, and set parameter 5130 to 0 for threads without a run-out (`leadscrew params set 5130=0`)",
+        "未实现 M24（螺纹不退尾）", "请去掉该代码；若要螺纹不退尾，请将参数 5130 设为 0（`leadscrew params set 5130=0`）";
+    /// A code of FANUC or Haas that does something, and is not built; {0} the code.
+    OtherControls = 4097, "{0} of other controls is not built", "G09: write G61 in this block and G64 in the next one; G154: G54 to G59; G184, G84.1: M04 and G84; leave G22, G26 and G68 out: the soft limits hold always, and this machine has one turret",
+        "未实现其他系统的 {0}", "G09：本段写 G61，下一段写 G64；G154：用 G54 至 G59；G184、G84.1：用 M04 和 G84；G22、G26、G68 请省略：软限位始终有效，且本机只有一个刀架";
+    /// A length without a point that is too large and may have been meant as increments; {0} what it is, {1} as increments.
+    LengthWithoutPoint = 4098, "{w} has no point and is {0} here, which cannot be; as a count of increments it would be {1}",
+        "write it with a point; where the whole program counts increments, read it with `--set 3401.0=0` (`leadscrew params set 3401.0=0` for good)",
+        "{w} 没有小数点，此处为 {0}，不可能；若按最小增量计则为 {1}", "请带小数点书写；若整个程序都以最小增量为单位，请用 `--set 3401.0=0` 读取（`leadscrew params set 3401.0=0` 为永久设定）";
+    /// GOTO, IF, WHILE, DO, END in the contour of a cycle.
+    ContourFlow = 4099, "a jump or a loop may not stand in the contour of a cycle", "write the blocks of the contour one after the other; jumps and loops stand before or after, and `#1=` may stand between",
+        "循环的轮廓中不能使用跳转或循环语句", "请依次书写轮廓各段；跳转和循环语句写在轮廓之外，赋值语句可写在其中";
     // 4086–4088: the program as a whole; `common` and `language`.
     /// A comment with DIALECT that names none.
     DialectUnknown = 4086, "there is no dialect of this name", "write one of gsk980td, gsk988, fanuc-a, fanuc-b, fanuc-c, haas: `(DIALECT FANUC-B)`",
@@ -491,8 +521,8 @@ codes! {
 
     /// d leaves nothing to rough.
     AllowanceTooLarge = 4100, "the finishing allowance {0} is not smaller than the thread height {1}",
-        "write a smaller R in the first block, or a larger P (height)",
-        "精车余量 {0} 不小于牙高 {1}", "请减小第一段的 R，或增大牙高 P";
+        "write a smaller R in the first block, or a larger P (height); R without a point is millimetres: 50 increments are R0.05",
+        "精车余量 {0} 不小于牙高 {1}", "请减小第一段的 R，或增大牙高 P；R 省略小数点时以毫米为单位：50 个最小增量为 R0.05";
     /// W = 0.
     ThreadWithoutLength = 4101, "the thread has no length along Z", "write a Z that differs from the start, or W other than 0",
         "螺纹在 Z 向没有长度", "请写与起点不同的 Z，或不为 0 的 W";
@@ -1364,6 +1394,11 @@ codes! {
         "write a J in this range (5202.6 sets how wide it is), or leave J out",
         "J 超出 {0} 至 {1}，不起作用：退刀转速为 S", "请写此范围内的 J（范围由 5202.6 决定），或省略 J";
 
+    /// S of G50 beside coordinates, where it is no limit.
+    SpeedNoLimit = 4912, "{w} beside the coordinates of G50 is an ordinary S on this control, and limits no speed",
+        "for the highest speed write G50 S in a block of its own; where the speed itself is meant, write M03 or M04 beside it",
+        "该系统中 G50 坐标旁的 {w} 为普通 S 字，不限制转速", "要限制最高转速，请将 G50 S 单独写成一段；若指转速本身，请同段写 M03 或 M04";
+
     // -- 4920–4939 warnings: cycle/ ----------------------------------------------------------------------------------
 
     /// Δd moves the tool sideways at the bottom of a full slot.
@@ -1472,6 +1507,16 @@ codes! {
     /// The comment that declares the stock, and says it in another way.
     StockUnreadable = 4995, "this comment does not declare the stock: X (diameter) and L (length) in millimetres, perhaps X0= (bore) and Z (face)", "write `(STOCK X60 L100)` or `(STOCK X60 L100 X0=20 Z1)`",
         "此注释未能说明毛坯：应为 X（直径）和 L（长度），可加 X0=（孔径）和 Z（端面），单位 mm", "请写 `(STOCK X60 L100)` 或 `(STOCK X60 L100 X0=20 Z1)`";
+    // -- 4975–4977 warnings: what a program hardly means, `language`; 4976 and 4977 may be allowed ------------------------
+    /// A comment with ALLOW names what is no number that may be allowed.
+    AllowUnknown = 4975, "this comment silences nothing here: there is no such number, or it may not be silenced", "write numbers from 4800 to 4811, 4976, 4977 or 4980 to 4991, as `(ALLOW 4800 4985)`",
+        "此处的 ALLOW 无效：没有该编号，或该编号不能屏蔽", "请写 4800 至 4811、4976、4977 或 4980 至 4991，如 `(ALLOW 4800 4985)`";
+    /// The text is over, and the program has not ended itself.
+    EndMissing = 4976, "the program ends without M30, M02 or M99", "write M30 in its last block; on many controls the spindle and the coolant go on without it",
+        "程序末尾没有 M30、M02 或 M99", "请在最后一段写 M30；许多系统若无此代码，主轴和冷却液不会停止";
+    /// A program with an end of its own stands behind the one that runs, which does not call it; {0} its number.
+    ProgramBehind = 4977, "O{0} stands behind the end of the program, and is not carried out", "write it to a file of its own, or call it with M98 and end it with M99",
+        "O{0} 位于程序结束之后，不会执行", "请将其存为单独的文件，或用 M98 调用并以 M99 结束";
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.
     TapSpeedAboveSpindle = 4960, "the highest tapping speed {0} (5241) is above that of the spindle, {1} (3772)",
