@@ -606,7 +606,7 @@ fn a_drive_is_set_up_by_its_profile_and_told_why_it_cannot_be() {
     );
     let own = machine(
         "own.toml",
-        "9020 = 500\n9000 = \"2 ms\"\n[drive.X]\nprofile = \"my-drive.toml\"\n[drive.Z]\ninterpolation_period = \"2 ms\"\n\
+        "9020 = 500\n9000 = \"2 ms\"\n9022 = \"20 ms\"\n[drive.X]\nprofile = \"my-drive.toml\"\n[drive.Z]\ninterpolation_period = \"2 ms\"\n\
          [drive.C]\ninterpolation_period = \"2 ms\"\n[drive.S1]\ninterpolation_period = \"2 ms\"\n\
          [drive.S2]\ninterpolation_period = \"2 ms\"\n[drive.S3]\ninterpolation_period = \"2 ms\"\n\
          [drive.S4]\ninterpolation_period = \"2 ms\"\n",
