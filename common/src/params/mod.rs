@@ -21,8 +21,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
-use leadscrew_core::board::Board;
-use leadscrew_core::bus::NodeId;
+use leadscrew_core::bus::Cycle;
 use leadscrew_core::params::{Entry, FindError, Params, Part, Writing};
 use leadscrew_core::units::Axis;
 use leadscrew_language::dialect::Control;
@@ -260,7 +259,8 @@ impl Loaded {
         let mut found = Vec::new();
         self.params.check(|alarm| found.push(alarm));
         if found.is_empty() {
-            found.extend(too_much_for_the_bus(&self.params));
+            // No board joins a bus on which its cycle leaves no room.
+            found.extend(Cycle::of(&self.params).check().err());
         }
         for alarm in found {
             let figures = alarm.args.map(|arg| figure(arg, lang, false));
@@ -309,12 +309,6 @@ impl Loaded {
             |source| source.place.clone(),
         )
     }
-}
-
-/// Why no board would join a bus with this set, whichever number it has: the board itself is asked.
-fn too_much_for_the_bus(params: &Params) -> Option<Alarm> {
-    let joined = Board::new(params, None, None).and_then(|mut board| board.join(NodeId::BOARD));
-    joined.err().filter(|alarm| alarm.code == Code::BusOverload)
 }
 
 /// The parameters that a cross-check compares.

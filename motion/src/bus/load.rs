@@ -10,6 +10,11 @@
 
 use super::fd::FdBits;
 use crate::alarm::{Alarm, Arg, Code};
+use crate::params::Params;
+use crate::units::Axis;
+
+/// Drives that get a setpoint in every tick: X, Z, C and one spindle.
+const DRIVES: u32 = 4;
 
 /// The frames and times of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +52,25 @@ pub const fn frame_bits(bytes: u32) -> u32 {
 impl Cycle {
     /// The largest load of a cycle, in tenths of a percent: the rest is for transfers and commands.
     pub const MOST: u32 = 900;
+
+    /// The cycle of a board with these parameters.
+    #[must_use]
+    pub fn of(params: &Params) -> Self {
+        let tells_inputs = |axis: &&Axis| params.drive_tells_inputs(**axis);
+        Self {
+            tick_us: params.tick_us(),
+            kbit: params.bus_kbit(),
+            drives: DRIVES,
+            further: u32::from(params.tap_spindles()).saturating_sub(1),
+            drive_syncs: params.drive_status_syncs(),
+            homing: Axis::ALL.iter().filter(tells_inputs).count() as u32,
+            status_ms: params.status_period_ms(),
+            fd_kbit: match params.setpoint_frame() {
+                1 => params.fd_kbit(),
+                _ => 0,
+            },
+        }
+    }
 
     /// The load in tenths of a percent.
     #[must_use]

@@ -79,7 +79,7 @@ use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
-use crate::units::{Axis, Length};
+use crate::units::Length;
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.
 const URGENT: usize = 12;
@@ -87,8 +87,6 @@ const URGENT: usize = 12;
 const ANSWERS: usize = 16;
 /// The longest silence of a client during a transfer.
 const PATIENCE_MS: u32 = 1000;
-/// Drives that get a setpoint in every tick: X, Z, C and one spindle.
-const DRIVES: u32 = 4;
 
 /// The board on the bus, without its drives.
 #[derive(Debug)]
@@ -222,21 +220,7 @@ impl Device {
     /// [`Code::BusOverload`] where the cycle leaves no room on the bus; [`Code::DriveNodeOfBoard`] where a drive has its
     /// number.
     pub fn join(&mut self, params: &Params) -> Result<(), Alarm> {
-        let cycle = Cycle {
-            tick_us: params.tick_us(),
-            kbit: params.bus_kbit(),
-            drives: DRIVES,
-            further: u32::from(params.tap_spindles()).saturating_sub(1),
-            drive_syncs: params.drive_status_syncs(),
-            homing: homing(params),
-            status_ms: params.status_period_ms(),
-            fd_kbit: if params.setpoint_frame() == 1 {
-                params.fd_kbit()
-            } else {
-                0
-            },
-        };
-        cycle.check()?;
+        Cycle::of(params).check()?;
         DriveNodes::of(params).spare(self.node())?;
         self.joined = true;
         let boot_up = self.nmt.boot();
@@ -490,10 +474,4 @@ impl Device {
     pub fn take_params(&mut self) -> Option<&Params> {
         self.values.take_params()
     }
-}
-
-/// Axes whose drives tell mode and inputs.
-fn homing(params: &Params) -> u32 {
-    let with = |axis: &Axis| params.drive_tells_inputs(*axis);
-    Axis::ALL.iter().filter(|axis| with(axis)).count() as u32
 }

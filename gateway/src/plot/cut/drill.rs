@@ -6,7 +6,7 @@ use svg::Node as _;
 use svg::node::element::{Group, Rectangle};
 
 use super::pane::{Area, Axes, Pane, Range};
-use super::{labelled, told};
+use super::{depth, told};
 use crate::number::measured;
 use crate::plot::{frame, px, text};
 use crate::words::pick;
@@ -79,15 +79,7 @@ pub(super) fn draw(document: &mut Group, area: Area, drilled: &Drilled, n: usize
         let right = area.right - 110.0;
         return draw_pecks(document, Area { right, ..area }, drilled, n, lang);
     }
-    let middle = area.left + 0.62 * (area.right - area.left);
-    let pecks = Area {
-        right: middle - 120.0,
-        ..area
-    };
-    let around = Area {
-        left: middle + 96.0,
-        ..area
-    };
+    let (pecks, around) = depth::beside(area);
     draw_pecks(document, pecks, drilled, n, lang);
     draw_around(document, around, drilled, n, lang);
 }
@@ -110,7 +102,7 @@ fn draw_pecks(document: &mut Group, area: Area, drilled: &Drilled, n: usize, lan
     let range = range.with_room(0.0, 0.1);
     let pane = Pane::filled(area, axes, range, format!("drill{n}"));
     let mut inside = pane.frame(document);
-    material(&mut inside, &pane, drilled);
+    depth::material(&mut inside, &pane, drilled.material);
     for peck in &drilled.pecks {
         let at = f64::from(peck.number);
         let (left, top) = pane.place((at - HALF, peck.fresh));
@@ -134,7 +126,7 @@ fn draw_pecks(document: &mut Group, area: Area, drilled: &Drilled, n: usize, lan
         }
     }
     document.append(inside);
-    marks(document, &pane, drilled, lang);
+    depth::marks(document, &pane, (drilled.material.0, drilled.bottom), lang);
     depths(document, &pane, drilled, lang);
     let keys = [
         ("feed", pick(lang, "drills", "钻削")),
@@ -156,60 +148,17 @@ fn words(peck: &Peck, lang: Lang) -> String {
     }
 }
 
-/// What is under the surface.
-fn material(inside: &mut Group, pane: &Pane, drilled: &Drilled) {
-    let (Some(face), end) = drilled.material else {
-        return;
-    };
-    let area = pane.area;
-    let top = pane.place((0.0, face)).1;
-    let end = end.map_or(area.bottom, |end| pane.place((0.0, end)).1);
-    inside.append(
-        Rectangle::new()
-            .set("class", "stock")
-            .set("x", px(area.left))
-            .set("y", px(top))
-            .set("width", px(area.right - area.left))
-            .set("height", px((end.min(area.bottom) - top).max(0.0))),
-    );
-}
-
-/// R, the surface and the bottom.
-fn marks(document: &mut Group, pane: &Pane, drilled: &Drilled, lang: Lang) {
-    let area = pane.area;
-    let mut level = |depth: f64, class: &str, words: &str, above: bool| {
-        let y = pane.place((0.0, depth)).1;
-        frame::line(document, class, [(area.left, y), (area.right, y)]);
-        let left = area.right - frame::width(words) - 6.0;
-        let y = if above { y - 4.0 } else { y + 14.0 };
-        document.append(text(left, y, "key", words));
-    };
-    level(0.0, "mark", "R", true);
-    if let Some(face) = drilled.material.0 {
-        level(face, "surface", pick(lang, "surface", "工件表面"), false);
-    }
-    level(drilled.bottom, "mark", pick(lang, "bottom", "孔底"), false);
-}
-
 /// Number and depth of the pecks beside the view; of holes that are alike the first one's.
 fn depths(document: &mut Group, pane: &Pane, drilled: &Drilled, lang: Lang) {
-    let area = pane.area;
-    let pecks: Vec<&Peck> = drilled
-        .pecks
-        .iter()
-        .take_while(|peck| peck.hole == 1)
+    let first = drilled.pecks.iter().take_while(|peck| peck.hole == 1);
+    let labels: Vec<(f64, String)> = first
+        .map(|peck| {
+            let deep = measured(peck.depth.1);
+            (peck.depth.1, format!("{}: {deep}", peck.number))
+        })
         .collect();
-    let heights: Vec<f64> = pecks
-        .iter()
-        .map(|peck| pane.place((0.0, peck.depth.1)).1)
-        .collect();
-    for n in labelled(&heights, 14.0) {
-        let words = format!("{}: {}", pecks[n].number, measured(pecks[n].depth.1));
-        let y = heights[n] + 4.5;
-        document.append(text(area.right + 10.0, y, "depth-of", &words));
-    }
-    let words = pick(lang, "peck: depth mm", "次：深度 mm");
-    document.append(text(area.right + 10.0, area.top - 8.0, "name", words));
+    let name = pick(lang, "peck: depth mm", "次：深度 mm");
+    depth::labels(document, pane, &labels, name);
 }
 
 /// Where the holes are, seen along the axis of the part: C0 is above, and C grows clockwise.

@@ -2,6 +2,7 @@
 //! warnings. Turns numbers into a part of the picture; knows nothing of programs or machines.
 
 mod contour;
+mod depth;
 mod drill;
 mod groove;
 mod pane;

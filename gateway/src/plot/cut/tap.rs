@@ -4,12 +4,12 @@
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::moves::Stage;
 use svg::Node as _;
-use svg::node::element::{Group, Rectangle};
+use svg::node::element::Group;
 
 use super::pane::{Area, Axes, Pane, Range};
-use super::{labelled, told};
+use super::{depth, told};
 use crate::number::measured;
-use crate::plot::{frame, px, simplified, text};
+use crate::plot::{frame, simplified, text};
 use crate::words::pick;
 
 /// A stroke of a tap, from rest to rest.
@@ -125,15 +125,7 @@ impl Tap {
 
 /// Draws both views.
 pub(super) fn draw(document: &mut Group, area: Area, tap: &Tap, n: usize, lang: Lang) {
-    let middle = area.left + 0.62 * (area.right - area.left);
-    let strokes = Area {
-        right: middle - 120.0,
-        ..area
-    };
-    let bottom = Area {
-        left: middle + 96.0,
-        ..area
-    };
+    let (strokes, bottom) = depth::beside(area);
     draw_strokes(document, strokes, tap, n, lang);
     draw_bottom(document, bottom, tap, n, lang);
 }
@@ -168,7 +160,7 @@ fn draw_strokes(document: &mut Group, area: Area, tap: &Tap, n: usize, lang: Lan
     let range = range.with_room(0.02, 0.1);
     let pane = Pane::filled(area, over_turns(lang), range, format!("tap{n}"));
     let mut inside = pane.frame(document);
-    material(&mut inside, &pane, tap);
+    depth::material(&mut inside, &pane, tap.material);
     for stroke in &tap.strokes {
         for (class, points) in parts(stroke, tap.lead) {
             let pixels = points.map(|point| pane.place(point));
@@ -177,7 +169,7 @@ fn draw_strokes(document: &mut Group, area: Area, tap: &Tap, n: usize, lang: Lan
         }
     }
     document.append(inside);
-    marks(document, &pane, tap, lang);
+    depth::marks(document, &pane, (tap.material.0, tap.bottom), lang);
     depths(document, &pane, tap, lang);
     let at = frame::keys(
         document,
@@ -197,29 +189,6 @@ fn draw_strokes(document: &mut Group, area: Area, tap: &Tap, n: usize, lang: Lan
         "深度随主轴转数（进与出）",
     );
     document.append(text(at, area.top - 8.0, "key", words));
-}
-
-/// What is under the surface.
-fn material(inside: &mut Group, pane: &Pane, tap: &Tap) {
-    let (Some(face), end) = tap.material else {
-        return;
-    };
-    let Area {
-        left,
-        right,
-        bottom: edge,
-        ..
-    } = pane.area;
-    let top = pane.place((0.0, face)).1;
-    let end = end.map_or(edge, |end| pane.place((0.0, end)).1.min(edge));
-    inside.append(
-        Rectangle::new()
-            .set("class", "stock")
-            .set("x", px(left))
-            .set("y", px(top))
-            .set("width", px(right - left))
-            .set("height", px((end - top).max(0.0))),
-    );
 }
 
 /// What a stroke goes through: what it cuts, and the rest.
@@ -259,45 +228,19 @@ fn words(stroke: &Stroke, lead: f64, lang: Lang) -> String {
     }
 }
 
-/// R, the surface and the bottom.
-fn marks(document: &mut Group, pane: &Pane, tap: &Tap, lang: Lang) {
-    let area = pane.area;
-    let mut level = |depth: f64, class: &str, words: &str, above: bool| {
-        let y = pane.place((0.0, depth)).1;
-        frame::line(document, class, [(area.left, y), (area.right, y)]);
-        let left = area.right - frame::width(words) - 6.0;
-        let y = if above { y - 4.0 } else { y + 14.0 };
-        document.append(text(left, y, "key", words));
-    };
-    level(0.0, "mark", "R", true);
-    if let Some(face) = tap.material.0 {
-        let words = pick(lang, "surface", "工件表面");
-        level(face, "surface", words, false);
-    }
-    let words = pick(lang, "bottom", "孔底");
-    level(tap.bottom, "mark", words, false);
-}
-
 /// Number and depth of the infeeds beside the view; of holes that are alike the first one's.
 fn depths(document: &mut Group, pane: &Pane, tap: &Tap, lang: Lang) {
-    let area = pane.area;
     let first = tap.strokes.iter().take_while(|stroke| stroke.hole == 1);
-    let infeeds: Vec<&Stroke> = first.filter(|stroke| stroke.stage == Stage::Tap).collect();
-    let heights: Vec<f64> = infeeds
-        .iter()
-        .map(|stroke| pane.place((0.0, stroke.depth.1)).1)
+    let infeeds = first.filter(|stroke| stroke.stage == Stage::Tap);
+    let labels: Vec<(f64, String)> = infeeds
+        .map(|stroke| {
+            let (number, deep) = (stroke.infeed, measured(stroke.depth.1));
+            let chip = measured(stroke.cuts() / tap.lead);
+            (stroke.depth.1, format!("{number}: {deep} / {chip}"))
+        })
         .collect();
-    for n in labelled(&heights, 14.0) {
-        let (number, deep) = (infeeds[n].infeed, measured(infeeds[n].depth.1));
-        let chip = measured(infeeds[n].cuts() / tap.lead);
-        let words = format!("{number}: {deep} / {chip}");
-        let y = heights[n] + 4.5;
-        document.append(text(area.right + 10.0, y, "depth-of", &words));
-    }
-    if !infeeds.is_empty() {
-        let words = pick(lang, "depth mm / chip turns", "深度 mm / 切屑转数");
-        document.append(text(area.right + 10.0, area.top - 8.0, "name", words));
-    }
+    let name = pick(lang, "depth mm / chip turns", "深度 mm / 切屑转数");
+    depth::labels(document, pane, &labels, name);
 }
 
 /// The axis over the angle of the spindle at the bottom.
