@@ -93,12 +93,28 @@ impl Follower {
         }
     }
 
-    /// Begins on what it is to follow.
+    /// Begins on what it is to follow, with its speed and its acceleration: an acceleration that came with the pole
+    /// would leave the angle behind a spindle that swings, for as long as a second.
     pub fn begin(&mut self, on: &Differences) {
         let most = self.limits.speed;
         self.z = on.value;
         self.v = on.speed.min(most).max(most.wrapping_neg());
-        (self.a, self.beside) = (0, 0);
+        let [least, most] = self.accelerations();
+        self.a = on.acceleration.min(most).max(least);
+        self.beside = 0;
+    }
+
+    /// The accelerations that keep the speed to its limit.
+    fn accelerations(&self) -> [i64; 2] {
+        let Limits {
+            speed,
+            acceleration,
+            ..
+        } = self.limits;
+        let room = |left: i64| (left >> 16).wrapping_mul(self.kappa.into()) >> 14;
+        let most = room(speed.wrapping_sub(self.v)).min(acceleration);
+        let least = room(speed.wrapping_add(self.v)).min(acceleration);
+        [least.wrapping_neg(), most]
     }
 
     /// Goes after `to`; the angle that comes out, seen from it.
@@ -122,20 +138,10 @@ impl Follower {
             .a
             .wrapping_add(to.jerk)
             .wrapping_add(times(self.ka, wanted));
-        let Limits {
-            speed,
-            acceleration,
-            jerk,
-            ..
-        } = self.limits;
-        let room = |left: i64| (left >> 16).wrapping_mul(self.kappa.into()) >> 14;
-        let most = room(speed.wrapping_sub(self.v))
-            .min(acceleration)
-            .min(self.a.wrapping_add(jerk));
-        let least = room(speed.wrapping_add(self.v))
-            .min(acceleration)
-            .wrapping_neg()
-            .max(self.a.wrapping_sub(jerk));
+        let jerk = self.limits.jerk;
+        let [least, most] = self.accelerations();
+        let most = most.min(self.a.wrapping_add(jerk));
+        let least = least.max(self.a.wrapping_sub(jerk));
         self.a = wanted.min(most).max(least);
         self.v = self.v.wrapping_add(self.a);
         self.z = self.z.wrapping_add(self.v);

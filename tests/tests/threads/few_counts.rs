@@ -120,7 +120,7 @@ fn a_thread_that_a_check_lets_pass_is_cut_as_true_as_was_said() {
 }
 
 #[test]
-fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for() {
+fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for_and_followed() {
     let even = Case {
         counts: 360,
         timed: false,
@@ -152,6 +152,16 @@ fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for() {
             from_um: 18_609,
             swing: 10_000,
             angle: 723_013_001,
+        },
+        // The spindle becomes faster where the pass begins: the follower has that acceleration from the start.
+        Case {
+            counts: 16,
+            timed: false,
+            rpm: 54,
+            lead_um: 1_902,
+            from_um: 33_803,
+            swing: 10_000,
+            angle: -1_241_853_606,
         },
     ] {
         let params = case.params();
