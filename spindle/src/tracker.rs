@@ -209,6 +209,14 @@ impl Tracker {
         self.window.alike >= WINDOWS
     }
 
+    /// The spindle has been told another speed: whatever was ready is not, and the next window begins now. What was learned
+    /// of its swings stays.
+    pub const fn expect_other_speed(&mut self) {
+        self.window.alike = 0;
+        self.window.ticks = 0;
+        self.window.begin = self.angle;
+    }
+
     /// Ticks after which a spindle that keeps its speed is ready: three times as many as it needs at best.
     #[must_use]
     pub fn patience(&self) -> u32 {
@@ -356,21 +364,25 @@ impl Tracker {
     fn watch(&mut self) {
         let ticks = self.window.ticks.saturating_add(1);
         self.window.ticks = ticks;
-        if ticks < self.window.length {
+        let window = &mut self.window;
+        let way = self.angle.wrapping_sub(window.begin).to_bits();
+        let mean = window.mean.to_bits();
+        let more = way.wrapping_sub(mean.wrapping_mul(ticks.into()));
+        let length = window.length.max(ticks);
+        // Within 4.7 %: a swing of 10 % at 2 Hz is still in the mean of half a second until it is learned.
+        let whole = mean.wrapping_mul(length.into()).unsigned_abs();
+        let is_alike = more.unsigned_abs() <= (whole >> 5).wrapping_add(whole >> 6);
+        if ticks < length {
+            if !is_alike {
+                // It will not be by the end of the window, and a pass must not begin before that.
+                window.alike = 0;
+            }
             // A window that began while the spindle came up to speed would last as long as that first speed asks.
             if ticks.checked_rem(self.half_second) == Some(0) {
                 self.window.length = self.window.length.min(self.learning());
             }
             return;
         }
-        let window = &mut self.window;
-        let length = window.ticks;
-        let way = self.angle.wrapping_sub(window.begin).to_bits();
-        let expected = window.mean.to_bits().wrapping_mul(length.into());
-        let more = way.wrapping_sub(expected);
-        // Within 4.7 %: a swing of 10 % at 2 Hz is still in the mean of half a second until it is learned.
-        let mean = expected.unsigned_abs();
-        let is_alike = more.unsigned_abs() <= (mean >> 5).wrapping_add(mean >> 6);
         let part = i64::from(u32::MAX.checked_div(length).unwrap_or(u32::MAX));
         let more = (more >> 8).wrapping_mul(part) >> 24;
         window.mean = I32F32::from_bits(window.mean.to_bits().wrapping_add(more));

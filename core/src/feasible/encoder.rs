@@ -3,7 +3,7 @@
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::params::{Params, metres};
-use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed};
+use crate::units::{Acceleration, Axis, Lead, Length, Rpm, mul_div, signed};
 
 /// Checks the lead of an ordinary tap, which `axis` follows at `rpm`, forwards and backwards. The cycle's G word stands at
 /// `span`.
@@ -17,8 +17,12 @@ pub(crate) fn can_tap(
     span: Span,
     params: &Params,
 ) -> Result<(), Alarm> {
-    let slowest = params.resolution().slowest_of_tap();
-    can_follow(lead, axis, rpm, slowest, span, params)
+    let resolution = params.resolution();
+    let noise = resolution
+        .noise_of_few(lead.value)
+        .or_else(|| params.count_noise(lead.value, axis));
+    fast_enough(resolution.slowest_of_tap(), resolution.counts, rpm, span)?;
+    quiet_enough(lead, axis, noise, params)
 }
 
 /// Checks a lead on which `axis` follows the observer at `rpm`, which may not be below `slowest`.
@@ -35,8 +39,18 @@ fn can_follow(
     params: &Params,
 ) -> Result<(), Alarm> {
     fast_enough(slowest, params.encoder_counts(), rpm, span)?;
+    quiet_enough(lead, axis, params.count_noise(lead.value, axis), params)
+}
+
+/// Checks that the encoder does not shake `axis` by more than the axis' acceleration.
+fn quiet_enough(
+    lead: At<Lead>,
+    axis: Axis,
+    noise: Option<Acceleration>,
+    params: &Params,
+) -> Result<(), Alarm> {
     let limit = params.acceleration(axis);
-    match params.count_noise(lead.value, axis) {
+    match noise {
         Some(noise) if noise > limit => {
             let [much, most] = [noise, limit].map(|one| one.nm_per_s2().unsigned_abs());
             let written = lead.value.rounded();

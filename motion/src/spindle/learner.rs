@@ -6,12 +6,14 @@
 use leadscrew_spindle::{Prediction, Tracker};
 
 use super::Observer;
-use crate::units::{Ticks, TurnRate, Turns};
+use crate::units::{Rpm, Ticks, TurnRate, Turns};
 
 /// A tracker, and the angles that it predicts.
 #[derive(Clone, Copy, Debug)]
 pub struct Learner {
     tracker: Tracker,
+    /// What the spindle is told.
+    commanded: Rpm,
     ahead: [Ticks; 2],
     /// At the instants at which setpoints of X and of Z take effect.
     at: [Prediction; 2],
@@ -23,8 +25,18 @@ impl Learner {
     pub fn new(tracker: Tracker, ahead_x: Ticks, ahead_z: Ticks) -> Self {
         Self {
             tracker,
+            commanded: Rpm::STOPPED,
             ahead: [ahead_x, ahead_z],
             at: [Prediction::default(); 2],
+        }
+    }
+
+    /// Takes the speed that the spindle is told. Where it is another one, the spindle has to be learned at that speed
+    /// before a pass begins: what arrives within its tolerance is still on its way, and a tracker is slow.
+    pub fn expect(&mut self, commanded: Rpm) {
+        if commanded != self.commanded {
+            self.commanded = commanded;
+            self.tracker.expect_other_speed();
         }
     }
 

@@ -404,10 +404,13 @@ impl Observer {
         self.zero = None;
     }
 
-    /// True while the spindle turns faster than a quarter of a turn a minute, either way.
+    /// True while the spindle turns faster than a quarter of a turn a minute, either way. Below 240 counts a turn, one that
+    /// has not moved by a count in a second stands: nobody waits longer for an edge that does not come.
     #[must_use]
     pub const fn is_turning(&self) -> bool {
-        self.speed().abs().raw() > STANDING
+        let count_a_second = self.width.to_bits();
+        let speed = self.speed().abs().raw();
+        speed > STANDING && speed > count_a_second
     }
 
     /// Lower boundary of the present count.

@@ -406,6 +406,7 @@ impl Ticker {
         let event = self.observer.tick(sample);
         if let Some(learner) = &mut self.learner {
             let wanted = self.executor.is_on_the_lead();
+            learner.expect(self.spindle.commanded());
             learner.tick(&self.observer, sample.edge_age_ns, event.is_some(), wanted);
         }
         if let Some(SpindleEvent::Slipped { counts }) = event {

@@ -205,6 +205,15 @@ impl Bench {
         bench
     }
 
+    /// The same with a spindle that swings so often, in thousandths of a hertz.
+    pub fn swinging(mut self, swing_mhz: u32) -> Self {
+        self.watch.set_swing(&self.params, swing_mhz);
+        if swing_mhz != 0 && self.params.learns_spindle() && self.params.spindle_swing() == 0 {
+            self.operator.set_swings();
+        }
+        self
+    }
+
     /// The board joins its network.
     pub fn connect(&mut self) {
         self.sim.join(NODE).expect("there is room on the bus");

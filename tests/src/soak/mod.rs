@@ -12,6 +12,7 @@
 mod alarms;
 mod bench;
 mod by_hand;
+mod encoder;
 mod hours;
 mod operator;
 mod parameters;
@@ -28,6 +29,7 @@ pub use script::{Chance, Luck, Script, Told, Written};
 pub use shrink::{Failure, Must, Shortest, shrink};
 pub use watch::Judged;
 
+use encoder::Class;
 use script::Draws;
 
 /// Approximate ticks of a shift, which ends after a program.
@@ -78,11 +80,13 @@ impl core::fmt::Display for Soaked {
             "{:>12} transfers; {} parameter sets taken, {} writes refused; {} frames lost or doubled",
             counts.transfers, counts.pushed, counts.refused, counts.lost
         )?;
+        for class in Class::ALL {
+            let (count, nm) = (judged.threads[class as usize], judged.thread_nm[class as usize]);
+            writeln!(f, "{count:>12} setpoints on a helix {}, at most {nm} nm off", class.name())?;
+        }
         writeln!(
             f,
-            "{:>12} setpoints on a helix, at most {} nm off; {} on the line of a rigid tap, {} nm; {} of an ordinary one, {} nm",
-            judged.threads,
-            judged.thread_nm,
+            "{:>12} on the line of a rigid tap, {} nm; {} of an ordinary one, {} nm",
             judged.taps,
             judged.tap_nm,
             judged.floats,

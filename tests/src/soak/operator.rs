@@ -50,6 +50,8 @@ pub struct Operator {
     pub mood: Mood,
     /// Causes of alarms since everything was well.
     causes: heapless::Vec<Code, CAUSES>,
+    /// The spindle swings in a way that its encoder cannot learn.
+    swings: bool,
     /// Until this tick the node is left as it is.
     quiet_until: u64,
     /// NMT reset node is on its way, or done.
@@ -62,7 +64,9 @@ pub struct Operator {
 }
 
 /// Alarms of a spindle that does not turn as the program tells it.
-pub(super) const OF_SPINDLE: [Code; 10] = [
+pub(super) const OF_SPINDLE: [Code; 12] = [
+    Code::SpindleSwings,
+    Code::SpindleNotSteady,
     Code::SpindleNotArrived,
     Code::SpindleNotStopped,
     Code::SpindleStopped,
@@ -93,7 +97,14 @@ impl Operator {
 
     /// This alarm has a cause.
     pub fn explains(&self, alarm: &Alarm) -> bool {
-        self.causes.contains(&alarm.code)
+        let code = alarm.code;
+        let swings = matches!(code, Code::SpindleSwings | Code::SpindleNotSteady);
+        self.causes.contains(&code) || self.swings && swings
+    }
+
+    /// The spindle swings at a frequency that nobody has given, and its encoder has few counts.
+    pub fn set_swings(&mut self) {
+        self.swings = true;
     }
 
     /// From now on these may come.

@@ -12,6 +12,7 @@ use leadscrew_core::units::{Length, Turns};
 
 use super::bench::{Bench, Counts, End, Wire};
 use super::by_hand;
+use super::encoder;
 use super::operator::{Mood, Operator};
 use super::programs::{self, Program};
 use super::script::Draws;
@@ -39,8 +40,8 @@ pub struct Shift {
     text: String,
 }
 
-/// A machine that is not like the built-in one.
-fn machine(r: &mut Draws) -> Params {
+/// A machine that is not like the built-in one. `swing_mhz`: how its spindle swings.
+fn machine(r: &mut Draws, swing_mhz: u32) -> Params {
     let mut params = Params::sheets();
     set(&mut params, "9000", r.of(&[1000, 1000, 2000]));
     let latency = r.of(&[0, 0, 1000, 1700, 3000]);
@@ -52,6 +53,7 @@ fn machine(r: &mut Draws) -> Params {
     }
     set(&mut params, "9021", r.of(&[4, 4, 8]));
     set(&mut params, "9014", r.of(&[1, 2, 4]));
+    encoder::draw(r, &mut params, swing_mhz);
     changed(r, &params)
 }
 
@@ -86,14 +88,14 @@ pub(super) fn changed(r: &mut Draws, params: &Params) -> Params {
 impl Shift {
     /// Switches a machine on.
     pub fn begin(mut random: Draws) -> Self {
-        let params = machine(&mut random);
+        let size = random.of(&[0, 0, 1]) * random.within(0, 3_000) as u32;
+        let mhz = random.within(2_000, 12_000) as u32;
+        let swing_mhz = if size == 0 { 0 } else { mhz };
+        let params = machine(&mut random, swing_mhz);
         let options = PlantOptions {
             angle: Turns::from_raw(random.within(-(1 << 31), 1 << 31)),
             counter: random.within(-100_000, 100_000) as i32,
-            ripple: Ripple::new(
-                random.of(&[0, 0, 1]) * random.within(0, 3_000) as u32,
-                random.within(2_000, 12_000) as u32,
-            ),
+            ripple: Ripple::new(size, mhz),
             drives: DriveOptions {
                 transmission: params.drive_status_syncs() as u8,
                 settling: random.within(0, 20) as u16,
@@ -111,7 +113,7 @@ impl Shift {
         let sim = Sim::new(&params, &options).expect("the machine starts");
         Self {
             built_in: params.clone(),
-            bench: Bench::new(random, sim, params, options, wire),
+            bench: Bench::new(random, sim, params, options, wire).swinging(swing_mhz),
             job: 0,
             program: 0,
             text: String::new(),

@@ -6,11 +6,9 @@ use leadscrew_core::call::Position;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Length};
 
+use super::encoder::{self, Class};
 use super::programs::Groove;
 
-/// The largest distance of a thread from its helix, for any lead, speed, tick and ripple of these machines: about four
-/// counts of the encoder at the longest lead.
-const THREAD_NM: f64 = 8_000.0;
 /// The largest distance of the spindle in position mode from its command, in nanometres of the tap axis: half an increment
 /// of its drive, plus the way between two SYNCs where the drives' latency is not a whole number of ticks.
 const TAP_NM: i64 = 500;
@@ -23,10 +21,10 @@ const LATE: usize = 256;
 pub struct Judged {
     /// Setpoints.
     pub rows: u64,
-    /// Setpoints with an axis held to the helix of a thread.
-    pub threads: u64,
+    /// Setpoints with an axis held to the helix of a thread, by class of encoder.
+    pub threads: [u64; 3],
     /// The largest distance from the helix, in nanometres.
-    pub thread_nm: i64,
+    pub thread_nm: [i64; 3],
     /// Setpoints with an axis held to the line of a rigid tap.
     pub taps: u64,
     /// The largest distance from this line, in nanometres.
@@ -43,10 +41,12 @@ impl Judged {
     /// Adds the values of another watch.
     pub fn add(&mut self, other: &Self) {
         self.rows += other.rows;
-        self.threads += other.threads;
+        for class in 0..3 {
+            self.threads[class] += other.threads[class];
+            self.thread_nm[class] = self.thread_nm[class].max(other.thread_nm[class]);
+        }
         self.taps += other.taps;
         self.floats += other.floats;
-        self.thread_nm = self.thread_nm.max(other.thread_nm);
         self.tap_nm = self.tap_nm.max(other.tap_nm);
         self.float_nm = self.float_nm.max(other.float_nm);
         for (most, used) in self.used.iter_mut().zip(other.used) {
@@ -66,6 +66,11 @@ struct Bounds {
 /// The watch.
 pub struct Watch {
     bounds: [Bounds; 3],
+    /// The class of the spindle's encoder, and how far a thread may be beside its helix, in nanometres.
+    class: Class,
+    beside: i64,
+    /// How often the spindle swings, in thousandths of a hertz.
+    swing_mhz: u32,
     last: heapless::Deque<Row, 4>,
     /// For each of the last ticks: a spindle out of control drove an axis. Rows come late.
     led: [bool; LATE],
@@ -104,6 +109,9 @@ impl Watch {
     pub fn new(params: &Params, lags: bool) -> Self {
         Self {
             bounds: bounds(params),
+            class: Class::of(params),
+            beside: encoder::beside(params, 0),
+            swing_mhz: 0,
             last: heapless::Deque::new(),
             led: [false; LATE],
             came_up: [false; LATE],
@@ -122,7 +130,15 @@ impl Watch {
     /// Other parameters come into force; the machine stands.
     pub fn set_params(&mut self, params: &Params) {
         self.bounds = bounds(params);
+        self.set_swing(params, self.swing_mhz);
         self.last.clear();
+    }
+
+    /// The spindle swings so often, in thousandths of a hertz.
+    pub fn set_swing(&mut self, params: &Params, swing_mhz: u32) {
+        self.swing_mhz = swing_mhz;
+        self.class = Class::of(params);
+        self.beside = encoder::beside(params, swing_mhz);
     }
 
     /// The setpoints begin again: the power was away, or the drives were moved.
@@ -270,7 +286,8 @@ impl Watch {
                 }
             }
             None => {
-                self.judged.threads += 1;
+                let class = self.class as usize;
+                self.judged.threads[class] += 1;
                 if self.slipped {
                     return;
                 }
@@ -278,10 +295,11 @@ impl Watch {
                 if row.doing == Doing::Alarm {
                     return;
                 }
-                self.judged.thread_nm = self.judged.thread_nm.max(nm);
-                assert!(nm as f64 <= THREAD_NM, "off the helix: {row:?}");
+                let worst = &mut self.judged.thread_nm[class];
+                *worst = (*worst).max(nm);
+                assert!(nm <= self.beside, "{nm} nm off the helix, {:?}: {row:?}", self.class);
                 if let Some(groove) = self.grooves.iter().find(|groove| groove.line == row.line) {
-                    in_groove(row, groove);
+                    in_groove(row, groove, self.beside);
                 }
             }
         }
@@ -335,14 +353,14 @@ fn told(row: Row) -> String {
 }
 
 /// Checks that the setpoint lies in the groove of the program's text, at the true angle of the spindle.
-fn in_groove(row: &Row, groove: &Groove) {
+fn in_groove(row: &Row, groove: &Groove, beside: i64) {
     let lead = groove.lead as f64;
     // Of a large number of turns only the fraction counts.
     let turns = (row.spindle.raw() & ((1_i128 << 64) - 1)) as f64 / 2f64.powi(64);
     let way = (row.position.z.nm() - groove.start) as f64 - groove.sign as f64 * turns * lead;
     let off = (way + lead / 2.0).rem_euclid(lead) - lead / 2.0;
     assert!(
-        off.abs() <= THREAD_NM,
+        off.abs() <= beside as f64,
         "{off} nm beside the groove of {groove:?}: {row:?}"
     );
 }

@@ -29,7 +29,7 @@ fn noise(hole: &Hole, params: &Params) -> f64 {
     noise.map_or(0.0, |noise| noise.nm_per_s2() as f64 * 1e-9)
 }
 
-fn is_feasible(text: &str, params: &Params) -> bool {
+pub fn is_feasible(text: &str, params: &Params) -> bool {
     calls(text, params).iter().all(|call| match &call.kind {
         CallKind::Tap(tap) => cycle::tap_report(tap, Signals::default(), call.span, params).is_ok(),
         _ => true,

@@ -20,6 +20,8 @@ struct Case {
     counts: i64,
     timed: bool,
     rpm: i64,
+    /// The speed at which the spindle was learned before, and for how long in milliseconds; 0 where it stood.
+    before: (i64, i64),
     lead_um: i64,
     /// Where the tool stands before it, in micrometres of Z: the spindle starts on the way there.
     from_um: i64,
@@ -42,10 +44,13 @@ impl Case {
         let turns = rpm as f64 / 60.0;
         let jerk = lead_um as f64 * 1e-6 * turns * (core::f64::consts::TAU * turns).powi(2);
         let most = (10.0 / jerk * 100_000.0) as u32;
+        // A little more or less is within the tolerance at once.
+        let others = [0, 0, random.within(60, 1_500), rpm * random.within(80, 120) / 100];
         Self {
             counts,
             timed,
             rpm,
+            before: (random.of(&others), random.within(9_000, 12_000)),
             lead_um,
             from_um: random.within(5_000, 40_000),
             swing: random.of(&[0, 0, 2_000, 10_000]).min(most),
@@ -59,9 +64,15 @@ impl Case {
 
     fn text(&self) -> String {
         let mm = |um: i64| format!("{}.{:03}", um / 1000, um % 1000);
+        let (first, second) = match self.before {
+            (0, _) => (format!("M3 S{}", self.rpm), String::new()),
+            (rpm, ms) => (
+                format!("M3 S{rpm}\nG4 P{ms}"),
+                format!("M3 S{}\n", self.rpm),
+            ),
+        };
         format!(
-            "G18 G40 G97 G98\nM3 S{}\nG0 X40 Z{}\nG76 P010000 Q500 R0.05\nG76 X38. Z-15. P5000 Q3000 F{}\nM5\nM30\n",
-            self.rpm,
+            "G18 G40 G97 G98\n{first}\nG0 X40 Z{}\n{second}G76 P010000 Q500 R0.05\nG76 X38. Z-15. P5000 Q3000 F{}\nM5\nM30\n",
             mm(self.from_um),
             mm(self.lead_um)
         )
@@ -125,6 +136,7 @@ fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for_and_followed() {
         counts: 360,
         timed: false,
         rpm: 150,
+        before: (0, 0),
         lead_um: 1_500,
         from_um: 5_000,
         swing: 0,
@@ -138,6 +150,7 @@ fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for_and_followed() {
             counts: 22,
             timed: true,
             rpm: 554,
+            before: (0, 0),
             lead_um: 1_764,
             from_um: 12_142,
             swing: 2_000,
@@ -148,6 +161,7 @@ fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for_and_followed() {
             counts: 927,
             timed: false,
             rpm: 31,
+            before: (0, 0),
             lead_um: 786,
             from_um: 18_609,
             swing: 10_000,
@@ -158,10 +172,22 @@ fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for_and_followed() {
             counts: 16,
             timed: false,
             rpm: 54,
+            before: (0, 0),
             lead_um: 1_902,
             from_um: 33_803,
             swing: 10_000,
             angle: -1_241_853_606,
+        },
+        // It was learned at another speed, and is within the tolerance of this one before its ramp is over.
+        Case {
+            counts: 39,
+            timed: true,
+            rpm: 1_415,
+            before: (384, 12_400),
+            lead_um: 2_685,
+            from_um: 4_266,
+            swing: 0,
+            angle: -1_246_441_745,
         },
     ] {
         let params = case.params();

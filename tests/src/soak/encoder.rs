@@ -1,0 +1,88 @@
+//! The spindle's encoder of a machine of the soak, and how far a thread may be beside its helix by it.
+
+use leadscrew_core::params::Params;
+
+use super::script::Draws;
+use crate::params::set;
+
+/// What an encoder tells of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Many counts, or fewer with the times of their edges: the observer is followed.
+    Fine,
+    /// Few counts with the times of their edges: the angle is learned.
+    FewTimed,
+    /// Few counts without times: the angle is learned.
+    Few,
+}
+
+impl Class {
+    /// In the order of their numbers.
+    pub const ALL: [Self; 3] = [Self::Fine, Self::FewTimed, Self::Few];
+
+    /// As a line of the report names it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fine => "by an encoder that the observer follows",
+            Self::FewTimed => "by few timed counts",
+            Self::Few => "by few counts without times",
+        }
+    }
+
+    /// The class of a machine's encoder.
+    pub fn of(params: &Params) -> Self {
+        let resolution = params.resolution();
+        match (resolution.is_learned(), resolution.timed) {
+            (false, _) => Self::Fine,
+            (true, true) => Self::FewTimed,
+            (true, false) => Self::Few,
+        }
+    }
+}
+
+/// Another encoder than the built-in one, in half of the machines. `swing_mhz`: how the spindle swings, in thousandths of a
+/// hertz, 0 for a spindle that does not.
+pub fn draw(r: &mut Draws, params: &mut Params, swing_mhz: u32) {
+    let (low, high, timed) = match r.within(0, 9) {
+        0 => (1_024, 100_000, 0),
+        1 => (60, 100_000, 1),
+        2 => (16, 59, 1),
+        3 => (16, 1_023, 0),
+        4 => (4, 100_000, r.within(0, 1)),
+        _ => return,
+    };
+    // As many coarse ones as fine ones.
+    let counts = r.within(0, 1_000) as f64 / 1_000.0;
+    let counts = f64::from(low) * (f64::from(high) / f64::from(low)).powf(counts);
+    let mut other = params.clone();
+    set(&mut other, "3720", counts as i64);
+    set(&mut other, "9006.0", timed);
+    // What a maker has measured is known within one per cent.
+    let known = r.chance(50);
+    if known {
+        let off = r.within(-10, 10);
+        let swing = i64::from(swing_mhz);
+        set(&mut other, "9034", swing + swing * off / 1_000);
+    }
+    if other.validate().is_ok() {
+        *params = other;
+    }
+}
+
+/// The largest distance of a thread from its helix, in nanometres, for any lead, speed, tick and ripple of these machines.
+/// `swing_mhz` as above.
+pub fn beside(params: &Params, swing_mhz: u32) -> i64 {
+    const FINE: i64 = 8_000;
+    let unknown = swing_mhz != 0 && params.spindle_swing() == 0;
+    match Class::of(params) {
+        Class::Fine => FINE,
+        // A swing whose frequency nobody has given is not learned.
+        _ if unknown => 200_000,
+        Class::FewTimed => FINE,
+        // One and a half times the way in a tick.
+        Class::Few => FASTEST_NM_PER_S * i64::from(params.tick_us()) * 3 / 2_000_000 + FINE,
+    }
+}
+
+/// The fastest threads: five metres a minute.
+const FASTEST_NM_PER_S: i64 = 83_333_333;
