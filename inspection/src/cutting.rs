@@ -2,6 +2,7 @@
 
 use leadscrew_metrology::{Cutter, Grid, Mm, Sample, Turns, Work, inspect, measure};
 
+use crate::stretch::Stretch;
 use crate::{Cut, Job};
 
 /// Where the tool is at a tick, in machine coordinates, and how far the part has turned.
@@ -36,6 +37,7 @@ impl Instant {
 pub struct Cutting {
     jobs: std::vec::IntoIter<Job>,
     under_way: Option<(Job, Cutter)>,
+    stretch: Stretch,
     /// The last tick was a cut.
     cutting: bool,
     done: Vec<Cut>,
@@ -48,6 +50,7 @@ impl Cutting {
         let mut cutting = Self {
             jobs: jobs.into_iter(),
             under_way: None,
+            stretch: Stretch::default(),
             cutting: false,
             done: Vec::new(),
         };
@@ -62,13 +65,17 @@ impl Cutting {
             (job, cutter)
         });
         self.cutting = false;
+        self.stretch = Stretch::default();
     }
 
     fn measure(&mut self) {
         let Some((job, cutter)) = self.under_way.take() else {
             return;
         };
-        let work = cutter.finish();
+        self.stretch.interrupt();
+        let mut work = cutter.finish();
+        let (low, high) = self.stretch.between();
+        work.keep_thread_between(low, high);
         let found = measure(&work, &job.thread);
         let found = found.map(|measured| {
             let inspection = inspect(&measured, &job.thread);
@@ -94,14 +101,17 @@ impl Cutting {
         let at = job.passes.partition_point(|(_, last, _)| *last < now.step);
         let pass = job.passes.get(at).filter(|(first, ..)| *first <= now.step);
         if let Some((.., pass)) = pass {
-            cutter.push(Sample {
+            let sample = Sample {
                 angle: now.angle,
                 x: now.x - job.origin.0,
                 z: now.z - job.origin.1,
                 pass: *pass,
-            });
+            };
+            cutter.push(sample);
+            self.stretch.take(sample, job);
         } else if self.cutting {
             cutter.interrupt();
+            self.stretch.interrupt();
         }
         self.cutting = pass.is_some();
     }

@@ -9,6 +9,7 @@
 mod cutting;
 mod guess;
 mod plan;
+mod stretch;
 
 pub use cutting::{Cutting, Instant};
 pub use plan::{Declared, Finder, Flat, Plan, Refusal, Wish, tool_of};

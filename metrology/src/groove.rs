@@ -143,9 +143,15 @@ impl Grooves {
             let next = shallow.partition_point(|other| *other < z - away);
             shallow.get(next).is_some_and(|other| *other <= z + away)
         };
+        // Beside a ring, or what else was cut off the helix, a groove has no flank of its own for a pitch.
+        let (low, high) = work.helix();
+        let is_thread = |run: &Run| {
+            let z = middle(run);
+            z > low + course.pitch && z < high - course.pitch
+        };
         let list: Vec<Groove> = found
             .iter()
-            .filter(|run| !is_near(run))
+            .filter(|run| !is_near(run) && is_thread(run))
             .filter_map(|run| flanks(work, course, run, floor, crest))
             .collect();
         Self::number(list, work, course, (floor + crest) / 2.0)

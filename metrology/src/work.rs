@@ -71,6 +71,8 @@ pub struct Work {
     chips: Vec<(u32, Chip)>,
     /// Sum over the cuts: +1 where Z grew with the angle, −1 where it fell.
     course: i64,
+    /// Where tools went on their helix, in millimetres along Z: what is cut beyond is no thread.
+    helix: (f64, f64),
 }
 
 const NM: f64 = 1e6;
@@ -99,7 +101,19 @@ impl Work {
             highest: f64::from(highest) / NM,
             chips: Vec::new(),
             course: 0,
+            helix: (f64::NEG_INFINITY, f64::INFINITY),
         }
+    }
+
+    /// Says between which places the tools went on their helix. Where a tool stops in the work and the spindle turns on, it
+    /// cuts a ring: that is beyond.
+    pub fn keep_thread_between(&mut self, low: Mm, high: Mm) {
+        self.helix = (low.0, high.0);
+    }
+
+    /// The places between which there may be thread.
+    pub(crate) const fn helix(&self) -> (f64, f64) {
+        self.helix
     }
 
     /// What it was made of.

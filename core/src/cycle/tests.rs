@@ -326,6 +326,36 @@ fn an_encoder_of_few_counts_is_learned_and_what_it_leaves_is_told() {
 }
 
 #[test]
+fn the_lead_in_has_the_drive_in_it() {
+    let lead_in = |call: &ThreadCall, gains: [i64; 2]| {
+        let mut params = Params::default();
+        for (axis, gain) in [Axis::X, Axis::Z].into_iter().zip(gains) {
+            let entry = Entry::find(9070, Some(Part::Axis(axis))).unwrap();
+            params.set(entry, gain).unwrap();
+        }
+        let report = thread_report(call, Span::default(), &params).unwrap();
+        assert_eq!(report.start_before, report.lead_in + report.z_shift_max);
+        report.lead_in.nm()
+    };
+    let straight = o0013(300);
+    let ideal = lead_in(&straight, [0, 0]);
+    // X stands while a straight thread joins.
+    assert_eq!(lead_in(&straight, [150, 0]), ideal);
+    let [weak, usual, stiff] = [150, 300, 1000].map(|gain| lead_in(&straight, [0, gain]));
+    assert!(weak > usual && usual > stiff && stiff > ideal + MM / 2);
+    // Along a taper X joins, too. It goes 16 times slower, so it is less behind.
+    let mut taper = straight;
+    taper.taper = at(nm(-9 * MM / 2));
+    let (x, z) = (lead_in(&taper, [150, 0]), lead_in(&taper, [0, 150]));
+    assert!(x > ideal && z > ideal, "{x} {z}");
+    assert_eq!(lead_in(&taper, [150, 150]), x.max(z));
+    // The speeds of the machine's limits, and the weakest loop.
+    for rpm in [10, 100, 1000] {
+        assert!(lead_in(&o0013(rpm), [50, 50]) >= lead_in(&o0013(rpm), [0, 0]));
+    }
+}
+
+#[test]
 fn every_warning() {
     let mut params = Params::default();
     let warned = |call: ThreadCall, params: &Params| {

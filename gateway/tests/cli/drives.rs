@@ -143,6 +143,66 @@ fn under_ripple_a_lag_that_the_board_knows_stays_off_the_groove() {
     }
 }
 
+/// Whether the tool is on the helix beyond the lead-in that `check` demands: at speeds where friction is small beside what
+/// the join asks for, and not with a quarter less; at lower ones the force that friction holds at rest may be a help.
+#[test]
+fn the_lead_in_of_check_has_the_drive_in_it() {
+    let folder = Folder::new("drives-lead-in");
+    let part = folder.file("part.nc");
+    for (speed, is_short) in [(100, false), (300, false), (600, true), (1000, true)] {
+        let program = format!("M3 S{speed}\nG0 X40 Z40\nG92 X38 Z-60 F6\nG0 X80 Z80\nM30\n");
+        std::fs::write(&part, &program).unwrap();
+        for (kv, per_mille) in [15, 30, 100]
+            .map(|kv| [0, 500, 1000].map(|ff| (kv, ff)))
+            .concat()
+        {
+            let share = format!("{}.{:03}", per_mille / 1000, per_mille % 1000);
+            let drive = format!("Z={}", profile_of(&folder, kv, 0, &share));
+            let known = known(kv, 0, per_mille);
+            // No margin for a faster spindle: the lead-in is that of this speed.
+            let mut set: Vec<&str> = vec!["--set", "9007=1", "--set", "9010=1"];
+            set.extend(known.iter().map(String::as_str));
+            let checked = leadscrew(&[&["check", &part, "--json"], &set[..]].concat());
+            let checked: Value = serde_json::from_str(&stdout(&checked)).unwrap();
+            let lead_in = &checked["files"][0]["cycles"][0]["lead_in_mm"];
+            let lead_in = lead_in.as_f64().unwrap();
+            let csv = folder.file("part.csv");
+            set.extend(["--drive", &drive, "-o", &csv]);
+            simulated(&folder, &program, &set);
+            let [whole, short] = [lead_in, 0.75 * lead_in].map(|from| off_in_turn(&csv, 6.0, from));
+            let case = format!("S{speed}, Kv {kv}, {per_mille} ‰: {lead_in} mm");
+            // A count of the drive is 0.1 µm.
+            assert!(whole < 1.1, "{case}: {whole} µm off beyond it");
+            assert!(!is_short || short > 1.1, "{case}: {short} µm with less");
+        }
+    }
+}
+
+/// The largest distance of the tool from its groove, in µm, in the turn that begins so far behind Z40 towards −Z: line 3,
+/// by the true angle of the spindle. The groove is the mean of the second half of what is locked.
+fn off_in_turn(csv: &str, lead_mm: f64, from: f64) -> f64 {
+    let text = std::fs::read_to_string(csv).unwrap();
+    let mut rows = text.lines();
+    let head: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let at = |name: &str| head.iter().position(|column| *column == name).unwrap();
+    let columns = ["line", "locked", "z_nm", "z_actual_nm", "s1_urev"].map(at);
+    let places: Vec<(f64, f64)> = rows
+        .filter_map(|row| {
+            let cells: Vec<&str> = row.split(',').collect();
+            let [line, locked, wanted, z, angle] =
+                columns.map(|column| cells[column].parse::<i64>().unwrap());
+            let off = z as f64 / 1000.0 + lead_mm * angle as f64 / 1000.0;
+            (line == 3 && locked == 1).then_some((40.0 - wanted as f64 / 1e6, off))
+        })
+        .collect();
+    let half = &places[places.len() / 2..];
+    let mean = half.iter().map(|(_, off)| off).sum::<f64>() / half.len() as f64;
+    let turn = places
+        .iter()
+        .filter(|(way, _)| (from..from + lead_mm).contains(way));
+    turn.fold(0.0, |worst, (_, off)| (off - mean).abs().max(worst))
+}
+
 /// The largest distance of the tool from the mean groove of each of two passes towards −Z, in µm: of the second half of
 /// what is locked, by the true angle of the spindle.
 fn worst_of_passes(csv: &str, lead_mm: f64) -> [f64; 2] {

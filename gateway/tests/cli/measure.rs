@@ -62,6 +62,41 @@ fn a_good_thread_is_within_tolerance() {
 }
 
 #[test]
+fn a_ring_at_the_end_of_a_stroke_is_no_thread() {
+    let folder = Folder::new("measure-ring");
+    let cycle = "G76 P020060 Q1500 R0.05 J1.9 K3\nG76 X36.18 Z-32 P18000 Q6000 F3\n";
+    assert!(GOOD.contains(cycle));
+    for speed in [100, 600, 1000, 2000] {
+        for (what, cuts) in [
+            ("run-out", cycle),
+            // The strokes stop in the work, and the tool goes out of it while the spindle turns on.
+            ("ring", "G92 X38 Z-32 F3\nX36.18\n"),
+            ("rings", "G92 X38 Z-32 F3\nX36.18\nX36.18\n"),
+        ] {
+            let text = GOOD
+                .replace(cycle, cuts)
+                .replace("S600", &format!("S{speed}"));
+            let program = write(&folder, "part.nc", &text);
+            let thread = &measured(&[&program, "--thread", "M40x3-6g"])["threads"][0];
+            let near = |key: &str, asked: f64, most: f64| {
+                let found = thread[key].as_f64().unwrap();
+                assert!(
+                    (found - asked).abs() <= most,
+                    "{what}, S{speed}: {key} {found} instead of {asked}"
+                );
+            };
+            near("pitch_mm", 37.9121, 0.001);
+            near("lead_error_um", 0.0, 0.1);
+            near("drunkenness_um", 0.0, 0.5);
+            assert_eq!(thread["verdict"], "within", "{what}, S{speed}");
+            // From the first full groove at the face: the last turn or two belong to the end.
+            let full = thread["full_mm"].as_f64().unwrap();
+            assert!(full > 20.0, "{what}, S{speed}: {full}");
+        }
+    }
+}
+
+#[test]
 fn what_was_assumed_is_told_in_both_languages() {
     let folder = Folder::new("measure-told");
     let program = write(&folder, "good.nc", GOOD);

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Made, within};
-use crate::{Degrees, Measured, Mm, Nose, Side, measure};
+use crate::{Cutter, Degrees, Grid, Measured, Mm, Nose, Sample, Side, Work, measure};
 
 fn bolt() -> Made {
     Made::ideal("M40x3-6g", Side::External, 37.9)
@@ -11,6 +11,29 @@ fn bolt() -> Made {
 
 fn found(made: &Made) -> Measured {
     measure(&made.cut(), &made.thread).unwrap()
+}
+
+#[test]
+fn a_ring_counts_only_where_nobody_says_that_the_helix_ends_before_it() {
+    let made = bolt();
+    let stock = made.stock();
+    let mut cutter = Cutter::new(Work::new(stock, Grid::of(&stock)), made.tool);
+    let stroke = made.samples(0);
+    // Six turns, and where the seventh would begin the tool stands for two.
+    let end = -6.0 * made.lead;
+    for sample in stroke {
+        let z = Mm(sample.z.0.max(end));
+        cutter.push(Sample { z, ..sample });
+    }
+    let mut work = cutter.finish();
+    let off = |work: &Work| measure(work, &made.thread).unwrap().lead.error.um().abs();
+    assert!(off(&work) > 10.0, "{}", off(&work));
+    work.keep_thread_between(Mm(end), Mm(f64::INFINITY));
+    let found = measure(&work, &made.thread).unwrap();
+    assert!(off(&work) < 0.1, "{}", off(&work));
+    within(found.pitch.mean, 37.9, 1e-4);
+    // A pitch before the ring the flanks are those of the thread.
+    within(found.run_out.0, made.lead, 0.5);
 }
 
 #[test]

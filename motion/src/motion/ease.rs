@@ -171,6 +171,11 @@ impl Ease {
         self.half >> 16
     }
 
+    /// The part of 2·H over which the second derivative rises, in nanometres; exact.
+    pub const fn rise_nm(&self) -> i64 {
+        self.rise >> 16
+    }
+
     /// The curve at `h`.
     pub fn at(&self, h: Fine) -> Fine {
         let line = h.max(0);

@@ -1,6 +1,7 @@
 //! G76 and G78 and the machine's limits: spindle, feeds, lead-in, run-out.
 
 use super::moves::{ThreadMoves, ThreadSummary};
+use super::settle;
 use super::shape::long_way;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{ChainPart, ThreadCall};
@@ -22,7 +23,8 @@ pub struct ThreadReport {
     pub passes: u32,
     /// Largest shift of a pass's start point along Z.
     pub z_shift_max: Length,
-    /// Distance along the long axis from a pass's start to where the axis is on the lead, jerk included.
+    /// Distance along the long axis from a pass's start to where the axis is on the lead: jerk included, and the drive,
+    /// where the lag of one is taken off (9070).
     pub lead_in: Length,
     /// The start must lie at least this far before the material: the lead-in, plus the shift if Z is the long axis.
     pub start_before: Length,
@@ -164,7 +166,7 @@ pub fn thread_findings(
         span,
         params,
         &mut |alarm| alarms.push(*alarm),
-        &mut |plan| figures.take(plan),
+        &mut |plan| figures.take(plan, call, params),
     )?;
     if alarms.first().is_some() {
         return Ok(ThreadFindings {
@@ -264,11 +266,14 @@ pub fn chain_report(
     {
         warnings.push(run_out_lags(call, *span, lag, last.run_out_needed()));
     }
+    let lead_in = strokes.first().map_or(first.lead_in(), |(call, _)| {
+        settle::lead_in(&first, params, call.lead.value, call.rpm)
+    });
     Ok(ThreadReport {
         passes: 1,
         z_shift_max: Length::ZERO,
-        lead_in: first.lead_in(),
-        start_before: first.lead_in(),
+        lead_in,
+        start_before: lead_in,
         uncertainty: strokes
             .iter()
             .filter_map(|(call, _)| {
@@ -507,6 +512,8 @@ fn pass(call: &ThreadCall, span: Span, number: u32) -> Pass {
 /// The largest figures over all passes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Figures {
+    /// Half of the last join, its rise, and the taper.
+    join: Option<(Length, Length, i64)>,
     lead_in: Length,
     braking: Length,
     falling: Length,
@@ -516,8 +523,13 @@ struct Figures {
 }
 
 impl Figures {
-    fn take(&mut self, plan: &ThreadPlan) {
-        self.lead_in = self.lead_in.max(plan.lead_in());
+    fn take(&mut self, plan: &ThreadPlan, call: &ThreadCall, params: &Params) {
+        // Most passes join alike, and stepping a drive is dear.
+        let join = Some((plan.lead_in(), plan.join_rise(), plan.taper()));
+        if self.join != join {
+            let lead_in = settle::lead_in(plan, params, call.lead.value, call.rpm);
+            (self.lead_in, self.join) = (self.lead_in.max(lead_in), join);
+        }
         self.braking = self.braking.max(plan.braking());
         self.falling = self.falling.max(plan.falling_lead());
         self.lag = self.lag.max(plan.run_out_lag().abs());

@@ -12,6 +12,7 @@ mod moves;
 mod pickup;
 mod refuse;
 mod run_out;
+mod settle;
 mod shape;
 mod single;
 mod slope;

@@ -366,6 +366,20 @@ impl ThreadPlan {
         Length::from_nm(self.join.half_nm())
     }
 
+    /// How the axis gets onto the helix: over twice the lead-in of the helix' travel its speed grows to that of the
+    /// helix, with an acceleration that rises over this part of it, is steady, and falls over the same part. At any speed
+    /// of the spindle.
+    #[must_use]
+    pub const fn join_rise(&self) -> Length {
+        Length::from_nm(self.join.rise_nm())
+    }
+
+    /// Travel of the short axis along the thread's line for travel of the long one, in 2⁻⁴⁰.
+    #[must_use]
+    pub const fn taper(&self) -> i64 {
+        self.taper
+    }
+
     /// The way over which the axis leaves the lead and comes to rest in D's plane.
     #[must_use]
     pub const fn braking(&self) -> Length {
