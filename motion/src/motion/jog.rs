@@ -18,6 +18,7 @@ use super::limits::{Limits, Pace};
 use super::profile::{Profile, Ramp};
 use super::rate::{PathRate, Rate};
 use super::shape;
+use crate::alarm::Code;
 use crate::call::Position;
 use crate::operating::{PressState, Towards};
 use crate::params::Params;
@@ -202,6 +203,8 @@ pub struct Jog {
     press: Option<Press>,
     /// Number of the last press, and what became of it.
     last: (u8, PressState),
+    /// Why it was refused.
+    refusal: Option<Code>,
 }
 
 impl JogAxis {
@@ -321,6 +324,7 @@ impl Jog {
             z: JogAxis::new(),
             press: None,
             last: (0, PressState::None),
+            refusal: None,
         }
     }
 
@@ -369,12 +373,20 @@ impl Jog {
     const fn take(&mut self, press: &Press) {
         self.press = Some(*press);
         self.last = (press.number, PressState::Runs);
+        self.refusal = None;
     }
 
-    /// A press that may not move the machine. It ends the one before, as any new press does.
-    pub const fn refuse(&mut self, number: u8) {
+    /// A press that may not move the machine, and why. It ends the one before, as any new press does.
+    pub const fn refuse(&mut self, number: u8, why: Code) {
         self.press = None;
         self.last = (number, PressState::Refused);
+        self.refusal = Some(why);
+    }
+
+    /// Why the last press was refused, if it was.
+    #[must_use]
+    pub const fn refusal(&self) -> Option<Code> {
+        self.refusal
     }
 
     /// The press is over: the axes brake.
