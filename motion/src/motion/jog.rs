@@ -281,7 +281,11 @@ impl JogAxis {
         };
         if progress.done {
             self.moves = false;
-            self.arrived = wanted.map(|wanted| wanted.towards);
+            // One that was let go and is asked for again has braked on its way, and one that a press takes over from a step
+            // is at the end of that: it goes on.
+            let ends = way.is_some() || travel.free(*at, self.towards) == Length::ZERO;
+            let whole = gone >= self.way && ends;
+            self.arrived = wanted.filter(|_| whole).map(|wanted| wanted.towards);
         }
     }
 
@@ -293,6 +297,8 @@ impl JogAxis {
         } else if self.profile.begin(way, wanted.speed, wanted.ramp) {
             (self.moves, self.towards) = (true, wanted.towards);
             (self.from, self.way) = (at, way);
+            // It leaves the end at which it had arrived.
+            self.arrived = None;
         }
     }
 
