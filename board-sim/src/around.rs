@@ -10,6 +10,10 @@ use leadscrew_core::units::Axis;
 /// A reference switch lets go so much before the place where it comes on, in nanometres.
 const HYSTERESIS_NM: i64 = 20_000;
 
+/// The hard limit switches of the simulated machine (9064, 9065) come on so far beyond the ends of its travel (1320, 1321),
+/// in nanometres.
+pub(crate) const OVERRUN_NM: i64 = 5_000_000;
+
 /// The inputs of a board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Around {
@@ -22,6 +26,8 @@ pub struct Around {
     answers: u32,
     /// The reference switches of X and Z that stand at an input are on.
     at_switch: [bool; 2],
+    /// The hard limit switches of X and Z that stand at an input are on: minus, plus.
+    at_limit: [[bool; 2]; 2],
     turret: Turret,
 }
 
@@ -34,10 +40,11 @@ impl Around {
     /// Takes over what somebody has set. What devices have done meanwhile stays.
     pub const fn be_as(&mut self, set: &Self) {
         let (answers, mut turret) = (self.answers, self.turret);
-        let at_switch = self.at_switch;
+        let (at_switch, at_limit) = (self.at_switch, self.at_limit);
         turret.spoil(set.turret.fault());
         *self = *set;
-        (self.answers, self.turret, self.at_switch) = (answers, turret, at_switch);
+        (self.answers, self.turret) = (answers, turret);
+        (self.at_switch, self.at_limit) = (at_switch, at_limit);
     }
 
     /// What is wrong with the turret from now on.
@@ -56,7 +63,8 @@ impl Around {
     }
 
     /// X or Z stands here, in nanometres. An axis that looks for a switch at an input (9050 = 2) has one whose edge is at
-    /// the place of 9058, and which stays on beyond; it lets go a little later than it comes on.
+    /// the place of 9058, and which stays on beyond; it lets go a little later than it comes on. A hard limit switch is on
+    /// [beyond the travel](OVERRUN_NM).
     pub fn stand(&mut self, params: &Params, axis: Axis, place: i64) {
         let [x, z] = &mut self.at_switch;
         let on = if axis == Axis::X { x } else { z };
@@ -67,6 +75,15 @@ impl Around {
         };
         let edge = if *on { -HYSTERESIS_NM } else { 0 };
         *on = params.home_method(axis) == BY_SWITCH && beyond >= edge;
+        let [x, z] = &mut self.at_limit;
+        let [minus, plus] = if axis == Axis::X { x } else { z };
+        for (on, beyond) in [
+            (minus, params.soft_limit_minus(axis).saturating_sub(place)),
+            (plus, place.saturating_sub(params.soft_limit_plus(axis))),
+        ] {
+            let edge = if *on { HYSTERESIS_NM } else { 0 };
+            *on = beyond >= OVERRUN_NM.saturating_sub(edge);
+        }
     }
 
     /// The inputs that are on while these outputs are.
@@ -110,6 +127,18 @@ impl Around {
         let on = switches
             .filter(|(_, on)| *on)
             .filter_map(|(axis, _)| params.home_input(axis))
+            .fold(on, |all, input| all | bit(input));
+        let limits = [Axis::X, Axis::Z].into_iter().zip(self.at_limit);
+        let on = limits
+            .flat_map(|(axis, on)| {
+                let inputs = [
+                    params.limit_input_minus(axis),
+                    params.limit_input_plus(axis),
+                ];
+                inputs.into_iter().zip(on)
+            })
+            .filter(|(_, on)| *on)
+            .filter_map(|(input, _)| input)
             .fold(on, |all, input| all | bit(input));
         let on = (on & !self.set) | (self.levels & self.set);
         match self.door_open {

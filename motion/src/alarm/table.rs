@@ -1178,6 +1178,12 @@ codes! {
     /// The tip of a tool would enter a zone: the zone, the axis in which it goes less far into it, how far.
     ZoneEntered = 4541, "the tip of the tool would enter the zone of {0}: along {1} by {2}", "keep it away from there, or check the offsets, the geometry of the tool and the zones (9091 to 9097)",
         "刀尖将进入{0}禁区：沿 {1} 轴进入 {2}", "请避开该区域，或检查偏置、刀具几何值和禁区参数（9091 至 9097）";
+    /// An axis is on its hard limit switch, or would go on towards it: the axis, the side, the side of the way off it.
+    HardLimit = 4542, "axis {0} is on its hard limit switch on the {1} side", "reset, then move it off by hand: `leadscrew jog {0}{2} --hold`; if the axis is not there, look at the switch, its wire and its level (9064, 9065; 9421)",
+        "{0} 轴压在 {1} 侧硬限位开关上", "请先复位，再手动退出：`leadscrew jog {0}{2} --hold`；若该轴不在该处，请检查开关、接线及电平（9064、9065；9421）";
+    /// A drive does not tell its inputs, one of which is a hard limit switch: the axis.
+    LimitInputsUntold = 4533, "the drive of axis {0} does not tell its inputs (60FDh), and a hard limit switch is one of them (9064.{0}, 9065.{0})", "map 60FDh into its TPDO2, sent on change and at every 16th SYNC at least (1801h:02 = 255, 1801h:05 its event time; `params push` with its section); then reset",
+        "{0} 轴驱动器未报告其输入（60FDh），而硬限位开关是其中之一（9064.{0}、9065.{0}）", "请将 60FDh 映射到其 TPDO2，变化时发送且至少每 16 个 SYNC 发送一次（1801h:02 = 255，1801h:05 为其事件时间；用 `params push` 及其驱动器段）；然后复位";
     /// Zones are set, and where the tip of the tool is nobody knows: the number of its offset; 0: no tool was called.
     TipUnknown = 4543, "zones are set, and where the tip of tool {0} is was not measured in X and Z", "touch it off (`leadscrew touch`), or call a tool that was before the first move; zones are parameters 9091 to 9097",
         "已设置禁区，但 {0} 号刀具的刀尖位置未在 X 和 Z 方向测量", "请先对刀（`leadscrew touch`），或在首次移动前调用已测量的刀具；禁区为参数 9091 至 9097";

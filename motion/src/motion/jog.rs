@@ -18,6 +18,7 @@ use super::limits::{Limits, Pace};
 use super::profile::{Profile, Ramp};
 use super::rate::{PathRate, Rate};
 use super::shape;
+use crate::alarm::Code;
 use crate::call::Position;
 use crate::operating::{PressState, Towards};
 use crate::params::Params;
@@ -202,6 +203,8 @@ pub struct Jog {
     press: Option<Press>,
     /// Number of the last press, and what became of it.
     last: (u8, PressState),
+    /// Why it was refused.
+    refusal: Option<Code>,
 }
 
 impl JogAxis {
@@ -278,7 +281,11 @@ impl JogAxis {
         };
         if progress.done {
             self.moves = false;
-            self.arrived = wanted.map(|wanted| wanted.towards);
+            // One that was let go and is asked for again has braked on its way, and one that a press takes over from a step
+            // is at the end of that: it goes on.
+            let ends = way.is_some() || travel.free(*at, self.towards) == Length::ZERO;
+            let whole = gone >= self.way && ends;
+            self.arrived = wanted.filter(|_| whole).map(|wanted| wanted.towards);
         }
     }
 
@@ -290,6 +297,8 @@ impl JogAxis {
         } else if self.profile.begin(way, wanted.speed, wanted.ramp) {
             (self.moves, self.towards) = (true, wanted.towards);
             (self.from, self.way) = (at, way);
+            // It leaves the end at which it had arrived.
+            self.arrived = None;
         }
     }
 
@@ -321,6 +330,7 @@ impl Jog {
             z: JogAxis::new(),
             press: None,
             last: (0, PressState::None),
+            refusal: None,
         }
     }
 
@@ -369,12 +379,20 @@ impl Jog {
     const fn take(&mut self, press: &Press) {
         self.press = Some(*press);
         self.last = (press.number, PressState::Runs);
+        self.refusal = None;
     }
 
-    /// A press that may not move the machine. It ends the one before, as any new press does.
-    pub const fn refuse(&mut self, number: u8) {
+    /// A press that may not move the machine, and why. It ends the one before, as any new press does.
+    pub const fn refuse(&mut self, number: u8, why: Code) {
         self.press = None;
         self.last = (number, PressState::Refused);
+        self.refusal = Some(why);
+    }
+
+    /// Why the last press was refused, if it was.
+    #[must_use]
+    pub const fn refusal(&self) -> Option<Code> {
+        self.refusal
     }
 
     /// The press is over: the axes brake.

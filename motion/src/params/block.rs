@@ -21,7 +21,7 @@ impl Params {
     #[inline(never)]
     pub(super) fn contact_of_block(&self) -> Option<u8> {
         // Those behind the machine's are inputs of the drive.
-        let home = |axis| match self.home_input(axis).and_then(Contact::new) {
+        let contact = |number: Option<u8>| match number.and_then(Contact::new) {
             Some(contact) => contact.number(),
             None => 0,
         };
@@ -40,11 +40,16 @@ impl Params {
             self.turret_index_output(),
             self.turret_code_end(),
             self.turret_locked_input(),
-            home(Axis::X),
-            home(Axis::Z),
             wheel as u8,
         ]
-        .into_iter();
+        .into_iter()
+        .chain([Axis::X, Axis::Z].into_iter().flat_map(|axis| {
+            [
+                contact(self.home_input(axis)),
+                contact(self.limit_input_minus(axis)),
+                contact(self.limit_input_plus(axis)),
+            ]
+        }));
         let of_block = |number: &u8| *number >= FIRST_OF_BLOCK;
         used.find(of_block).or_else(|| {
             let of_rows = self.functions().flat_map(|row| {
@@ -78,6 +83,10 @@ mod tests {
             ("9456", 25, 25),
             ("9051.X", 26, 26),
             ("9051.Z", 27, 27),
+            ("9064.X", 28, 28),
+            ("9064.Z", 29, 29),
+            ("9065.X", 30, 30),
+            ("9065.Z", 31, 31),
             ("9048", 14, 17),
         ] {
             assert_eq!(

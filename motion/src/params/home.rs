@@ -53,10 +53,12 @@ impl Params {
         }
     }
 
-    /// The drive of an axis tells its inputs (TPDO2): it homes by itself, or has the switch that the board looks for.
+    /// The drive of an axis tells its inputs (TPDO2): it homes by itself, or has the switch that the board looks for, or a
+    /// hard limit switch.
     #[must_use]
     pub fn drive_tells_inputs(&self, axis: Axis) -> bool {
-        let has_switch = matches!(self.home_switch(axis), Some(HomeSwitch::Drive(_)));
+        let mut switches = self.limit_switches(axis).chain(self.home_switch(axis));
+        let has_switch = switches.any(|switch| matches!(switch, HomeSwitch::Drive(_)));
         has_switch || self.home_method(axis) == BY_DRIVE
     }
 }
@@ -86,6 +88,9 @@ mod tests {
             (&[("9050.Z", 1)], true),
             (&[("9050.Z", 2), ("9051.Z", 32)], false),
             (&[("9050.Z", 2), ("9051.Z", 33)], true),
+            (&[("9064.Z", 32), ("9065.Z", 1)], false),
+            (&[("9064.Z", 33)], true),
+            (&[("9065.Z", 34)], true),
         ] {
             let params = with(values);
             assert_eq!(params.drive_tells_inputs(Axis::Z), tells, "{values:?}");

@@ -13,6 +13,7 @@ mod check;
 mod entry;
 mod gear;
 mod home;
+mod limit;
 mod row;
 mod set;
 #[cfg(test)]

@@ -395,6 +395,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xC89C_910C),
     // A reference switch at the drive: 9051 up to 35.
     (2, 0xEAA7_8BFB),
+    // Hard limit switches: 9064, 9065.
+    (2, 0x4287_256F),
 ];
 
 #[test]

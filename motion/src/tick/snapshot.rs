@@ -1,5 +1,6 @@
 //! The state of the tick side at one instant, for readers outside. It is made between two ticks, never in a tick.
 
+use super::hard_limits::HardLimits;
 use super::machine::Interlocks;
 use super::operator::Operator;
 use super::ticker::{Outcome, State, Ticker};
@@ -63,10 +64,14 @@ pub struct Snapshot {
     pub gear: u8,
     /// What is open, or has no pressure.
     pub interlocks: Interlocks,
+    /// The ends at which a hard limit switch is on.
+    pub hard_limits: HardLimits,
     /// The operator's settings.
     pub operator: Operator,
     /// Number of the last press by hand, and what became of it.
     pub jog: (u8, PressState),
+    /// Why the tick has refused it, if it has.
+    pub jog_refused: Option<Code>,
     /// The operator's contacts; [`Contacts::default`] where the board has none.
     pub contacts: Contacts,
 }
@@ -97,8 +102,10 @@ impl Snapshot {
             machine_outputs: ticker.machine_outputs(),
             gear: ticker.gear(),
             interlocks: ticker.interlocks(),
+            hard_limits: ticker.hard_limits(),
             operator: *ticker.operator(),
             jog: ticker.jog(),
+            jog_refused: ticker.jog_refused(),
             contacts,
         }
     }

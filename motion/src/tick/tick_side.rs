@@ -269,7 +269,7 @@ impl<'a> TickSide<'a> {
             Order::Stored(sequence, result) => ticker.stored(sequence, result),
             Order::Press => {
                 if let Some(press) = take(&mut self.ends.presses) {
-                    ticker.press(&press);
+                    ticker.press(&press, &mut self.ends.ticker.events);
                 }
             }
             Order::BeginAnew => self.begin_anew(),

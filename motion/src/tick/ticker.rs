@@ -20,6 +20,7 @@
 //! | `SpindleMode` | what the spindles are told: a speed, or position mode |
 //! | `Journal` | the entry of the tap in its hole |
 //! | `Home` | the references of the axes |
+//! | `Watch` | the hard limit switches |
 //! | `Machine` | inputs and outputs of the machine, and what they mean |
 //! | `Operator` | what the operator has asked for and set |
 //! | `Drives`, `Observer`, `Executor` | the drives, the measured spindle, the segment under way |
@@ -35,6 +36,7 @@ mod home;
 mod interlock;
 mod journal;
 mod left;
+mod limits;
 mod search;
 mod setup;
 mod spindle;
@@ -54,6 +56,7 @@ use self::handwheel::Handwheel;
 use self::home::Home;
 use self::journal::Journal;
 use self::left::Left;
+use self::limits::Watch;
 use self::setup::Given;
 pub use self::setup::Setup;
 use self::spindle::SpindleMode;
@@ -151,6 +154,8 @@ pub struct Ticker {
     free: [AxisTravel; 2],
     handwheel: Handwheel,
     home: Home,
+    /// The hard limit switches.
+    limits: Watch,
     machine: Machine,
     /// A machine function that has not been answered.
     function: Option<Pending>,
@@ -195,6 +200,7 @@ impl Ticker {
             free: [given.travel_x, given.travel_z],
             handwheel: Handwheel::OFF,
             home: Home::new(),
+            limits: Watch::NEW,
             machine: Machine::new(given.wiring),
             function: None,
             gear: 0,
@@ -272,12 +278,14 @@ impl Ticker {
         }
         self.observe(sample, ends);
         self.watch_drives(ends);
+        self.watch_limits(ends);
         self.obey(ends);
         self.course.drop_stale(self.executor.is_free(), ends);
         self.away.drop_stale(ends);
         let instant = self.take_up(ends);
 
         let moved = !self.executor.is_free();
+        let from = self.place_at_limit();
         if self.jog.is_busy() {
             self.move_by_hand(ends);
         }
@@ -286,6 +294,9 @@ impl Ticker {
         if let Some((number, line, motion)) = instant {
             (setpoint.number, setpoint.line) = (number, line);
             setpoint.motion = motion;
+        }
+        if let Some(from) = from {
+            self.keep_off(from, ends);
         }
         self.release(ends);
         let motion = setpoint.motion;

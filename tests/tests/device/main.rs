@@ -3,6 +3,7 @@
 mod away;
 mod block;
 mod by_hand;
+mod hard_limits;
 mod kept;
 mod network;
 mod objects;

@@ -3,6 +3,7 @@
 mod bench;
 mod faults;
 mod inputs;
+mod limits;
 mod methods;
 mod options;
 mod orders;

@@ -26,7 +26,11 @@ impl BackgroundSide<'_> {
             let forbidden = self.state.device.forbidden(&self.state.params);
             let press = plan_press(
                 &asked,
-                (snapshot.referenced, snapshot.interlocks.has_door()),
+                (
+                    // Off a hard limit switch an axis goes as slowly as without a reference.
+                    snapshot.referenced.minus(snapshot.hard_limits.axes()),
+                    snapshot.interlocks.has_door(),
+                ),
                 (&forbidden, snapshot.setpoint.position),
                 &self.state.params,
                 &self.state.limits,

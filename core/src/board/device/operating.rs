@@ -23,7 +23,7 @@ use crate::link::Event;
 use crate::offsets::image::tip_of;
 use crate::operating::{Interlock, Led, OperatingMode, PressState, Towards};
 use crate::params::Params;
-use crate::tick::{Command, State, interlocked};
+use crate::tick::{AxisEnd, Command, State, interlocked};
 use crate::units::{Axes, Axis, Length};
 use crate::zones::Zones;
 
@@ -149,6 +149,14 @@ impl ObjectValues {
             operating.point.get_or_insert(here);
         } else if self.snapshot.in_program {
             operating.point = None;
+        }
+        // The tick has refused it: the machine was no more what the device had known of it.
+        if operating.number == self.snapshot.jog.0
+            && !operating.denied
+            && let Some(code) = self.snapshot.jog_refused
+        {
+            operating.forget();
+            operating.refused = Some(code);
         }
         if self.snapshot.state == State::ByHand || operating.asked.is_some() {
             operating.stood = Periods::new(0);
@@ -325,7 +333,10 @@ impl ObjectValues {
             return;
         }
         if is_new {
-            let admitted = self.admit_by_hand(Request::Jog);
+            let admitted = self
+                .admit_by_hand(Request::Jog)
+                .and_then(|()| self.off_limits(Axis::X, request.x))
+                .and_then(|()| self.off_limits(Axis::Z, request.z));
             self.count_press(request.session, request.press, admitted);
         }
         if self.operating.denied {
@@ -354,6 +365,8 @@ impl ObjectValues {
         let way = Length::from_nm(i64::from(request.way).saturating_mul(100));
         if is_new {
             let admitted = self.admit_by_hand(Request::Step).and_then(|()| {
+                let axis = if request.on_z { Axis::Z } else { Axis::X };
+                self.off_limits(axis, Some(Towards::of(way)))?;
                 let position = &self.snapshot.setpoint.position;
                 let forbidden = self.forbidden(params);
                 self.operating.steps.admit(
@@ -507,6 +520,24 @@ impl ObjectValues {
             return Err(interlocked(Interlock::Hold, Span::default()));
         }
         Ok(())
+    }
+
+    /// An axis at its hard limit switch moves away from that only.
+    fn off_limits(&self, axis: Axis, towards: Option<Towards>) -> Result<(), Alarm> {
+        let end = towards.map(|towards| AxisEnd::new(axis, towards));
+        match end.filter(|end| self.snapshot.hard_limits.contains(*end)) {
+            Some(end) => Err(end.alarm()),
+            None => Ok(()),
+        }
+    }
+
+    /// No program moves an axis off its hard limit switch.
+    pub(super) fn let_in_off_limits(&self) -> Result<(), Alarm> {
+        let end = self.snapshot.hard_limits.first();
+        match end.filter(|_| self.operating.mode == OperatingMode::Automatic) {
+            Some(end) => Err(end.alarm()),
+            None => Ok(()),
+        }
     }
 
     /// Lets a program begin with the door closed and the work clamped. A line that was typed may close the chuck: the tick

@@ -291,6 +291,7 @@ impl ObjectValues {
         self.same_offsets()?;
         self.let_in_referenced()?;
         self.let_in_guarded()?;
+        self.let_in_off_limits()?;
         // A program is dropped together with the parameters for which it was sent.
         if self.is_changing() || !self.program_buffer.run() {
             return Err(Alarm::of(Code::NothingToRun, &[]));

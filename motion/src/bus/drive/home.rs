@@ -209,6 +209,15 @@ impl DriveMaster {
         }
     }
 
+    /// What the drive has told of its inputs last, however long ago.
+    #[must_use]
+    pub const fn inputs_told(&self) -> Inputs {
+        match self.home.inputs {
+            Some(inputs) => Inputs::Told(inputs),
+            None => Inputs::Awaited,
+        }
+    }
+
     /// True, once, after the drive has been switched on or its encoder has failed: its count does not go on.
     pub const fn takes_lost(&mut self) -> bool {
         core::mem::replace(&mut self.home.lost, false)

@@ -282,8 +282,8 @@ fn whatever_is_pressed_the_axes_keep_their_limits() {
     leadscrew_seed::volume(11, |seed| {
         let mut random = random(seed);
         let mut bench = Bench::new();
-        let mut number = 0_u8;
-        for _ in 0..leadscrew_seed::amount(60, 600) {
+        let (mut number, mut pressed, mut limits) = (0_u8, None, 0_u32);
+        for _ in 0..leadscrew_seed::amount(600, 100_000) {
             number = number.wrapping_add(u8::from(random(3) > 0));
             let mut ask = |axis| {
                 let towards =
@@ -296,19 +296,39 @@ fn whatever_is_pressed_the_axes_keep_their_limits() {
                 1 => {
                     let way = Length::from_nm(random(3_000_000) as i64 + 1);
                     if let Some(z) = z {
+                        // A step is no renewal of a press.
+                        number = number.wrapping_add(1);
+                        pressed = None;
                         bench.step(number, z, way);
+                        number = number.wrapping_add(1);
                     }
                 }
                 2 => bench.feed = Rate::percent(random(151) as u8),
                 _ => {
                     let until = bench.now + random(400) as u32;
                     bench.press(number, x, z, until);
+                    pressed = (bench.jog.last().1 == PressState::Runs).then_some((x, z));
                 }
             }
             for _ in 0..random(300) {
                 bench.tick();
             }
+            // A press that has come to its limit stands there, to the nanometre.
+            let stands = |asked: Option<AxisPress>, at: Length, travel: &AxisTravel| {
+                asked.is_none_or(|asked| travel.left(at, asked.towards) == Length::ZERO)
+            };
+            if bench.jog.last() == (number, PressState::Limit)
+                && let Some((x, z)) = pressed
+            {
+                limits += 1;
+                let at = bench.position;
+                assert!(
+                    stands(x, at.x, &bench.x) && stands(z, at.z, &bench.z),
+                    "{seed}"
+                );
+            }
         }
+        assert!(limits > 0, "seed {seed}");
         bench.feed = Rate::FULL;
         bench.jog.release();
         for _ in 0..400 {
@@ -482,7 +502,7 @@ fn however_a_wheel_is_turned_its_axis_keeps_its_limits() {
         let mut target = -250 * MM * 256;
         let (low, high) = (-500 * MM * 256, 0);
         bench.turn(1, Length::ZERO, DROPS, ALIVE);
-        for _ in 0..leadscrew_seed::amount(60, 600) {
+        for _ in 0..leadscrew_seed::amount(600, 100_000) {
             let step = [1_000, 10_000, 100_000][random(3) as usize];
             let counts = random(61) as i64 - 30;
             for _ in 0..random(20) {

@@ -150,6 +150,11 @@ impl Drives {
         self.axis_mut(axis).look_at_inputs()
     }
 
+    /// What the drive of an axis has told of its inputs last.
+    pub(in crate::tick) const fn inputs_told(&self, axis: Axis) -> Inputs {
+        self.axis(axis).inputs_told()
+    }
+
     /// Where X or Z is, by a status of its drive that came for the last tick.
     pub(in crate::tick) fn place_told(&self, axis: Axis) -> Option<Length> {
         let actual = self.has_told(axis == Axis::X)?;

@@ -3,6 +3,7 @@
 use super::away::Away;
 use super::functions::ChuckWait;
 use super::handwheel::Handwheel;
+use super::limits::Watch;
 use super::spindle::SpindleMode;
 use super::tool::ToolIn;
 use super::{Notice, Setup, State, Ticker};
@@ -50,6 +51,7 @@ impl Ticker {
             free,
             handwheel,
             home,
+            limits,
             machine,
             function,
             gear,
@@ -79,6 +81,7 @@ impl Ticker {
         *notice = Some(Notice::Restart(position.unwrap_or_default(), epoch));
         journal.begin_anew(given.second);
         home.begin_anew(drives.begin_anew(&setup.figures));
+        *limits = Watch::NEW;
         machine.begin_anew(given.wiring);
         machine.reset();
         (*function, *resuming) = (None, None);

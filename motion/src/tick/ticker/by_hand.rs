@@ -2,33 +2,33 @@
 //!
 //! Says when a press may move the machine, and ends it where something else does. Must not know who presses.
 
-use super::{Ends, State, Ticker, emit};
-use crate::alarm::{Alarm, Code};
+use super::{Ends, Outcome, State, Ticker, emit};
+use crate::alarm::{Alarm, Code, Span};
 use crate::motion::{AxisTravel, JogConditions, Press};
+use crate::operating::{Interlock, PressState};
 use crate::tick::Event;
+use crate::tick::hard_limits::AxisEnd;
+use crate::tick::machine::interlocked;
+use crate::tick::queue::EventIn;
 use crate::units::Axis;
 
 impl Ticker {
     /// Takes a press, if the machine may be moved by hand now. The background has asked the same of an older state.
-    pub(in crate::tick) fn press(&mut self, press: &Press) {
-        let stands = match self.state {
-            State::Idle => !self.course.in_program() && self.executor.is_free(),
-            State::ByHand => !self.is_coming_back(),
-            State::Held => self.has_left(),
-            _ => false,
-        };
+    pub(in crate::tick) fn press(&mut self, press: &Press, events: &mut EventIn<'_>) {
         if press.returns {
             return self.go_back_to_left(press);
         }
-        // The door may have been opened since the press was planned.
-        let interlocks = self.machine.interlocks();
-        let fast = interlocks.has_door() && !press.slow || interlocks.against_hand().is_some();
-        if !stands || fast || self.operator.hold || self.journal.has_hole() {
-            return self.jog.refuse(press.number);
+        if let Some(alarm) = self.refuses_by_hand(press) {
+            let is_new = self.jog.last() != (press.number, PressState::Refused);
+            // Its own event has told the alarm that stands.
+            if is_new && self.state.alarm() != Some(&alarm) {
+                emit(events, Event::Warning(alarm));
+            }
+            return self.jog.refuse(press.number, alarm.code);
         }
         self.note_way_out(press);
         let position = self.executor.position();
-        let travel = self.travel();
+        let travel = self.off_limits(self.travel());
         self.free = self
             .jog
             .clear_of(&self.given.zones, press, position, travel);
@@ -36,6 +36,32 @@ impl Ticker {
         self.jog.press(press, x, z);
         if self.jog.is_busy() {
             self.transition_to_by_hand();
+        }
+    }
+
+    /// Why the machine may not be moved by this press.
+    fn refuses_by_hand(&self, press: &Press) -> Option<Alarm> {
+        let stands = match self.state {
+            State::Idle => !self.course.in_program() && self.executor.is_free(),
+            State::ByHand => !self.is_coming_back(),
+            State::Held => self.has_left(),
+            State::Alarm(alarm) | State::Stopping(Outcome::Alarm(alarm)) => return Some(alarm),
+            _ => false,
+        };
+        // The door may have been opened since the press was planned.
+        let interlocks = self.machine.interlocks();
+        let by = if interlocks.has_door() && !press.slow {
+            Some(Interlock::Door)
+        } else if self.operator.hold {
+            Some(Interlock::Hold)
+        } else {
+            interlocks.against_hand()
+        };
+        match by {
+            _ if !stands => Some(Alarm::of(Code::NotAtRest, &[])),
+            Some(by) => Some(interlocked(by, Span::default())),
+            None if self.journal.has_hole() => self.journal.hole_alarm(),
+            None => self.refuses_towards(press).map(AxisEnd::alarm),
         }
     }
 

@@ -17,6 +17,7 @@ use crate::call::Position;
 use crate::params::Params;
 use crate::tick::Event;
 use crate::tick::drives::Homing;
+use crate::tick::hard_limits::AxisEnd;
 use crate::units::{Axes, Axis};
 
 /// What a parameter set says about references.
@@ -121,7 +122,10 @@ impl Ticker {
                 Code::HomeMethodNone,
                 &[Arg::Letter(axis.letter())],
             )),
-            _ => None,
+            _ => {
+                let mut ends = left.each().filter_map(|axis| self.refuses_home(axis));
+                ends.next().map(AxisEnd::alarm)
+            }
         };
         if let Some(refusal) = refusal {
             emit(&mut ends.events, Event::Warning(refusal));
@@ -226,6 +230,19 @@ impl Ticker {
             );
         }
         false
+    }
+
+    /// The axis that is being homed, also while it comes to rest after that.
+    pub(super) const fn homed(&self) -> Option<Axis> {
+        self.home.axis
+    }
+
+    /// The axis whose switch the board looks for now.
+    pub(super) const fn searched(&self) -> Option<Axis> {
+        match self.home.search {
+            Some(_) => self.home.axis,
+            None => None,
+        }
     }
 
     /// True while an axis is being homed, or comes to rest after that.

@@ -119,6 +119,13 @@ impl Ticker {
                 if self.needs_tool() {
                     return Admitted::Wrong(Alarm::new(Code::TurretBetween, segment.span));
                 }
+                if let Some(end) = self.hard_limits().first() {
+                    let span = segment.span;
+                    return Admitted::Wrong(Alarm {
+                        span,
+                        ..end.alarm()
+                    });
+                }
                 self.refuses_motion()
             }
             Action::Aux(Aux::T(tool), _) => {

@@ -11,6 +11,7 @@
 
 use super::course::Source;
 use super::{Ends, State, Ticker};
+use crate::alarm::Code;
 use crate::call::Position;
 use crate::motion::{Aside, AxisPress, Press};
 use crate::operating::Towards;
@@ -102,7 +103,7 @@ impl Ticker {
                 return self.transition_to_by_hand();
             }
         }
-        self.jog.refuse(press.number);
+        self.jog.refuse(press.number, Code::NotAtRest);
     }
 
     /// The axes go back no farther.

@@ -76,6 +76,13 @@ impl Switch {
     }
 }
 
+impl Switch {
+    /// The side on which the axis looks for it.
+    pub(super) const fn towards(&self) -> Towards {
+        self.motion.towards
+    }
+}
+
 /// A part of the search; see the head of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {

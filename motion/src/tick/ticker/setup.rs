@@ -1,6 +1,7 @@
 //! What a ticker needs of a parameter set.
 
 use super::home::Wanted;
+use super::limits::Switches;
 use super::search::Switch;
 use super::surface;
 use crate::motion::{Arrival, AxisTravel};
@@ -75,6 +76,7 @@ pub(super) struct Given {
     pub home: Wanted,
     /// The switches at the board by which X and Z find their references.
     pub switches: [Option<Switch>; 2],
+    pub limits: Switches,
     pub wiring: Wiring,
     pub gears: Gears,
     pub changer: Changer,
@@ -113,6 +115,7 @@ impl Given {
             surface_step: surface_step(params),
             home: Wanted::of(params),
             switches: [Axis::X, Axis::Z].map(|axis| Switch::of(params, axis)),
+            limits: Switches::of(params),
             wiring: Wiring::of(params),
             gears: Gears::of(params),
             changer: Changer::of(params),

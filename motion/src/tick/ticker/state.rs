@@ -230,6 +230,12 @@ impl Ticker {
         self.jog.last()
     }
 
+    /// Why the last press was refused by the tick, if it was.
+    #[must_use]
+    pub const fn jog_refused(&self) -> Option<Code> {
+        self.jog.refusal()
+    }
+
     /// The thread or hole of the last segment that was carried to its end without a stop.
     #[must_use]
     pub const fn done(&self) -> Cut {
