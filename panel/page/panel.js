@@ -5,6 +5,7 @@ import * as programs from "./programs.js";
 import * as sheets from "./sheets.js";
 import * as show from "./show.js";
 import * as threads from "./threads.js";
+import * as touch from "./touch.js";
 import { lease, login, order, watch } from "./transport.js";
 import { isChinese, use, word } from "./words.js";
 
@@ -37,6 +38,7 @@ function again() {
   if (entries) show.log(entries);
   programs.again();
   sheets.again();
+  touch.again();
   threads.again();
   if (contacts) show.contacts(contacts);
   whose();
@@ -226,6 +228,7 @@ function buttons(start) {
 }
 
 sheets.begin(give);
+touch.begin(give);
 const start = held(at("start"), () => give("start"));
 buttons(start);
 keys(start);
@@ -252,6 +255,7 @@ try {
       show.state(s);
       show.to_go(programs.state(s));
       sheets.state(s);
+      touch.state(s);
       grow();
     },
     log: (list) => { entries = list; show.log(list); },

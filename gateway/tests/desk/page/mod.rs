@@ -7,6 +7,7 @@ mod orders;
 mod programs;
 mod shown;
 mod tables;
+mod touch;
 
 use std::cell::Cell;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};

@@ -27,7 +27,7 @@ use super::super::monitor::keys::{self, Situation, Speed};
 use super::super::monitor::orders::{self, Orders};
 use super::super::monitor::view::OLD;
 use super::super::own::Handle;
-use super::tables::{Change, Tables};
+use super::tables::{Change, Tables, Touching};
 use super::views::Views;
 use super::wish::Wish;
 use crate::cli::AxisWay;
@@ -427,6 +427,9 @@ impl Machine for Desk {
         if let Some(change) = Change::of(&order.op, &order.args) {
             return Some(self.change(&change, echo));
         }
+        if let Some(touching) = Touching::of(&order.op, &order.args) {
+            return Some(self.touch(&touching, echo));
+        }
         let wish = Wish::of(&order.op, &order.args)?;
         let done = self.order_wish(wish, echo);
         Some(super::object(|json| fields(json, &done)))
@@ -452,6 +455,22 @@ impl Desk {
             return super::object(|json| fields(json, &Err(keys::old())));
         }
         self.tables.change(change)
+    }
+
+    /// The same of a tool that is touched off.
+    fn touch(&self, touching: &Touching, echo: Option<Beat>) -> String {
+        let shared = self.shared();
+        let now = Instant::now();
+        let why = if shared.is_old(echo, now) {
+            Some(keys::old())
+        } else {
+            keys::no_touch(shared.situation(now))
+        };
+        drop(shared);
+        match why {
+            Some(why) => super::object(|json| fields(json, &Err(why))),
+            None => self.tables.touch(touching),
+        }
     }
 
     fn press(&self, jog: &Jog, now: Instant) -> String {
