@@ -2,6 +2,7 @@
 
 import * as press from "./press.js";
 import * as programs from "./programs.js";
+import * as retract from "./retract.js";
 import * as sheets from "./sheets.js";
 import * as show from "./show.js";
 import * as threads from "./threads.js";
@@ -39,6 +40,7 @@ function again() {
   programs.again();
   sheets.again();
   touch.again();
+  retract.again();
   threads.again();
   if (contacts) show.contacts(contacts);
   whose();
@@ -229,6 +231,7 @@ function buttons(start) {
 
 sheets.begin(give);
 touch.begin(give);
+retract.begin(give, (answer) => tell(answer), held);
 const start = held(at("start"), () => give("start"));
 buttons(start);
 keys(start);

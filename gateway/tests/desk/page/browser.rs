@@ -5,6 +5,7 @@
 
 mod cut;
 mod long;
+mod retract;
 mod shown;
 mod tables;
 mod touch;

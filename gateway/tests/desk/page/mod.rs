@@ -5,6 +5,7 @@ mod browser;
 mod jog;
 mod orders;
 mod programs;
+mod retract;
 mod shown;
 mod tables;
 mod touch;

@@ -19,7 +19,7 @@ use leadscrew_core::bus::{Beat, BoardState, BoardStatus, Frame, JogRequest, Node
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_panel::{Jog, Machine, Sheet, View};
 
-pub use self::asks::{Asks, Line, Program};
+pub use self::asks::{Asks, Line, Program, What};
 use super::super::by_hand;
 use super::super::monitor::hand::Hand;
 use super::super::monitor::homing::Homing;
@@ -313,7 +313,18 @@ impl Shared {
                 }
                 None => {
                     self.typed = true;
-                    self.asks.lines.push(Line { ticket, text, zh });
+                    let what = What::Line(text);
+                    self.asks.lines.push(Line { ticket, what, zh });
+                }
+            },
+            Wish::Retract { speed, zh } => match keys::no_program(self.situation(now)) {
+                Some(words) => {
+                    self.done.insert(ticket, Err(words));
+                }
+                None => {
+                    self.typed = true;
+                    let what = What::Retract(speed);
+                    self.asks.lines.push(Line { ticket, what, zh });
                 }
             },
             Wish::Program { name, tag, zh } => match keys::no_program(self.situation(now)) {
@@ -429,6 +440,9 @@ impl Machine for Desk {
         }
         if let Some(touching) = Touching::of(&order.op, &order.args) {
             return Some(self.touch(&touching, echo));
+        }
+        if order.op == "retract" && order.args["look"] == true {
+            return Some(super::retract::shown(&self.tables.global(false)));
         }
         let wish = Wish::of(&order.op, &order.args)?;
         let done = self.order_wish(wish, echo);

@@ -230,7 +230,8 @@ impl Tables {
         touching.answer(&self.global(touching.zh))
     }
 
-    fn global(&self, zh: bool) -> Global {
+    /// The options of the panel, for a command that nobody at its terminal has typed.
+    pub fn global(&self, zh: bool) -> Global {
         Global {
             // No bar and no question on the terminal of the panel.
             json: true,
@@ -258,7 +259,7 @@ fn short(text: &str) -> Option<String> {
 }
 
 /// The words of a failure.
-fn said(failure: Failure) -> Both {
+pub fn said(failure: Failure) -> Both {
     failure.words().unwrap_or_else(|| {
         both!(
             "the change was not carried out: look at the alarms",
