@@ -2,9 +2,11 @@
 
 import * as press from "./press.js";
 import * as programs from "./programs.js";
+import * as retract from "./retract.js";
 import * as sheets from "./sheets.js";
 import * as show from "./show.js";
 import * as threads from "./threads.js";
+import * as touch from "./touch.js";
 import { lease, login, order, watch } from "./transport.js";
 import { isChinese, use, word } from "./words.js";
 
@@ -37,6 +39,8 @@ function again() {
   if (entries) show.log(entries);
   programs.again();
   sheets.again();
+  touch.again();
+  retract.again();
   threads.again();
   if (contacts) show.contacts(contacts);
   whose();
@@ -226,6 +230,8 @@ function buttons(start) {
 }
 
 sheets.begin(give);
+touch.begin(give);
+retract.begin(give, (answer) => tell(answer), held);
 const start = held(at("start"), () => give("start"));
 buttons(start);
 keys(start);
@@ -252,6 +258,7 @@ try {
       show.state(s);
       show.to_go(programs.state(s));
       sheets.state(s);
+      touch.state(s);
       grow();
     },
     log: (list) => { entries = list; show.log(list); },

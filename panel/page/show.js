@@ -92,7 +92,7 @@ export function lease(who, looks, notice) {
   document.body.classList.toggle("looks", looks);
   at("take").hidden = looks;
   // A button that would be refused is none, HOLD and STOP above all.
-  for (const one of document.querySelectorAll("nav button, main button, main input")) {
+  for (const one of document.querySelectorAll("nav button, main button, main input, #touch select")) {
     one.disabled = looks && !["fit", "nearer", "farther", "reload", "search", "differ"].includes(one.id);
   }
   put("take", who === "own" ? word("give") : word("take"));

@@ -19,6 +19,8 @@ pub fn find(path: &str) -> Option<(&'static str, &'static str)> {
         "/sheets.js" => (SCRIPT, include_str!("../page/sheets.js")),
         "/table.js" => (SCRIPT, include_str!("../page/table.js")),
         "/threads.js" => (SCRIPT, include_str!("../page/threads.js")),
+        "/retract.js" => (SCRIPT, include_str!("../page/retract.js")),
+        "/touch.js" => (SCRIPT, include_str!("../page/touch.js")),
         "/transport.js" => (SCRIPT, include_str!("../page/transport.js")),
         "/words.js" => (SCRIPT, include_str!("../page/words.js")),
         _ => return None,

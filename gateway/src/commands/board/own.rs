@@ -31,21 +31,16 @@ pub struct Own {
 pub struct Handle(Arc<Mutex<Option<Child>>>);
 
 impl Own {
-    /// Begins a command with the options of this one; what it says is JSON, its words in this language.
+    /// Begins a command with the options of this one and what is typed behind them; what it says is JSON, its words in this
+    /// language.
     ///
     /// # Errors
     /// No process is to be had.
-    pub fn begin(
-        global: &Global,
-        name: &str,
-        argument: impl Into<OsString>,
-        lang: Lang,
-    ) -> io::Result<Self> {
+    pub fn begin(global: &Global, name: &str, typed: &[OsString], lang: Lang) -> io::Result<Self> {
         let mut child = Command::new(std::env::current_exe()?)
             .args([name, "--json", "--lang", pick(lang, "en", "zh")])
             .args(passed_on(global))
-            .arg("--")
-            .arg(argument.into())
+            .args(typed)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())

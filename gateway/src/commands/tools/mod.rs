@@ -5,7 +5,7 @@ mod home;
 mod list;
 mod pickup;
 mod set;
-mod touch;
+pub mod touch;
 
 pub use home::{Home, of_params};
 pub use pickup::pickup;

@@ -24,61 +24,134 @@ use crate::words::{Both, both, one_line};
 
 /// Touches off.
 pub fn touch(global: &Global, args: &Touch) -> Outcome {
-    let axis = match args.axis {
-        AxisName::X => Axis::X,
-        AxisName::Z => Axis::Z,
-    };
     let mut home = Home::open(global)?;
+    if args.mark {
+        let (axis, at) = mark(&mut home, args, global.dry_run)?;
+        return tell_mark(global, axis, at);
+    }
+    let made = Made::of(&mut home, args)?;
+    if !global.dry_run {
+        made.write(&mut home)?;
+    }
+    tell(global, &home, &made)
+}
+
+/// Remembers where an axis stands; with `dry`, says where alone. Each axis has one mark; a touch takes it.
+///
+/// # Errors
+/// No board; it moves, or knows no reference of the axis.
+pub fn mark(home: &mut Home, args: &Touch, dry: bool) -> Outcome<(Axis, Raw)> {
+    let axis = args.axis.of();
+    let now = stand(home, axis)?;
+    if !dry {
+        let link = &mut home.board()?.link;
+        link.set_mark(axis, i32::try_from(now).ok())?;
+    }
+    home.board()?.keep()?;
+    Ok((axis, now))
+}
+
+/// Where an axis of a machine at rest stands, which knows its place.
+fn stand(home: &mut Home, axis: Axis) -> Outcome<Raw> {
     home.is_whole()?;
-    let link = &mut home.board()?.link;
-    let status = link.status()?;
+    let status = home.board()?.link.status()?;
     stands(&status)?;
     knows_where(&status, axis)?;
-    let now = place(&status, axis);
-    if args.mark {
-        if !global.dry_run {
-            // Each axis has one mark; a touch takes it.
-            link.set_mark(axis, i32::try_from(now).ok())?;
-        }
-        home.board()?.keep()?;
-        return tell_mark(global, axis, now);
-    }
-    let Some(value) = &args.value else {
-        return Err(Failure::Usage(both!(
-            "`touch` needs the coordinate of the place that the tool touches, or `--mark`",
-            "`touch` 需要刀具所碰位置的坐标，或 `--mark`"
-        )));
-    };
-    let marked = link.mark(axis)?.map(Raw::from);
-    let touched = Touched {
-        axis,
-        machine: marked.unwrap_or(now),
-        value: coordinate(axis, value).map_err(Failure::Usage)?,
-        system: args.system.code(),
-    };
-    let mut table = home.table;
-    let key = match (args.work, args.tool) {
-        (Some(work), tool) => touched.work(&mut table, work.code(), tool.unwrap_or(0)),
-        (None, Some(tool)) => touched.tool(&mut table, tool),
-        (None, None) => {
+    Ok(place(&status, axis))
+}
+
+/// What a touch comes to; not written yet.
+pub struct Made {
+    touched: Touched,
+    /// It counts from the mark.
+    marked: bool,
+    key: Key,
+    table: Offsets,
+    /// What it changes.
+    pub changes: Vec<Change>,
+}
+
+impl Made {
+    /// Looks at the machine.
+    ///
+    /// # Errors
+    /// As [`mark`]; no coordinate, no tool and no work offset, or a result out of its range.
+    pub fn of(home: &mut Home, args: &Touch) -> Outcome<Self> {
+        let axis = args.axis.of();
+        let now = stand(home, axis)?;
+        let Some(value) = &args.value else {
             return Err(Failure::Usage(both!(
-                "`touch` needs `--tool N`, whose geometry is to be set, or `--work G54` for the work offset",
-                "`touch` 需要 `--tool N`（设定其几何偏置），或 `--work G54`（设定工件零点）"
+                "`touch` needs the coordinate of the place that the tool touches, or `--mark`",
+                "`touch` 需要刀具所碰位置的坐标，或 `--mark`"
             )));
+        };
+        let marked = home.board()?.link.mark(axis)?.map(Raw::from);
+        let touched = Touched {
+            axis,
+            machine: marked.unwrap_or(now),
+            value: coordinate(axis, value).map_err(Failure::Usage)?,
+            system: args.system.code(),
+        };
+        let mut table = home.table;
+        let key = match (args.work, args.tool) {
+            (Some(work), tool) => touched.work(&mut table, work.code(), tool.unwrap_or(0)),
+            (None, Some(tool)) => touched.tool(&mut table, tool),
+            (None, None) => {
+                return Err(Failure::Usage(both!(
+                    "`touch` needs `--tool N`, whose geometry is to be set, or `--work G54` for the work offset",
+                    "`touch` 需要 `--tool N`（设定其几何偏置），或 `--work G54`（设定工件零点）"
+                )));
+            }
         }
+        .map_err(Failure::WrongBecause)?;
+        Ok(Self {
+            touched,
+            marked: marked.is_some(),
+            key,
+            changes: changes(&home.table, &table),
+            table,
+        })
     }
-    .map_err(Failure::WrongBecause)?;
-    let changes = changes(&home.table, &table);
-    if !global.dry_run {
-        if !changes.is_empty() {
-            home.commit(&table)?;
+
+    /// The board stores it, and the mark has gone.
+    ///
+    /// # Errors
+    /// The board refuses.
+    pub fn write(&self, home: &mut Home) -> Outcome {
+        if !self.changes.is_empty() {
+            home.commit(&self.table)?;
         }
-        let machine = home.board()?;
-        if marked.is_some() {
-            machine.link.set_mark(axis, None)?;
+        if self.marked {
+            home.board()?.link.set_mark(self.touched.axis, None)?;
         }
+        Ok(())
     }
-    tell(global, &home, &touched, key, &table, &changes)
+
+    /// Which place of the work is where on the machine.
+    pub fn words(&self) -> Both {
+        let letter = char::from(self.touched.axis.letter());
+        let (name, new) = (
+            one_line(&self.key.to_string()),
+            mm(self.key.get(&self.table)),
+        );
+        let (machine, value) = (mm(self.touched.machine), mm(self.touched.value));
+        both!(
+            "{name} = {new}: {letter} {value} of the work is at {machine} of the machine",
+            "{name} = {new}：工件 {letter} {value} 位于机床坐标 {machine}"
+        )
+    }
+
+    /// It counts from where the axis was marked, and not from where it stands.
+    pub const fn is_marked(&self) -> bool {
+        self.marked
+    }
+
+    /// What it was made in: another text once the table, the mark or the place of the axis is another one.
+    pub fn made_in(&self, home: &Home) -> String {
+        let Touched { machine, .. } = self.touched;
+        let mark = if self.marked { " marked" } else { "" };
+        format!("{} {machine}{mark}", home.table.revision.0)
+    }
 }
 
 /// The coordinate that was typed, which is no value of a table.
@@ -177,54 +250,62 @@ fn mm(raw: Raw) -> String {
     format!("{:.4}", raw as f64 / 10_000.0)
 }
 
+/// A mark in words.
+pub fn marked(axis: Axis, at: Raw) -> Both {
+    both!(
+        "{letter} marked at {at} (machine)",
+        "{letter} 已记下机床坐标 {at}",
+        letter = char::from(axis.letter()),
+        at = mm(at)
+    )
+}
+
 fn tell_mark(global: &Global, axis: Axis, at: Raw) -> Outcome {
-    let letter = char::from(axis.letter());
     if global.json {
         return output::json(|o| {
             o.flag("ok", true);
-            o.text("axis", &letter.to_string());
+            o.text("axis", &char::from(axis.letter()).to_string());
             o.number("machine", Key::Work(54, axis).shown(at));
         });
     }
-    let told = both!(
-        "{letter} marked at {at} (machine)\n",
-        "{letter} 已记下机床坐标 {at}\n",
-        at = mm(at)
-    );
-    output::write(told.get(global.lang()).as_bytes())
+    let told = marked(axis, at);
+    output::write(format!("{}\n", told.get(global.lang())).as_bytes())
 }
 
-fn tell(
-    global: &Global,
-    home: &Home,
-    touched: &Touched,
-    key: Key,
-    table: &Offsets,
-    changes: &[Change],
-) -> Outcome {
+fn tell(global: &Global, home: &Home, made: &Made) -> Outcome {
     let revision = home.table.revision.0;
+    let key = made.key;
     if global.json {
         return output::json(|o| {
             o.flag("ok", true);
             o.flag("done", !global.dry_run);
             o.integer("revision", revision.into());
             o.text("key", &key.to_string());
-            tools::value(o, "value", key, key.get(table));
-            o.number("machine", key.shown(touched.machine));
-            tools::fields(o, changes);
+            tools::value(o, "value", key, key.get(&made.table));
+            o.number("machine", key.shown(made.touched.machine));
+            tools::fields(o, &made.changes);
         });
     }
-    let letter = char::from(touched.axis.letter());
-    let (name, new) = (one_line(&key.to_string()), mm(key.get(table)));
-    let (machine, value) = (mm(touched.machine), mm(touched.value));
-    let head = both!(
-        "{name} = {new}: {letter} {value} of the work is at {machine} of the machine\n",
-        "{name} = {new}：工件 {letter} {value} 位于机床坐标 {machine}\n"
-    );
     let end = ending(global, &both!("revision {revision}", "修订号 {revision}"));
-    let lang = global.lang();
-    let text = [head.get(lang), &tools::text(changes), end.get(lang)].concat();
+    let (head, lang) = (made.words(), global.lang());
+    let text = [
+        head.get(lang),
+        "\n",
+        &tools::text(&made.changes),
+        end.get(lang),
+    ]
+    .concat();
     output::write(text.as_bytes())
+}
+
+impl AxisName {
+    /// The axis.
+    const fn of(self) -> Axis {
+        match self {
+            Self::X => Axis::X,
+            Self::Z => Axis::Z,
+        }
+    }
 }
 
 impl SystemName {

@@ -5,8 +5,10 @@
 
 mod cut;
 mod long;
+mod retract;
 mod shown;
 mod tables;
+mod touch;
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -209,6 +211,33 @@ impl Tab<'_> {
         }
     }
 
+    /// A key goes down and up.
+    fn key(&mut self, key: &str, number: u32, text: &str) {
+        let mut params =
+            json!({"type": "keyDown", "key": key, "code": key, "windowsVirtualKeyCode": number});
+        if !text.is_empty() {
+            params["text"] = text.into();
+        }
+        self.asks("Input.dispatchKeyEvent", params.clone());
+        params["type"] = "keyUp".into();
+        self.asks("Input.dispatchKeyEvent", params);
+    }
+
+    fn enter(&mut self) {
+        self.key("Enter", 13, "\r");
+    }
+
+    /// To what has the keys next.
+    fn next(&mut self) {
+        self.key("Tab", 9, "");
+    }
+
+    /// In place of what stands in the field that has the keys.
+    fn types(&mut self, text: &str) {
+        self.says("document.activeElement.select()");
+        self.asks("Input.insertText", json!({"text": text}));
+    }
+
     fn operate(&mut self) {
         self.click("#take");
         // Where a lease of before has not lapsed, it changes hands after a notice.
@@ -227,6 +256,13 @@ impl Page {
         let token = self.token.as_deref().unwrap();
         format!("http://{}/#{token}", self.address)
     }
+}
+
+/// Sends the panel a signal.
+fn signal(page: &Page, name: &str) {
+    let pid = page.child.id().to_string();
+    let sent = Command::new("kill").args([name, &pid]).status().unwrap();
+    assert!(sent.success());
 }
 
 fn z(user: &User) -> f64 {

@@ -5,8 +5,10 @@ mod browser;
 mod jog;
 mod orders;
 mod programs;
+mod retract;
 mod shown;
 mod tables;
+mod touch;
 
 use std::cell::Cell;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};

@@ -231,6 +231,22 @@ pub fn no_program(now: Situation) -> Option<Both> {
     by_mode(now, &[OperatingMode::Automatic])
 }
 
+/// Why a tool is not touched off; `None` where the board is asked. The mode for references would be left for it, and a page
+/// changes no mode.
+#[must_use]
+pub fn no_touch(now: Situation) -> Option<Both> {
+    let alarm = match now.mode {
+        _ if now.old => return Some(old()),
+        _ if now.typed => Alarm::of(Code::OffsetsAtWork, &[]),
+        Some(mode @ OperatingMode::Reference) => Alarm::of(
+            Code::WrongMode,
+            &[Arg::Mode(OperatingMode::Manual), Arg::Mode(mode)],
+        ),
+        _ => return None,
+    };
+    Some(alarm_words(&alarm))
+}
+
 /// What is known of the machine is older than what may be ordered by.
 #[must_use]
 pub fn old() -> Both {

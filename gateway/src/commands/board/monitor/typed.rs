@@ -1,4 +1,5 @@
-//! A line that was typed on the panel: `leadscrew mdi` carries it out, in a process of its own.
+//! A line that was typed on the panel: `leadscrew mdi` carries it out, in a process of its own. So does `leadscrew retract`
+//! with the way out of a hole.
 //!
 //! So the panel goes on meanwhile, and what is checked and kept is the same wherever a line is typed [D323].
 
@@ -20,7 +21,14 @@ pub type Answer = (Both, Tone);
 impl Typed {
     /// Begins a line; the answer is in this language.
     pub fn begin(global: &Global, line: &str, lang: Lang) -> std::io::Result<Self> {
-        Own::begin(global, "mdi", line, lang).map(Self)
+        Own::begin(global, "mdi", &["--".into(), line.into()], lang).map(Self)
+    }
+
+    /// Begins the way out of a hole, at this speed of the spindle.
+    pub fn retract(global: &Global, speed: Option<u32>, lang: Lang) -> std::io::Result<Self> {
+        let speed = speed.map(|rpm| ["--speed".into(), rpm.to_string().into()]);
+        let options: Vec<_> = speed.into_iter().flatten().collect();
+        Own::begin(global, "retract", &options, lang).map(Self)
     }
 
     /// To end it before its time.
@@ -40,16 +48,16 @@ impl Typed {
 /// A process that does not begin.
 pub fn not_begun(error: &std::io::Error) -> Answer {
     let words = both!(
-        "`leadscrew mdi` does not begin: {error}",
-        "无法启动 `leadscrew mdi`：{error}"
+        "`leadscrew` does not begin: {error}",
+        "无法启动 `leadscrew`：{error}"
     );
     (words, Tone::Bad)
 }
 
 fn unanswered() -> Both {
     both!(
-        "`leadscrew mdi` has ended without an answer",
-        "`leadscrew mdi` 未给出结果即结束"
+        "`leadscrew` has ended without an answer",
+        "`leadscrew` 未给出结果即结束"
     )
 }
 
@@ -59,6 +67,9 @@ fn read(stdout: &[u8]) -> Answer {
     let text = |value: &Value, key: &str| value[key].as_str().map(str::to_owned);
     if let Some(modal) = text(&value["after"], "modal").filter(|_| value["ok"] == true) {
         return (both!("done: {modal}", "完成：{modal}"), Tone::Good);
+    }
+    if value["ok"] == true && value["moves"].is_u64() {
+        return (both!("done", "完成"), Tone::Good);
     }
     match why(&value) {
         Some(told) => (told, Tone::Care),
@@ -100,7 +111,8 @@ mod tests {
                 "no board",
                 Tone::Care,
             ),
-            ("", "`leadscrew mdi` has ended without an answer", Tone::Bad),
+            (r#"{"ok":true,"moves":3}"#, "done", Tone::Good),
+            ("", "`leadscrew` has ended without an answer", Tone::Bad),
         ] {
             let (told, is) = read(json.as_bytes());
             assert_eq!((told.en.as_str(), is), (words, tone), "{json}");

@@ -19,7 +19,7 @@ use leadscrew_core::bus::{Beat, BoardState, BoardStatus, Frame, JogRequest, Node
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_panel::{Jog, Machine, Sheet, View};
 
-pub use self::asks::{Asks, Line, Program};
+pub use self::asks::{Asks, Line, Program, What};
 use super::super::by_hand;
 use super::super::monitor::hand::Hand;
 use super::super::monitor::homing::Homing;
@@ -27,7 +27,7 @@ use super::super::monitor::keys::{self, Situation, Speed};
 use super::super::monitor::orders::{self, Orders};
 use super::super::monitor::view::OLD;
 use super::super::own::Handle;
-use super::tables::{Change, Tables};
+use super::tables::{Change, Tables, Touching};
 use super::views::Views;
 use super::wish::Wish;
 use crate::cli::AxisWay;
@@ -313,7 +313,18 @@ impl Shared {
                 }
                 None => {
                     self.typed = true;
-                    self.asks.lines.push(Line { ticket, text, zh });
+                    let what = What::Line(text);
+                    self.asks.lines.push(Line { ticket, what, zh });
+                }
+            },
+            Wish::Retract { speed, zh } => match keys::no_program(self.situation(now)) {
+                Some(words) => {
+                    self.done.insert(ticket, Err(words));
+                }
+                None => {
+                    self.typed = true;
+                    let what = What::Retract(speed);
+                    self.asks.lines.push(Line { ticket, what, zh });
                 }
             },
             Wish::Program { name, tag, zh } => match keys::no_program(self.situation(now)) {
@@ -427,6 +438,12 @@ impl Machine for Desk {
         if let Some(change) = Change::of(&order.op, &order.args) {
             return Some(self.change(&change, echo));
         }
+        if let Some(touching) = Touching::of(&order.op, &order.args) {
+            return Some(self.touch(&touching, echo));
+        }
+        if order.op == "retract" && order.args["look"] == true {
+            return Some(super::retract::shown(&self.tables.global(false)));
+        }
         let wish = Wish::of(&order.op, &order.args)?;
         let done = self.order_wish(wish, echo);
         Some(super::object(|json| fields(json, &done)))
@@ -452,6 +469,22 @@ impl Desk {
             return super::object(|json| fields(json, &Err(keys::old())));
         }
         self.tables.change(change)
+    }
+
+    /// The same of a tool that is touched off.
+    fn touch(&self, touching: &Touching, echo: Option<Beat>) -> String {
+        let shared = self.shared();
+        let now = Instant::now();
+        let why = if shared.is_old(echo, now) {
+            Some(keys::old())
+        } else {
+            keys::no_touch(shared.situation(now))
+        };
+        drop(shared);
+        match why {
+            Some(why) => super::object(|json| fields(json, &Err(why))),
+            None => self.tables.touch(touching),
+        }
     }
 
     fn press(&self, jog: &Jog, now: Instant) -> String {

@@ -8,6 +8,7 @@ mod cuts;
 mod desk;
 mod path;
 mod reading;
+mod retract;
 mod sent;
 mod tables;
 mod telling;
@@ -29,7 +30,7 @@ use leadscrew_panel::{Feed, Pace, Programs, Server, Token, Tokens, fresh_token};
 
 use self::contacts::Contacts;
 use self::cuts::Cuts;
-use self::desk::{Asks, Desk, Line, Program};
+use self::desk::{Asks, Desk, Line, Program, What};
 use self::sent::Sent;
 use self::telling::{levels, places};
 use self::views::Views;
@@ -283,12 +284,16 @@ impl<'a> Side<'a> {
         Ok(())
     }
 
-    fn begin_line(&mut self, Line { ticket, text, zh }: Line, halts: u64) {
+    fn begin_line(&mut self, Line { ticket, what, zh }: Line, halts: u64) {
         let lang = if zh { Lang::Zh } else { Lang::En };
         let begun = if self.is_busy() {
             Err(busy())
         } else {
-            Typed::begin(self.global, &text, lang).map_err(|error| typed::not_begun(&error).0)
+            let begun = match what {
+                What::Line(text) => Typed::begin(self.global, &text, lang),
+                What::Retract(speed) => Typed::retract(self.global, speed, lang),
+            };
+            begun.map_err(|error| typed::not_begun(&error).0)
         };
         let done = begun.map(|typed| {
             self.desk.note_begun(typed.handle(), halts);

@@ -47,7 +47,13 @@ impl Sent {
             .claim(&program.name, &program.tag)
             .map_err(of_refusal)?;
         let lang = if program.zh { Lang::Zh } else { Lang::En };
-        let own = Own::begin(global, "run", &claim.path, lang).map_err(|error| {
+        let own = Own::begin(
+            global,
+            "run",
+            &["--".into(), claim.path.clone().into()],
+            lang,
+        )
+        .map_err(|error| {
             both!(
                 "`leadscrew run` does not begin: {error}",
                 "无法启动 `leadscrew run`：{error}"

@@ -3,6 +3,7 @@
 //! ```text
 //! reading ──► what the panel has read of the board; the bus is not asked
 //! change ───► looked at by that, or written: a link of its own, the code of `tools set` and `params push`, one transaction
+//! touching ─► looked at by where the machine stands, or written: the same with the code of `touch`
 //! ```
 //!
 //! A change names what it was made in: in another table or set nothing is written. This must not know pages, or who may
@@ -10,6 +11,7 @@
 
 mod params;
 mod tools;
+mod touch;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -17,6 +19,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_panel::Sheet;
 use serde_json::Value;
 
+pub use self::touch::Touching;
 use super::object;
 use super::views::Views;
 use crate::cli::{Global, LangName};
@@ -50,10 +53,6 @@ impl Change {
             "tools" => Sheet::Tools,
             "params" => Sheet::Params,
             _ => return None,
-        };
-        let short = |text: &str| {
-            let fits = text.len() <= LONGEST && !text.chars().any(is_obeyed);
-            fits.then(|| text.to_owned())
         };
         let set = args["set"].as_object()?;
         if set.is_empty() || set.len() > VALUES {
@@ -225,18 +224,25 @@ impl Tables {
         drop(self.turn.lock());
     }
 
-    fn told(&self, change: &Change) -> Outcome<Told> {
-        let global = Global {
+    /// Looks at a touch or writes it, in turn with the changes.
+    pub fn touch(&self, touching: &Touching) -> String {
+        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        touching.answer(&self.global(touching.zh))
+    }
+
+    /// The options of the panel, for a command that nobody at its terminal has typed.
+    pub fn global(&self, zh: bool) -> Global {
+        Global {
             // No bar and no question on the terminal of the panel.
             json: true,
             dry_run: false,
-            lang: if change.zh {
-                LangName::Zh
-            } else {
-                LangName::En
-            },
+            lang: if zh { LangName::Zh } else { LangName::En },
             ..self.views.global().clone()
-        };
+        }
+    }
+
+    fn told(&self, change: &Change) -> Outcome<Told> {
+        let global = self.global(change.zh);
         match (change.sheet, change.check) {
             (Sheet::Tools, true) => tools::check(&self.views.has()?.0, change),
             (Sheet::Tools, false) => tools::write(&global, change),
@@ -246,8 +252,14 @@ impl Tables {
     }
 }
 
+/// A text that is no longer than a name or a value may be.
+fn short(text: &str) -> Option<String> {
+    let fits = text.len() <= LONGEST && !text.chars().any(is_obeyed);
+    fits.then(|| text.to_owned())
+}
+
 /// The words of a failure.
-fn said(failure: Failure) -> Both {
+pub fn said(failure: Failure) -> Both {
     failure.words().unwrap_or_else(|| {
         both!(
             "the change was not carried out: look at the alarms",

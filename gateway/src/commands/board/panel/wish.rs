@@ -27,6 +27,13 @@ pub enum Wish {
         /// Its answer is to be Chinese.
         zh: bool,
     },
+    /// A tap is brought out of its hole.
+    Retract {
+        /// Turns per minute of the spindle; none: the slow speed of the way out.
+        speed: Option<u32>,
+        /// Its answer is to be Chinese.
+        zh: bool,
+    },
     /// A program of the panel's folder is sent and begun.
     Program {
         /// Its name.
@@ -88,6 +95,13 @@ impl Wish {
                     zh: args["zh"] == true,
                 })?
             }
+            "retract" => Self::Retract {
+                speed: match &args["speed"] {
+                    Value::Null => None,
+                    speed => Some(speed.as_u64()?.try_into().ok().filter(|rpm| *rpm > 0)?),
+                },
+                zh: args["zh"] == true,
+            },
             "program" => Self::Program {
                 name: args["name"].as_str()?.to_owned(),
                 tag: args["tag"].as_str()?.to_owned(),
@@ -163,6 +177,24 @@ mod tests {
         assert_eq!(Wish::of("program", &args), Some(wish));
         assert_eq!(Wish::of("program", &json!({"name": "a.nc"})), None);
         assert_eq!(Wish::of("program", &json!({"tag": "4-x"})), None);
+    }
+
+    #[test]
+    fn the_way_out_of_a_hole_is_at_a_speed_or_at_its_own() {
+        let speed = |speed: Value| Wish::of("retract", &json!({"speed": speed, "zh": true}));
+        let wish = |speed| Some(Wish::Retract { speed, zh: true });
+        assert_eq!(speed(Value::Null), wish(None));
+        assert_eq!(speed(json!(200)), wish(Some(200)));
+        for wrong in [
+            json!(0),
+            json!(-1),
+            json!(1.5),
+            json!("200"),
+            json!(1_u64 << 32),
+        ] {
+            assert_eq!(speed(wrong.clone()), None, "{wrong}");
+        }
+        assert!(wish(None).is_some_and(|wish| wish.needs_fresh() && !wish.halts()));
     }
 
     #[test]

@@ -1,11 +1,9 @@
 //! Tables of the page as somebody types in them.
 
-use std::process::Command;
-
 use serde_json::json;
 
 use super::super::Page;
-use super::{Browser, Tab};
+use super::{Browser, Tab, signal};
 use crate::{User, good};
 
 /// Writes what was reviewed; where that was refused, it is reviewed once more.
@@ -102,13 +100,6 @@ fn somebody_changes_tools_and_parameters_and_loses_nothing_of_what_was_typed() {
     tab.wait("document.querySelector('#param_rows tr:not([hidden]) th').textContent.includes('≠')");
     let set = user.json(&["params", "get", "1420.X"]);
     assert_eq!(set["params"][0]["value"], 11_000);
-}
-
-/// Sends the panel a signal.
-fn signal(page: &Page, name: &str) {
-    let pid = page.child.id().to_string();
-    let sent = Command::new("kill").args([name, &pid]).status().unwrap();
-    assert!(sent.success());
 }
 
 #[test]

@@ -1,13 +1,21 @@
 //! What the desk asks of the panel's own thread, which alone waits for the bus and begins processes. Values alone.
 
-/// A line to be carried out, and whether its answer is to be Chinese.
+/// A line to be carried out, or the way out of a hole.
 pub struct Line {
     /// Answers whether it has begun.
     pub ticket: u64,
-    /// The line.
-    pub text: String,
+    /// Which of the two.
+    pub what: What,
     /// The answer is Chinese.
     pub zh: bool,
+}
+
+/// What is begun as a line is.
+pub enum What {
+    /// The line.
+    Line(String),
+    /// The way out of a hole, at this speed of the spindle.
+    Retract(Option<u32>),
 }
 
 /// A program to be sent and begun.
