@@ -192,7 +192,8 @@ impl Link {
         let newest = self.newest_event()?;
         let logged = self.events_behind(newest.saturating_sub(REASON_LIES))?;
         let told = logged.iter().rev().find_map(|entry| match entry.event {
-            Event::Warning(alarm) if alarm.code == code => Some(alarm),
+            // What has ended it may be an alarm that stands.
+            Event::Warning(alarm) | Event::Alarm(alarm) if alarm.code == code => Some(alarm),
             _ => None,
         });
         Ok(told.unwrap_or_else(|| Alarm::of(code, &[])))

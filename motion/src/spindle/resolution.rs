@@ -133,7 +133,9 @@ impl Resolution {
         }
         let (nm, turns) = lead.parts();
         let (of, parts) = TURNING_BACK;
-        let parts = turns.saturating_mul(u64::from(self.counts)).saturating_mul(parts);
+        let parts = turns
+            .saturating_mul(u64::from(self.counts))
+            .saturating_mul(parts);
         let jump = mul_div(nm, of, parts);
         let tick = u64::from(self.tick_us);
         let a_second = mul_div(jump, 1_000_000_000_000, tick.saturating_mul(tick));

@@ -1,6 +1,7 @@
 //! The spindle's encoder of a machine of the soak, and how far a thread may be beside its helix by it.
 
 use leadscrew_core::params::Params;
+use leadscrew_core::units::{Axis, Lead};
 
 use super::script::Draws;
 use crate::params::set;
@@ -73,15 +74,27 @@ pub fn draw(r: &mut Draws, params: &mut Params, swing_mhz: u32) {
 /// `swing_mhz` as above.
 pub fn beside(params: &Params, swing_mhz: u32) -> i64 {
     const FINE: i64 = 8_000;
-    let unknown = swing_mhz != 0 && params.spindle_swing() == 0;
+    let known = params.spindle_swing() != 0;
     match Class::of(params) {
         Class::Fine => FINE,
+        // What 9035 allows: the frequency is known within one per cent, and has to be learned.
+        _ if swing_mhz != 0 && known => params.encoder_error().nm(),
         // A swing whose frequency nobody has given is not learned.
-        _ if unknown => 200_000,
+        _ if swing_mhz != 0 => 200_000,
         Class::FewTimed => FINE,
         // One and a half times the way in a tick.
         Class::Few => FASTEST_NM_PER_S * i64::from(params.tick_us()) * 3 / 2_000_000 + FINE,
     }
+}
+
+/// What reading whole counts adds to the acceleration of an axis that follows the observer, in nm/s².
+pub fn noise(params: &Params, axis: Axis) -> f64 {
+    let longest = Lead::new(4_000_000, 1).expect("a lead");
+    let noise = match Class::of(params) {
+        Class::Fine => params.count_noise(longest, axis),
+        Class::FewTimed | Class::Few => None,
+    };
+    noise.map_or(0.0, |noise| noise.nm_per_s2() as f64)
 }
 
 /// The fastest threads: five metres a minute.

@@ -81,16 +81,20 @@ impl core::fmt::Display for Soaked {
             counts.transfers, counts.pushed, counts.refused, counts.lost
         )?;
         for class in Class::ALL {
-            let (count, nm) = (judged.threads[class as usize], judged.thread_nm[class as usize]);
-            writeln!(f, "{count:>12} setpoints on a helix {}, at most {nm} nm off", class.name())?;
+            let (count, nm) = (
+                judged.threads[class as usize],
+                judged.thread_nm[class as usize],
+            );
+            writeln!(
+                f,
+                "{count:>12} setpoints on a helix {}, at most {nm} nm off",
+                class.name()
+            )?;
         }
         writeln!(
             f,
             "{:>12} on the line of a rigid tap, {} nm; {} of an ordinary one, {} nm",
-            judged.taps,
-            judged.tap_nm,
-            judged.floats,
-            judged.float_nm
+            judged.taps, judged.tap_nm, judged.floats, judged.float_nm
         )?;
         let [speed, acceleration, jerk] = judged.used.map(|share| share * 100.0);
         write!(

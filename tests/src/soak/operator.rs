@@ -64,7 +64,10 @@ pub struct Operator {
 }
 
 /// Alarms of a spindle that does not turn as the program tells it.
-pub(super) const OF_SPINDLE: [Code; 12] = [
+pub(super) const OF_SPINDLE: [Code; 15] = [
+    Code::EncoderUncertain,
+    Code::LeadForEncoder,
+    Code::SpeedForEncoder,
     Code::SpindleSwings,
     Code::SpindleNotSteady,
     Code::SpindleNotArrived,

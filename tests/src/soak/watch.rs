@@ -61,6 +61,8 @@ struct Bounds {
     speed: f64,
     acceleration: f64,
     jerk: f64,
+    /// What whole counts of the spindle's encoder add to the acceleration of an axis that it leads.
+    noise: f64,
 }
 
 /// The watch.
@@ -241,6 +243,7 @@ impl Watch {
                 }
                 let what = ["speed", "acceleration", "jerk"][n];
                 let axis = Axis::ALL[axis];
+                let noise = if led && n == 1 { bounds.noise } else { 0.0 };
                 let limit = match (led, broken) {
                     (false, _) => limit,
                     // The unevenness of a spindle adds to the values for which a pass is planned.
@@ -249,7 +252,7 @@ impl Watch {
                     (true, true) => 1.1 * limit * TOO_FAST.powi(n as i32 + 1),
                 };
                 assert!(
-                    size as f64 <= limit + rounding,
+                    size as f64 <= limit + noise + rounding,
                     "{axis:?}: {what} {size} nm, limit {limit:.1}:\n{}",
                     window.map(told).join("\n")
                 );
@@ -297,7 +300,11 @@ impl Watch {
                 }
                 let worst = &mut self.judged.thread_nm[class];
                 *worst = (*worst).max(nm);
-                assert!(nm <= self.beside, "{nm} nm off the helix, {:?}: {row:?}", self.class);
+                assert!(
+                    nm <= self.beside,
+                    "{nm} nm off the helix, {:?}: {row:?}",
+                    self.class
+                );
                 if let Some(groove) = self.grooves.iter().find(|groove| groove.line == row.line) {
                     in_groove(row, groove, self.beside);
                 }
@@ -371,5 +378,6 @@ fn bounds(params: &Params) -> [Bounds; 3] {
         speed: params.rapid(axis).nm_per_min() as f64 / 60.0 * tick,
         acceleration: params.acceleration(axis).nm_per_s2() as f64 * tick * tick,
         jerk: params.jerk(axis).nm_per_s3() as f64 * tick * tick * tick,
+        noise: encoder::noise(params, axis) * tick * tick,
     })
 }

@@ -1,5 +1,5 @@
-//! Ordinary taps by encoders of few timed counts: what a check lets pass keeps to the axis' acceleration, also where the spindle
-//! turns back.
+//! Ordinary taps by encoders of few timed counts: what a check lets pass keeps to the axis' acceleration, also where the
+//! spindle turns back.
 
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_core::units::Axis;

@@ -45,7 +45,12 @@ impl Case {
         let jerk = lead_um as f64 * 1e-6 * turns * (core::f64::consts::TAU * turns).powi(2);
         let most = (10.0 / jerk * 100_000.0) as u32;
         // A little more or less is within the tolerance at once.
-        let others = [0, 0, random.within(60, 1_500), rpm * random.within(80, 120) / 100];
+        let others = [
+            0,
+            0,
+            random.within(60, 1_500),
+            rpm * random.within(80, 120) / 100,
+        ];
         Self {
             counts,
             timed,

@@ -216,13 +216,14 @@ impl Press {
     /// Renews the press until its end.
     fn carry_out(&self, link: &mut Link) -> Outcome<End> {
         let begun = Instant::now();
-        let mut released = false;
+        let (mut released, mut ran) = (false, false);
         loop {
             released |= self.is_wanted_no_more();
             self.send(link, released)?;
             link.idle(RENEWAL)?;
             match self.state(link) {
-                // The next frame of a press that an alarm has ended is refused, without a reason of its own.
+                // What has ended a press that ran refuses its next frame; whoever tells the end tells that, too.
+                Some(PressState::Refused) if ran => return Ok(End::Broken),
                 Some(PressState::Refused) => {
                     return match link.refusal()? {
                         Some(reason) => Err(link.refused_by(reason).into()),
@@ -234,7 +235,8 @@ impl Press {
                     return Ok(End::Done);
                 }
                 Some(PressState::Ended) => return Ok(End::Broken),
-                Some(PressState::None | PressState::Runs) => {}
+                Some(PressState::Runs) => ran = true,
+                Some(PressState::None) => {}
                 None if begun.elapsed() < ANSWER => {}
                 None => return Err(refusal(link)),
             }

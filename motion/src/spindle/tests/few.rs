@@ -105,7 +105,13 @@ fn few_timed_counts_follow_a_swing_from_their_slowest_speed_on() {
 /// What waits for a spindle at rest waits for less than the drive may take to stop it.
 #[test]
 fn a_spindle_that_has_stopped_stands_after_a_second_without_an_edge() {
-    for (counts, timed) in [(4, true), (16, false), (47, false), (100, true), (239, true)] {
+    for (counts, timed) in [
+        (4, true),
+        (16, false),
+        (47, false),
+        (100, true),
+        (239, true),
+    ] {
         let mut spindle = Swinging::new(counts, 415.0, (0.0, 5.0));
         let mut observer = Observer::new(counts, 35, 1000);
         let mut last = spindle.sample(0.0, timed);
