@@ -125,7 +125,7 @@ impl Resolution {
     }
 
     /// The largest acceleration that an encoder of few timed counts gives an axis on this lead where the spindle turns back
-    /// ([`TURNING_BACK`]); `None` for other encoders.
+    /// (four fifths of a count in a tick); `None` for other encoders.
     #[must_use]
     pub fn noise_of_few(self, lead: Lead) -> Option<Acceleration> {
         if !self.timed || self.counts >= FEW {
