@@ -1,14 +1,14 @@
 // The way out of a hole: what the board has written down of the tap is shown, and then it is brought out by a button that
 // is held.
 
-import { isChinese, word } from "./words.js";
+import { isChinese, said, word } from "./words.js";
 
 const at = (id) => document.getElementById(id);
 let told = null;
 
 function show() {
   at("retract_go").hidden = !told?.ok;
-  at("retract_told").textContent = told ? `${told.ok ? "" : "▲ "}${isChinese() ? told.zh : told.en}` : "";
+  at("retract_told").textContent = told ? `${told.ok ? "" : "▲ "}${said(told)}` : "";
 }
 
 // What an order has to do, how one is told, and how a button is held.

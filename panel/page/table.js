@@ -3,11 +3,10 @@
 // written or given up. It must not know what the table is about.
 
 import { sheet } from "./transport.js";
-import { isChinese, word } from "./words.js";
+import { isChinese, said, word } from "./words.js";
 
-const said = (told) => (isChinese() ? told.zh : told.en);
-
-function item(tone, text) {
+// A line of what is told.
+export function item(tone, text) {
   const one = document.createElement("li");
   one.dataset.tone = tone;
   one.textContent = text;

@@ -1,7 +1,8 @@
 // A tool or a work offset touched off: what was measured is typed, what follows is shown, and then written. What is written is
 // what was shown: the panel refuses it where the machine has another place, mark or table by then. It must not know how it is done.
 
-import { isChinese, word } from "./words.js";
+import { item } from "./table.js";
+import { isChinese, said, word } from "./words.js";
 
 const at = (id) => document.getElementById(id);
 let give = async () => null;
@@ -11,15 +12,6 @@ let told = null;
 let turn = 0;
 // By which work offset and tool positions are shown; fields go by it until somebody chooses.
 let zero = "";
-
-const said = (answer) => (isChinese() ? answer.zh : answer.en);
-
-function item(tone, text) {
-  const one = document.createElement("li");
-  one.dataset.tone = tone;
-  one.textContent = text;
-  return one;
-}
 
 function show() {
   at("touch_write").hidden = shown === null;

@@ -165,6 +165,9 @@ let language = 0;
 
 export const isChinese = () => language === 1;
 
+// What the panel has said in both languages.
+export const said = ({ en, zh }) => (isChinese() ? zh : en);
+
 export function use(zh) {
   language = zh ? 1 : 0;
   document.documentElement.lang = zh ? "zh" : "en";

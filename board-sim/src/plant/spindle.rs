@@ -111,6 +111,16 @@ impl Ripple {
             _ => None,
         }
     }
+
+    /// How often the speed swings, in thousandths of a hertz; 0 where the amplitude is 0.
+    #[must_use]
+    pub const fn milli_hertz(self) -> u32 {
+        if self.milli_percent == 0 {
+            0
+        } else {
+            self.milli_hertz
+        }
+    }
 }
 
 /// The ripple's part of the angle, as factors of the speed and of the acceleration.

@@ -9,7 +9,8 @@ use crate::units::{Acceleration, Axis, Lead, Length, Rpm, mul_div, signed};
 /// `span`.
 ///
 /// # Errors
-/// As [`can_follow`].
+/// The spindle is so slow that the observer cannot keep hold of it ([`Code::SpeedForEncoder`]); the counts shake the axis
+/// beyond its acceleration ([`Code::LeadForEncoder`]).
 pub(crate) fn can_tap(
     lead: At<Lead>,
     axis: Axis,
@@ -23,23 +24,6 @@ pub(crate) fn can_tap(
         .or_else(|| params.count_noise(lead.value, axis));
     fast_enough(resolution.slowest_of_tap(), resolution.counts, rpm, span)?;
     quiet_enough(lead, axis, noise, params)
-}
-
-/// Checks a lead on which `axis` follows the observer at `rpm`, which may not be below `slowest`.
-///
-/// # Errors
-/// The noise exceeds the axis' acceleration ([`Code::LeadForEncoder`]); the spindle is so slow that the observer cannot
-/// keep hold of it ([`Code::SpeedForEncoder`]).
-fn can_follow(
-    lead: At<Lead>,
-    axis: Axis,
-    rpm: Rpm,
-    slowest: Rpm,
-    span: Span,
-    params: &Params,
-) -> Result<(), Alarm> {
-    fast_enough(slowest, params.encoder_counts(), rpm, span)?;
-    quiet_enough(lead, axis, params.count_noise(lead.value, axis), params)
 }
 
 /// Checks that the encoder does not shake `axis` by more than the axis' acceleration.
@@ -74,7 +58,7 @@ fn quiet_enough(
 ///
 /// # Errors
 /// The counts of the encoder come too seldom ([`Code::SpeedForEncoder`]), or leave too large an error along the lead where
-/// the angle is learned ([`Code::EncoderUncertain`]); else as [`can_follow`].
+/// the angle is learned ([`Code::EncoderUncertain`]); else as [`can_tap`].
 pub(crate) fn can_thread(
     lead: At<Lead>,
     axis: Axis,
@@ -84,7 +68,8 @@ pub(crate) fn can_thread(
 ) -> Result<(), Alarm> {
     let encoder = params.resolution();
     if !encoder.is_learned() {
-        return can_follow(lead, axis, rpm, encoder.slowest(), span, params);
+        fast_enough(encoder.slowest(), encoder.counts, rpm, span)?;
+        return quiet_enough(lead, axis, params.count_noise(lead.value, axis), params);
     }
     fast_enough(encoder.slowest_learned(), encoder.counts, rpm, span)?;
     let most = params.encoder_error();

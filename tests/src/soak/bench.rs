@@ -183,9 +183,9 @@ impl Bench {
             options,
             status: BoardStatus::default(),
             beat: BoardBeat::default(),
-            watch: Watch::new(&params, options.drives.lag != 0),
+            watch: Watch::new(&params, &options),
+            operator: Operator::of(&params, &options),
             params,
-            operator: Operator::default(),
             wire,
             counts: Counts::default(),
             end: None,
@@ -203,15 +203,6 @@ impl Bench {
         };
         bench.connect();
         bench
-    }
-
-    /// The same with a spindle that swings so often, in thousandths of a hertz.
-    pub fn swinging(mut self, swing_mhz: u32) -> Self {
-        self.watch.set_swing(&self.params, swing_mhz);
-        if swing_mhz != 0 && self.params.learns_spindle() && self.params.spindle_swing() == 0 {
-            self.operator.set_swings();
-        }
-        self
     }
 
     /// The board joins its network.

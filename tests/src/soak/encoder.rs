@@ -1,5 +1,6 @@
 //! The spindle's encoder of a machine of the soak, and how far a thread may be beside its helix by it.
 
+use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Lead};
 
@@ -41,8 +42,17 @@ impl Class {
     }
 }
 
-/// Another encoder than the built-in one, in half of the machines. `swing_mhz`: how the spindle swings, in thousandths of a
-/// hertz, 0 for a spindle that does not.
+/// How often the spindle swings, in thousandths of a hertz; 0 for one that does not.
+pub fn swing_mhz(options: &PlantOptions) -> u32 {
+    options.ripple.map_or(0, Ripple::milli_hertz)
+}
+
+/// A swing that the encoder cannot learn: it has few counts, and nobody has given the frequency.
+pub fn is_unknown(params: &Params, swing_mhz: u32) -> bool {
+    swing_mhz != 0 && params.learns_spindle() && params.spindle_swing() == 0
+}
+
+/// Another encoder than the built-in one, in half of the machines. [`swing_mhz`] is that of their spindle.
 pub fn draw(r: &mut Draws, params: &mut Params, swing_mhz: u32) {
     let (low, high, timed) = match r.within(0, 9) {
         0 => (1_024, 100_000, 0),
@@ -71,16 +81,13 @@ pub fn draw(r: &mut Draws, params: &mut Params, swing_mhz: u32) {
 }
 
 /// The largest distance of a thread from its helix, in nanometres, for any lead, speed, tick and ripple of these machines.
-/// `swing_mhz` as above.
 pub fn beside(params: &Params, swing_mhz: u32) -> i64 {
     const FINE: i64 = 8_000;
-    let known = params.spindle_swing() != 0;
     match Class::of(params) {
         Class::Fine => FINE,
+        _ if is_unknown(params, swing_mhz) => 200_000,
         // What 9035 allows: the frequency is known within one per cent, and has to be learned.
-        _ if swing_mhz != 0 && known => params.encoder_error().nm(),
-        // A swing whose frequency nobody has given is not learned.
-        _ if swing_mhz != 0 => 200_000,
+        _ if swing_mhz != 0 => params.encoder_error().nm(),
         Class::FewTimed => FINE,
         // One and a half times the way in a tick.
         Class::Few => FASTEST_NM_PER_S * i64::from(params.tick_us()) * 3 / 2_000_000 + FINE,

@@ -1,11 +1,13 @@
 //! Somebody at the machine who presses anything at any time, and a machine things happen to.
 
-use leadscrew_board_sim::plant::Trouble;
+use leadscrew_board_sim::plant::{PlantOptions, Trouble};
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::bus::{BoardCommand, CobId, Frame, NmtCommand, Object, Order, Service};
+use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
 use super::bench::{Bench, End};
+use super::encoder;
 use super::script::Luck;
 use super::trouble::{OF_BUS, OF_DRIVES, break_something, mend_wire};
 use crate::gateway::NODE;
@@ -105,9 +107,12 @@ impl Operator {
         self.causes.contains(&code) || self.swings && swings
     }
 
-    /// The spindle swings at a frequency that nobody has given, and its encoder has few counts.
-    pub fn set_swings(&mut self) {
-        self.swings = true;
+    /// Somebody at a machine where everything is well.
+    pub fn of(params: &Params, options: &PlantOptions) -> Self {
+        Self {
+            swings: encoder::is_unknown(params, encoder::swing_mhz(options)),
+            ..Self::default()
+        }
     }
 
     /// From now on these may come.
@@ -298,8 +303,6 @@ fn network(bench: &mut Bench) {
 #[cfg(test)]
 mod tests {
     use leadscrew_board_sim::Sim;
-    use leadscrew_board_sim::plant::PlantOptions;
-    use leadscrew_core::params::Params;
 
     use super::super::bench::Wire;
     use super::super::script::Draws;

@@ -40,7 +40,7 @@ pub struct Shift {
     text: String,
 }
 
-/// A machine that is not like the built-in one. `swing_mhz`: how its spindle swings.
+/// A machine that is not like the built-in one, with a spindle that swings so often (thousandths of a hertz).
 fn machine(r: &mut Draws, swing_mhz: u32) -> Params {
     let mut params = Params::sheets();
     set(&mut params, "9000", r.of(&[1000, 1000, 2000]));
@@ -89,13 +89,12 @@ impl Shift {
     /// Switches a machine on.
     pub fn begin(mut random: Draws) -> Self {
         let size = random.of(&[0, 0, 1]) * random.within(0, 3_000) as u32;
-        let mhz = random.within(2_000, 12_000) as u32;
-        let swing_mhz = if size == 0 { 0 } else { mhz };
-        let params = machine(&mut random, swing_mhz);
+        let ripple = Ripple::new(size, random.within(2_000, 12_000) as u32);
+        let params = machine(&mut random, ripple.map_or(0, Ripple::milli_hertz));
         let options = PlantOptions {
             angle: Turns::from_raw(random.within(-(1 << 31), 1 << 31)),
             counter: random.within(-100_000, 100_000) as i32,
-            ripple: Ripple::new(size, mhz),
+            ripple,
             drives: DriveOptions {
                 transmission: params.drive_status_syncs() as u8,
                 settling: random.within(0, 20) as u16,
@@ -113,7 +112,7 @@ impl Shift {
         let sim = Sim::new(&params, &options).expect("the machine starts");
         Self {
             built_in: params.clone(),
-            bench: Bench::new(random, sim, params, options, wire).swinging(swing_mhz),
+            bench: Bench::new(random, sim, params, options, wire),
             job: 0,
             program: 0,
             text: String::new(),

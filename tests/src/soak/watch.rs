@@ -1,5 +1,6 @@
 //! The conditions that must hold in every tick, whatever happens to the machine.
 
+use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::board::State;
 use leadscrew_core::call::Position;
@@ -22,9 +23,9 @@ pub struct Judged {
     /// Setpoints.
     pub rows: u64,
     /// Setpoints with an axis held to the helix of a thread, by class of encoder.
-    pub threads: [u64; 3],
+    pub threads: [u64; Class::ALL.len()],
     /// The largest distance from the helix, in nanometres.
-    pub thread_nm: [i64; 3],
+    pub thread_nm: [i64; Class::ALL.len()],
     /// Setpoints with an axis held to the line of a rigid tap.
     pub taps: u64,
     /// The largest distance from this line, in nanometres.
@@ -41,7 +42,7 @@ impl Judged {
     /// Adds the values of another watch.
     pub fn add(&mut self, other: &Self) {
         self.rows += other.rows;
-        for class in 0..3 {
+        for class in Class::ALL.map(|class| class as usize) {
             self.threads[class] += other.threads[class];
             self.thread_nm[class] = self.thread_nm[class].max(other.thread_nm[class]);
         }
@@ -107,13 +108,14 @@ fn of(position: Position) -> [i64; 3] {
 const TOO_FAST: f64 = 1.3;
 
 impl Watch {
-    /// A watch for a machine with these parameters. `lags`: its drives follow with a lag.
-    pub fn new(params: &Params, lags: bool) -> Self {
+    /// A watch for a machine with these parameters and this plant.
+    pub fn new(params: &Params, options: &PlantOptions) -> Self {
+        let swing_mhz = encoder::swing_mhz(options);
         Self {
             bounds: bounds(params),
             class: Class::of(params),
-            beside: encoder::beside(params, 0),
-            swing_mhz: 0,
+            beside: encoder::beside(params, swing_mhz),
+            swing_mhz,
             last: heapless::Deque::new(),
             led: [false; LATE],
             came_up: [false; LATE],
@@ -122,7 +124,7 @@ impl Watch {
             grooves: heapless::Vec::new(),
             slipped: false,
             stopping: false,
-            lags,
+            lags: options.drives.lag != 0,
             broken_until: 0,
             replaces: false,
             judged: Judged::default(),
@@ -132,15 +134,9 @@ impl Watch {
     /// Other parameters come into force; the machine stands.
     pub fn set_params(&mut self, params: &Params) {
         self.bounds = bounds(params);
-        self.set_swing(params, self.swing_mhz);
-        self.last.clear();
-    }
-
-    /// The spindle swings so often, in thousandths of a hertz.
-    pub fn set_swing(&mut self, params: &Params, swing_mhz: u32) {
-        self.swing_mhz = swing_mhz;
         self.class = Class::of(params);
-        self.beside = encoder::beside(params, swing_mhz);
+        self.beside = encoder::beside(params, self.swing_mhz);
+        self.last.clear();
     }
 
     /// The setpoints begin again: the power was away, or the drives were moved.

@@ -102,7 +102,7 @@ fn few_timed_counts_follow_a_swing_from_their_slowest_speed_on() {
     }
 }
 
-/// What waits for a spindle at rest waits for less than the drive may take to stop it.
+/// Whatever waits for a standing spindle (M29, M3 after a rigid tap) would wait longer than it may.
 #[test]
 fn a_spindle_that_has_stopped_stands_after_a_second_without_an_edge() {
     for (counts, timed) in [

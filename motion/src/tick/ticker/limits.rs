@@ -36,6 +36,12 @@ impl Switches {
     const fn are_none(&self) -> bool {
         matches!(self.0, [None, None, None, None])
     }
+
+    /// Those that there are.
+    fn each(self) -> impl Iterator<Item = (AxisEnd, HomeSwitch)> {
+        let ends = AxisEnd::ALL.into_iter().zip(self.0);
+        ends.filter_map(|(end, switch)| Some((end, switch?)))
+    }
 }
 
 /// What is known of the switches.
@@ -96,9 +102,7 @@ impl Ticker {
             State::Starting | State::Alarm(_) => false,
         };
         let mut now = HardLimits::NONE;
-        let Switches(switches) = self.given.limits;
-        for (end, switch) in AxisEnd::ALL.into_iter().zip(switches) {
-            let Some(switch) = switch else { continue };
+        for (end, switch) in self.given.limits.each() {
             match self.is_on(end, switch, is_up) {
                 Ok(true) => now = now.with(end),
                 Ok(false) => {}
@@ -150,13 +154,11 @@ impl Ticker {
         };
         let by_board = self.searched().is_some();
         let at = self.switch(axis).map(|switch| switch.at);
-        let Switches(switches) = self.given.limits;
-        let ends = AxisEnd::ALL.into_iter().zip(switches);
-        let sought = ends.filter(|(end, switch)| {
+        let sought = self.given.limits.each().filter(|(end, switch)| {
             end.axis == axis
                 && match by_board {
-                    true => *switch == at,
-                    false => matches!(switch, Some(HomeSwitch::Drive(_))),
+                    true => Some(*switch) == at,
+                    false => matches!(switch, HomeSwitch::Drive(_)),
                 }
         });
         sought.fold(HardLimits::NONE, |all, (end, _)| all.with(end))
@@ -209,15 +211,13 @@ impl Ticker {
     /// The end that keeps an axis from being homed: on its way lies a switch that is on, and not what is sought. Where its
     /// drive homes, its way is not known.
     pub(super) fn refuses_home(&self, axis: Axis) -> Option<AxisEnd> {
-        let Switches(switches) = self.given.limits;
         let at = self.switch(axis);
-        let ends = AxisEnd::ALL.into_iter().zip(switches);
-        let mut against = ends.filter(|(end, switch)| {
+        let mut against = self.given.limits.each().filter(|(end, switch)| {
             end.axis == axis
                 && self.limits.on.contains(*end)
                 && match &at {
-                    Some(at) => at.towards() == end.towards && *switch != Some(at.at),
-                    None => matches!(switch, Some(HomeSwitch::Machine(_))),
+                    Some(at) => at.towards() == end.towards && *switch != at.at,
+                    None => matches!(switch, HomeSwitch::Machine(_)),
                 }
         });
         against.next().map(|(end, _)| end)

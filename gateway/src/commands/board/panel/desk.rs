@@ -280,6 +280,16 @@ impl Shared {
         }
     }
 
+    /// Asks it of the panel's own thread, where nothing keeps it from that.
+    fn ask(&mut self, ticket: u64, why: Option<Both>, put: impl FnOnce(&mut Asks)) {
+        if let Some(why) = why {
+            self.done.insert(ticket, Err(why));
+            return;
+        }
+        self.typed = true;
+        put(&mut self.asks);
+    }
+
     fn begin(&mut self, asked: Asked, seen: &Seen, now: Instant) {
         let Asked { ticket, wish, echo } = asked;
         if wish.halts() {
@@ -307,40 +317,31 @@ impl Shared {
                     self.done.insert(ticket, Err(mistake.0));
                 }
             },
-            Wish::Line { text, zh } => match keys::refusal(keys::Wish::Line, self.situation(now)) {
-                Some(words) => {
-                    self.done.insert(ticket, Err(words));
-                }
-                None => {
-                    self.typed = true;
-                    let what = What::Line(text);
-                    self.asks.lines.push(Line { ticket, what, zh });
-                }
-            },
-            Wish::Retract { speed, zh } => match keys::no_program(self.situation(now)) {
-                Some(words) => {
-                    self.done.insert(ticket, Err(words));
-                }
-                None => {
-                    self.typed = true;
-                    let what = What::Retract(speed);
-                    self.asks.lines.push(Line { ticket, what, zh });
-                }
-            },
-            Wish::Program { name, tag, zh } => match keys::no_program(self.situation(now)) {
-                Some(words) => {
-                    self.done.insert(ticket, Err(words));
-                }
-                None => {
-                    self.typed = true;
-                    self.asks.programs.push(Program {
+            Wish::Line { text, zh } => {
+                let why = keys::refusal(keys::Wish::Line, self.situation(now));
+                let what = What::Line(text);
+                self.ask(ticket, why, |asks| {
+                    asks.lines.push(Line { ticket, what, zh });
+                });
+            }
+            Wish::Retract { speed, zh } => {
+                let why = keys::no_program(self.situation(now));
+                let what = What::Retract(speed);
+                self.ask(ticket, why, |asks| {
+                    asks.lines.push(Line { ticket, what, zh });
+                });
+            }
+            Wish::Program { name, tag, zh } => {
+                let why = keys::no_program(self.situation(now));
+                self.ask(ticket, why, |asks| {
+                    asks.programs.push(Program {
                         ticket,
                         name,
                         tag,
                         zh,
                     });
-                }
-            },
+                });
+            }
         }
     }
 

@@ -24,6 +24,7 @@ use super::object;
 use super::views::Views;
 use crate::cli::{Global, LangName};
 use crate::failure::{Failure, Outcome};
+use crate::json::Json;
 use crate::words::{Both, both, is_obeyed, one_line};
 
 /// More values than any table has.
@@ -149,15 +150,7 @@ impl Told {
                 json.text("en", &why.en);
                 json.text("zh", &why.zh);
             }
-            json.array_at("changes", |list| {
-                for [key, old, new] in &self.changes {
-                    list.object(|o| {
-                        o.text("key", key);
-                        o.text("old", old);
-                        o.text("new", new);
-                    });
-                }
-            });
+            put_changes(json, &self.changes);
             json.array_at("complaints", |list| {
                 for Complaint { key, bad, words } in &self.complaints {
                     list.object(|o| {
@@ -256,6 +249,19 @@ impl Tables {
 fn short(text: &str) -> Option<String> {
     let fits = text.len() <= LONGEST && !text.chars().any(is_obeyed);
     fits.then(|| text.to_owned())
+}
+
+/// A list of changes: name, old value, new value.
+fn put_changes(json: &mut Json, changes: &[[String; 3]]) {
+    json.array_at("changes", |list| {
+        for [key, old, new] in changes {
+            list.object(|o| {
+                o.text("key", key);
+                o.text("old", old);
+                o.text("new", new);
+            });
+        }
+    });
 }
 
 /// The words of a failure.

@@ -8,7 +8,7 @@ use super::{Change, Complaint, Told};
 use crate::cli::Global;
 use crate::commands::tools::{Home, of_params};
 use crate::failure::Outcome;
-use crate::tools::{Key, changes, much, unknown};
+use crate::tools::{Change as Changed, Key, changes, much, unknown};
 use crate::words::both;
 
 /// The table that is in force.
@@ -84,11 +84,16 @@ fn laid_over(old: &Offsets, change: &Change) -> (Told, Offsets) {
             ),
         });
     }
-    let texts = changes.iter().map(|one| {
-        let [old, new] = [one.old, one.new].map(|raw| one.key.shown(raw));
-        [one.key.to_string(), old, new]
-    });
-    told.changes = texts.collect();
+    told.changes = texts(&changes);
     told.judge(change);
     (told, new)
+}
+
+/// Name, old value and new value of each.
+pub(super) fn texts(changes: &[Changed]) -> Vec<[String; 3]> {
+    let text = |one: &Changed| {
+        let [old, new] = [one.old, one.new].map(|raw| one.key.shown(raw));
+        [one.key.to_string(), old, new]
+    };
+    changes.iter().map(text).collect()
 }

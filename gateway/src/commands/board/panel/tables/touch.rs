@@ -2,18 +2,17 @@
 //! `leadscrew touch` does. Nothing moves by it.
 
 use clap::ValueEnum as _;
+use leadscrew_core::offsets::TOOLS;
 use serde_json::Value;
 
 use super::super::object;
-use super::{said, short};
+use super::tools::texts;
+use super::{put_changes, said, short};
 use crate::cli::{AxisName, Global, SystemName, Touch};
 use crate::commands::tools::{Home, touch};
 use crate::failure::{Failure, Outcome};
 use crate::tools::Change;
 use crate::words::{Both, both, one_line};
-
-/// The highest number of a tool offset.
-const TOOLS: u8 = 32;
 
 /// What is to be touched off.
 #[derive(Debug)]
@@ -85,16 +84,7 @@ impl Touching {
             json.text("zh", &words.zh);
             let Ok(told) = &told else { return };
             json.text("seen", &told.seen);
-            json.array_at("changes", |list| {
-                for one in &told.changes {
-                    let [old, new] = [one.old, one.new].map(|raw| one.key.shown(raw));
-                    list.object(|o| {
-                        o.text("key", &one.key.to_string());
-                        o.text("old", &old);
-                        o.text("new", &new);
-                    });
-                }
-            });
+            put_changes(json, &texts(&told.changes));
         })
     }
 
@@ -153,7 +143,7 @@ fn number(text: &str, work: bool) -> Result<Option<u8>, Both> {
     let number = text
         .parse()
         .ok()
-        .filter(|number| (1..=TOOLS).contains(number));
+        .filter(|number| (1..=TOOLS as u8).contains(number));
     match number {
         None if work && matches!(text, "" | "0") => Ok(None),
         Some(number) => Ok(Some(number)),
