@@ -10,7 +10,7 @@ use leadscrew_core::board::device::objects::{
     MACHINE_INPUTS, MACHINE_OUTPUTS, NEWEST_EVENT, PRODUCT_CODE, SERIAL_NUMBER, SET_CHECKSUM,
     SIGNALS, SOFTWARE_VERSION, START, STATUS_RECORD, TAP_DISCARD, TAP_RECORD, THREADS_TAKEN,
 };
-use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, Object, Order};
+use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, NodeId, Object, Order};
 use leadscrew_core::link::{
     Certificate, EventReader, ImageReader, Logged, Status, ThreadCertificate, ThreadReader,
     VERSION, Version, identity,
@@ -172,46 +172,42 @@ impl Link {
     /// later command of another client is newer, so this command is not repeated after it.
     fn command(&mut self, mut command: BoardCommand, name: &'static str) -> LinkResult {
         let node = self.node();
-        command.echo = self.echo_for(&command)?;
+        command.echo = self.echo_for(&command, &mut |_| {})?;
         let before = self.seen.status.unwrap_or_default().count;
         let mut boots = self.seen.boots;
         self.put(&[command.frame(node)])?;
         let mut again = Instant::now() + REPEAT;
         let end = Instant::now() + CONFIRMED;
-        let (mut sent, mut confirmed, mut overtaken) = (1, false, false);
+        let mut sent = 1;
+        let mut heard = Heard::of(command, node);
         loop {
             let now = Instant::now();
-            let mut each = |frame: &Frame| {
-                if let Some((to, other)) = BoardCommand::decode(frame) {
-                    overtaken |= to == node && other.order.is_some() == command.order.is_some();
-                } else if let Some((from, status)) = BoardStatus::decode(frame) {
-                    confirmed |= from == node && status.count == command.count;
-                }
-            };
             self.listen(now + Duration::from_millis(1), &mut |frame| {
-                each(frame);
+                heard.note(frame);
                 false
             })?;
             // All frames that have arrived, however late.
-            self.hear_all(&mut each)?;
+            self.hear_all(&mut |frame| heard.note(frame))?;
             if command.order == Some(Order::Run) && self.hold_at_once()? {
                 return Ok(());
             }
             let over = now >= again;
             if command.order.is_some() {
                 // Two clients that give an order within the same status use the same count.
-                if confirmed && !(overtaken && command.order.is_some_and(halts)) {
+                let count = self.seen.status.unwrap_or_default().count;
+                // What the board answered may have been heard while the node was asked or started.
+                let confirmed = heard.confirmed || count != before && count == command.count;
+                if confirmed && !(heard.overtaken && command.order.is_some_and(halts)) {
                     return Ok(());
                 }
-                let count = self.seen.status.unwrap_or_default().count;
                 if count != before || now >= end {
                     return Err(Trouble::Unconfirmed {
                         node: node.get(),
                         order: name,
-                        overtaken: overtaken || count != before,
+                        overtaken: heard.overtaken || count != before,
                     });
                 }
-            } else if overtaken || over && sent == 3 {
+            } else if heard.overtaken || over && sent == 3 {
                 return Ok(());
             }
             if over && self.seen.boots != boots {
@@ -219,9 +215,9 @@ impl Link {
                 boots = self.seen.boots;
                 self.start_node()?;
             }
-            if over && !overtaken {
+            if over && !heard.overtaken {
                 // The order shows its age: each repetition is a fresh one.
-                command.echo = self.echo_for(&command)?;
+                command.echo = self.echo_for(&command, &mut |frame| heard.note(frame))?;
                 self.put(&[command.frame(node)])?;
                 sent += 1;
                 again = Instant::now() + REPEAT;
@@ -488,5 +484,37 @@ const fn order_name(order: Order) -> &'static str {
         Order::Cancel => "cancel",
         Order::Mode(_) => "mode",
         Order::Home(_) => "home",
+    }
+}
+
+/// What is heard while a command is repeated.
+struct Heard {
+    node: NodeId,
+    /// The count of the command.
+    count: u8,
+    is_order: bool,
+    /// The board has the command.
+    confirmed: bool,
+    /// Somebody else has said something of the kind.
+    overtaken: bool,
+}
+
+impl Heard {
+    fn of(command: BoardCommand, node: NodeId) -> Self {
+        Self {
+            node,
+            count: command.count,
+            is_order: command.order.is_some(),
+            confirmed: false,
+            overtaken: false,
+        }
+    }
+
+    fn note(&mut self, frame: &Frame) {
+        if let Some((to, other)) = BoardCommand::decode(frame) {
+            self.overtaken |= to == self.node && other.order.is_some() == self.is_order;
+        } else if let Some((from, status)) = BoardStatus::decode(frame) {
+            self.confirmed |= from == self.node && status.count == self.count;
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::device::objects::{BEAT, BY_WHEEL, MODE, REFUSED, TOOL};
-use leadscrew_core::bus::{Beat, BoardCommand, BoardState, Object, Order};
+use leadscrew_core::bus::{Beat, BoardCommand, BoardState, Frame, Object, Order};
 use leadscrew_core::link::Event;
 use leadscrew_core::offsets::InPlace;
 use leadscrew_core::operating::OperatingMode;
@@ -24,11 +24,16 @@ impl Link {
     ///
     /// # Errors
     /// The board does not answer.
-    pub(super) fn echo_for(&mut self, command: &BoardCommand) -> LinkResult<Option<Beat>> {
+    pub(super) fn echo_for(
+        &mut self,
+        command: &BoardCommand,
+        each: &mut dyn FnMut(&Frame),
+    ) -> LinkResult<Option<Beat>> {
         if !command.order.is_some_and(Order::needs_echo) {
             return Ok(None);
         }
-        self.beat().map(Some)
+        self.hear_all(each)?;
+        self.newest_beat().map(Some)
     }
 
     /// The newest beat.
@@ -37,6 +42,10 @@ impl Link {
     /// The board does not answer.
     pub fn beat(&mut self) -> LinkResult<Beat> {
         self.hear_all(&mut |_| {})?;
+        self.newest_beat()
+    }
+
+    fn newest_beat(&mut self) -> LinkResult<Beat> {
         match self.seen.beat {
             Some(told) => Ok(told.beat),
             None => {

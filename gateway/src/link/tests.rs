@@ -11,9 +11,11 @@ use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
 use leadscrew_core::board::device::objects::{COMMIT, STAGED_CHANGES};
 use leadscrew_core::bus::{
-    Abort, BoardCommand, BoardSpindle, CobId, Frame, NodeId, Object, Order, Service,
+    Abort, BoardBeat, BoardCommand, BoardSpindle, CobId, Frame, NmtState, NodeId, Object, Order,
+    Service,
 };
 use leadscrew_core::link::{ImageWriter, identity};
+use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::params::{Entry, Params};
 
 use super::bench::{Fate, between, link, machine, machine_of};
@@ -514,6 +516,36 @@ fn overtaken(
     };
     let result = own(&mut between(inside, sent, |frame| frame));
     (result, said.load(Ordering::Relaxed))
+}
+
+/// A repetition asks the board for its beat. What confirms the order may come with the answer.
+#[test]
+fn an_order_is_confirmed_by_whatever_is_heard_in_its_repetition() {
+    let inside = machine(Flash::erased());
+    let mut wire = inside.clone();
+    let mut given = None;
+    let question = CobId::of(Service::SdoRequest, NodeId::BOARD);
+    let sent = move |frame: &Frame| {
+        if BoardCommand::decode(frame).is_some() && given.is_none() {
+            // It is on its way for long.
+            given = Some(*frame);
+            return Fate::Lost(None);
+        }
+        if frame.id() == question && given.is_some() {
+            wire.send(&given.into_iter().collect::<Vec<_>>()).unwrap();
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        Fate::Arrives
+    };
+    // The beat of the board does not come by itself.
+    let other = NmtState::Operational.frame(NodeId::new(99).unwrap());
+    let heard = move |frame: Frame| match BoardBeat::decode(&frame, NodeId::BOARD) {
+        Some(_) => other,
+        None => frame,
+    };
+    let mut link = between(&inside, sent, heard);
+    link.order(Order::Mode(OperatingMode::Manual)).unwrap();
+    assert_eq!(link.mode().unwrap(), OperatingMode::Manual);
 }
 
 #[test]
