@@ -33,7 +33,7 @@ fn quiet_enough(
     noise: Option<Acceleration>,
     params: &Params,
 ) -> Result<(), Alarm> {
-    let limit = params.acceleration(axis);
+    let limit = params.motion_acceleration(axis);
     match noise {
         Some(noise) if noise > limit => {
             let [much, most] = [noise, limit].map(|one| one.nm_per_s2().unsigned_abs());

@@ -54,8 +54,8 @@ impl Limits {
     fn of(params: &Params, axis: Axis) -> Self {
         Self {
             speed: params.rapid(axis).nm_per_min(),
-            acceleration: params.acceleration(axis).nm_per_s2(),
-            jerk: params.jerk(axis).nm_per_s3(),
+            acceleration: params.motion_acceleration(axis).nm_per_s2(),
+            jerk: params.motion_jerk(axis).nm_per_s3(),
         }
     }
 }

@@ -311,6 +311,46 @@ fn errors_of_grooves_and_contours_come_out() {
     near(&elements[1]["mean_um"], 1e3 * off, 0.2 * 1e3 * off);
 }
 
+/// Two faces at one place, which the slide has reached from either side, lie apart by its play; not where the board puts
+/// the backlash in.
+#[test]
+fn backlash_that_is_put_in_cannot_be_measured() {
+    let folder = Folder::new("measure-backlash");
+    let plunge = "G1 X30 F200\nG0 X44\n";
+    let text = format!(
+        "G97 G98 M3 S600\nT0202\nG0 X44 Z20\nZ-10\n{plunge}Z-30\nZ-10\n{plunge}G0 X80 Z20\nM30\n"
+    );
+    let program = write(&folder, "faces.nc", &text);
+    let drive = folder.file("loose.toml");
+    let text = "name = \"loose\"\ntitle = \"Loose\"\nsource = [\n  \
+                { fact = \"figures\", kind = \"assumed\", ref = \"\", verified = false },\n]\n\
+                figures.kv_per_s = 100\nfigures.backlash_um = 40\nfigures.following_mm = 100\n";
+    std::fs::write(&drive, text).unwrap();
+    let drive = format!("Z={drive}");
+    let args = [
+        "--drive",
+        &drive,
+        "--set",
+        "1828.Z=100",
+        "--tool-width",
+        "T2=4",
+    ];
+    let apart = |more: &[&str]| {
+        let result = measured(&[&[program.as_str()], &args[..], more].concat());
+        let face = &result["contours"][0]["elements"][0]["face_mm"];
+        let [least, most] = ["min", "max"].map(|name| face[name].as_f64().unwrap());
+        most - least
+    };
+    let near = |apart: f64, asked: f64| assert!((apart - asked).abs() <= 0.000_2, "{apart}");
+    near(apart(&[]), 0.040);
+    near(apart(&["--set", "1851.Z=0.03"]), 0.010);
+    near(apart(&["--set", "1851.Z=0.04"]), 0.0);
+    near(
+        apart(&["--set", "1851.Z=0.04", "--set", "9070.Z=1000"]),
+        0.0,
+    );
+}
+
 /// Passes of one thread are less than a lead apart; at another diameter it is another thread, though it ends alike.
 #[test]
 fn strokes_at_another_diameter_are_another_thread() {

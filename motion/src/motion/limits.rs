@@ -74,7 +74,7 @@ pub struct Corner {
 }
 
 impl Limits {
-    /// The limits of a parameter set: 1420, 1430, 1620, 1622 of each axis, and the tick. A top speed is limited to
+    /// The limits of a parameter set: 1420, 1430 of each axis, what backlash leaves of 1620 and 1622, and the tick. A top speed is limited to
     /// 16.7 mm (16.7°) a tick; at 1 ms this is 1000 m/min or 2796 rpm of C.
     #[must_use]
     pub fn from_params(params: &Params) -> Self {
@@ -83,8 +83,8 @@ impl Limits {
             AxisLimits::new(
                 params.rapid(axis),
                 params.max_feed(axis),
-                params.acceleration(axis),
-                params.jerk(axis),
+                params.motion_acceleration(axis),
+                params.motion_jerk(axis),
                 tick_us,
             )
         };
@@ -271,8 +271,8 @@ impl AxisLimits {
 pub(super) fn bounds(params: &Params, axis: Axis) -> Bounds {
     // Neither limit is negative.
     Bounds {
-        acceleration: params.acceleration(axis).nm_per_s2() as u64,
-        jerk: params.jerk(axis).nm_per_s3() as u64,
+        acceleration: params.motion_acceleration(axis).nm_per_s2() as u64,
+        jerk: params.motion_jerk(axis).nm_per_s3() as u64,
     }
 }
 

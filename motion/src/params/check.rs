@@ -149,8 +149,8 @@ impl Params {
     fn ramps(&self, axis: Axis) -> (i64, i64) {
         let tick = i64::from(self.tick_us());
         let speed = self.rapid(axis).nm_per_min();
-        let acceleration = self.acceleration(axis).nm_per_s2();
-        let jerk = self.jerk(axis).nm_per_s3();
+        let acceleration = self.motion_acceleration(axis).nm_per_s2();
+        let jerk = self.motion_jerk(axis).nm_per_s3();
         // v/60 / (a·T/10⁶) = 50 000·v / (3·a·T) with T in µs.
         let to_speed = ceil(
             speed.wrapping_mul(50_000),

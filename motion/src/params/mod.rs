@@ -8,6 +8,7 @@
 //! X: travel, speeds, accelerations and limits are those of the slide, on the radius. Offsets are written as diameters,
 //! as they are programmed, and handed out as radii.
 
+mod backlash;
 mod block;
 mod check;
 mod entry;
@@ -21,6 +22,7 @@ mod tests;
 mod turret;
 pub mod unit;
 
+pub use backlash::TAKE_UP_PART;
 pub use check::{BY_DRIVE, BY_SWITCH, PROFILE_TICKS, metres};
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};

@@ -397,6 +397,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0xEAA7_8BFB),
     // Hard limit switches: 9064, 9065.
     (2, 0x4287_256F),
+    // Backlash: 1851.
+    (2, 0x1A51_0C78),
 ];
 
 #[test]

@@ -9,6 +9,7 @@ use home::Mark;
 
 use heapless::Vec;
 
+use super::backlash::{Backlash, Play};
 use super::gear::Gears;
 use super::lag::{Lag, Lags};
 use super::nodes::DriveNodes;
@@ -58,6 +59,8 @@ pub(super) struct Figures {
     together: bool,
     /// What is taken off the lag of the axes.
     lags: [Option<Lag>; 3],
+    /// The backlash of X and Z.
+    plays: [Play; 2],
     spindle_lag: Option<Lag>,
 }
 
@@ -104,6 +107,7 @@ impl Figures {
             nodes,
             together: params.setpoint_frame() == 1,
             lags: Axis::ALL.map(|axis| Lag::of_axis(params, axis)),
+            plays: [Axis::X, Axis::Z].map(|axis| Play::of_axis(params, axis)),
             spindle_lag: Lag::of_spindle(params),
         })
     }
@@ -150,6 +154,8 @@ pub(super) struct Drives {
     marks: [Mark; 3],
     /// The last target of each axis.
     last: [Told; 3],
+    /// What is put in at reversals, where an axis has backlash.
+    backlash: Option<Backlash>,
     /// What makes the axes follow their setpoints, where the lag of a drive is known.
     lags: Option<Lags>,
     spindles: Spindles,
@@ -174,6 +180,7 @@ impl Drives {
             homed: figures.homed,
             marks: figures.marks,
             last: [x.scale.find(0), z.scale.find(0), c.scale.find(0)],
+            backlash: Backlash::of(figures.plays, None),
             lags: Lags::of(figures.lags),
             spindles: Spindles::new(
                 &figures.spindle,
@@ -196,6 +203,7 @@ impl Drives {
         let changed = home::changed(self, figures);
         let lost = self.axes.each_ref().map(DriveMaster::has_lost);
         let (offsets, homed, sync) = (self.offsets, self.homed, self.sync);
+        let backlash = Backlash::of(figures.plays, self.backlash);
         // Error codes by node number.
         let mut told = [None; DRIVES];
         for (place, drive) in told.iter_mut().zip(self.all()) {
@@ -217,7 +225,7 @@ impl Drives {
             home::copy(&mut self.offsets, &offsets, axis);
             home::copy(&mut self.homed, &homed, axis);
         }
-        self.sync = sync;
+        (self.sync, self.backlash) = (sync, backlash);
         changed
     }
 
@@ -311,6 +319,11 @@ impl Drives {
         }
     }
 
+    /// What has been put in at reversals, in nanometres, for X, Z and C.
+    fn put_in(&self) -> [i64; 3] {
+        self.backlash.as_ref().map_or([0; 3], Backlash::put_in)
+    }
+
     /// The machine's position: `remembered` to the nanometre if the drives agree with it to their increment, otherwise the
     /// drives' position.
     pub(super) fn position(&self, remembered: Option<Position>) -> Position {
@@ -322,9 +335,8 @@ impl Drives {
             }
         }
         let mut read = [0; 3];
-        for ((drive, offset), read) in self.axes.iter().zip(self.offsets).zip(&mut read) {
-            let own = drive.target().get().wrapping_sub(offset);
-            *read = drive.config().scale.position(Increments::new(own));
+        for (axis, read) in Axis::ALL.into_iter().zip(&mut read) {
+            *read = self.read_place(axis);
         }
         match (remembered, demands) {
             // For increments finer than a nanometre.
@@ -345,20 +357,26 @@ impl Drives {
     fn demands(&self, places: [i64; 3]) -> [Option<Increments>; 3] {
         let mut demands = [None; 3];
         let drives = self.axes.iter().zip(self.offsets);
-        for ((drive, offset), (demand, place)) in drives.zip(demands.iter_mut().zip(places)) {
+        let places = places.into_iter().zip(self.put_in());
+        for ((drive, offset), (demand, (place, put_in))) in
+            drives.zip(demands.iter_mut().zip(places))
+        {
+            let place = place.wrapping_add(put_in);
             *demand = told(drive.config().scale.increments(place), offset);
         }
         demands
     }
 
-    /// The position of the drive of X or Z, without what it counts in addition, if a status came for this tick. Call this
-    /// after [`send`](Self::send).
-    pub(super) fn has_told(&self, on_x: bool) -> Option<Increments> {
+    /// The position of the drive of X or Z, without what it counts in addition, if a status came for this tick; and what
+    /// of it has been put in at reversals, in nanometres. Call this after [`send`](Self::send).
+    pub(super) fn has_told(&self, on_x: bool) -> Option<(Increments, i64)> {
         let [x, z, _] = &self.axes;
         let [off_x, off_z, _] = self.offsets;
         let (drive, offset) = if on_x { (x, off_x) } else { (z, off_z) };
         let actual = drive.fresh()?;
-        Some(Increments::new(actual.get().wrapping_sub(offset)))
+        let [in_x, in_z, _] = self.put_in();
+        let put_in = if on_x { in_x } else { in_z };
+        Some((Increments::new(actual.get().wrapping_sub(offset)), put_in))
     }
 
     /// The spindles.
@@ -369,15 +387,29 @@ impl Drives {
     /// Declares that the machine stands at `to`, although its drives say `from`: the references of the axes that differ
     /// were lost. Returns false and changes nothing where a drive cannot count that far.
     pub(super) fn place(&mut self, from: Position, to: Position) -> bool {
+        let there = self.demands(figures(from));
+        self.place_at(there, from, to)
+    }
+
+    /// As [`place`](Self::place); `there`: what the drives count at `from`.
+    fn place_at(&mut self, there: [Option<Increments>; 3], from: Position, to: Position) -> bool {
         let mut offsets = self.offsets;
-        let demands = (self.demands(figures(from)), self.demands(figures(to)));
-        for (offset, (from, to)) in offsets.iter_mut().zip(demands.0.iter().zip(&demands.1)) {
+        let here = self.demands(figures(to));
+        for (offset, (from, to)) in offsets.iter_mut().zip(there.iter().zip(&here)) {
             let (Some(there), Some(here)) = (from, to) else {
                 return false;
             };
             *offset = offset.wrapping_add(there.get().wrapping_sub(here.get()));
         }
         self.offsets = offsets;
+        if let Some(backlash) = &mut self.backlash {
+            for (axis, (from, to)) in Axis::ALL
+                .into_iter()
+                .zip(figures(from).into_iter().zip(figures(to)))
+            {
+                backlash.rename(axis, from, to);
+            }
+        }
         true
     }
 
@@ -405,13 +437,17 @@ impl Drives {
             let [x, z, c] = &mut self.axes;
             let [off_x, off_z, off_c] = self.offsets;
             let [last_x, last_z, last_c] = &mut self.last;
-            let [to_x, to_z, to_c] = match &mut self.lags {
-                None => figures(position),
-                Some(lags) => {
-                    let follow = [&*x, &*z, &*c].map(DriveMaster::is_following);
-                    lags.targets(figures(position), follow)
+            let mut targets = figures(position);
+            if self.backlash.is_some() || self.lags.is_some() {
+                let follow = [&*x, &*z, &*c].map(DriveMaster::is_following);
+                if let Some(backlash) = &mut self.backlash {
+                    targets = backlash.places(targets, follow);
                 }
-            };
+                if let Some(lags) = &mut self.lags {
+                    targets = lags.targets(targets, follow);
+                }
+            }
+            let [to_x, to_z, to_c] = targets;
             // Three calls in a row: a loop over these four lists costs as much as the calls themselves.
             if !send_to(x, off_x, last_x, to_x, &mut put) {
                 beyond = Some(Axis::X);

@@ -8,6 +8,7 @@
 //!
 //! It must not know how moves are made, what is stored, or what a gateway asks.
 
+mod backlash;
 mod command;
 mod detour;
 mod drives;

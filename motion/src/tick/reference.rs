@@ -55,7 +55,7 @@ pub struct Measured {
 /// Where the drive of an axis in a thread says that it is. It is judged in the background [D380].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Followed {
-    /// 6064h, without what the drive counts in addition to the position.
+    /// 6064h, without what the drive counts in addition to the position. What is put in for backlash is in it.
     pub actual: Increments,
     /// X is the long axis.
     pub on_x: bool,
@@ -65,7 +65,7 @@ pub struct Followed {
 
 impl Followed {
     /// `lead`: way of the helix in a turn, with its sign. `off`: the setpoint of the tick before, less the helix at the
-    /// angle of this tick. Each within ±2 m.
+    /// angle of this tick, and less what is put in for backlash. Each within ±2 m.
     #[must_use]
     pub const fn new(actual: Increments, on_x: bool, lead: Length, off: Length) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Followed {
         Length::from_nm(self.lead_nm as i64)
     }
 
-    /// The setpoint of the tick before, less the helix at the angle of this tick.
+    /// The setpoint of the tick before, less the helix at the angle of this tick, and less what is put in for backlash.
     #[must_use]
     pub const fn off(&self) -> Length {
         Length::from_nm(self.off_nm as i64)
@@ -111,11 +111,11 @@ impl Held {
                 let (angle, since) = ticker.angle_of_pass(on_x);
                 let error = at - helix.at(angle);
                 let told = ticker.has_told(on_x).zip(helix.lead_nm());
-                let followed = told.map(|(actual, lead_nm)| Followed {
+                let followed = told.map(|((actual, put_in), lead_nm)| Followed {
                     actual,
                     on_x,
                     lead_nm,
-                    off_nm: off(error, lead_nm, since),
+                    off_nm: off(error, lead_nm, since).wrapping_sub(put_in as i32),
                 });
                 (error, ThreadKind::Thread, followed)
             }

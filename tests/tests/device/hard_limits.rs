@@ -44,7 +44,7 @@ impl Hand {
         self.sim.around().set(contact, on);
     }
 
-    fn along(&self, axis: Axis) -> i64 {
+    pub(super) fn along(&self, axis: Axis) -> i64 {
         let at = self.at();
         match axis {
             Axis::X => at.x.nm(),
@@ -54,21 +54,28 @@ impl Hand {
 
     /// A new press of this axis at so many mm/min, renewed for so many ticks, and let go.
     fn push(&mut self, axis: Axis, towards: Towards, mm_per_min: u16, ticks: u64) {
-        self.press = self.press.wrapping_add(1);
         for tick in 0..ticks {
-            if tick % RENEWAL == 0 {
-                let frame = JogRequest {
-                    session: self.session,
-                    press: self.press,
-                    x: (axis == Axis::X).then_some(towards),
-                    z: (axis == Axis::Z).then_some(towards),
-                    rapid: false,
-                    mm_per_min,
-                    echo: self.gateway.beat.beat,
-                };
-                self.sim.receive(&frame.frame(NODE));
-            }
+            self.press_on(axis, towards, mm_per_min, tick);
             self.tick();
+        }
+    }
+
+    /// What whoever presses says in this tick of a press.
+    pub(super) fn press_on(&mut self, axis: Axis, towards: Towards, mm_per_min: u16, tick: u64) {
+        if tick == 0 {
+            self.press = self.press.wrapping_add(1);
+        }
+        if tick % RENEWAL == 0 {
+            let frame = JogRequest {
+                session: self.session,
+                press: self.press,
+                x: (axis == Axis::X).then_some(towards),
+                z: (axis == Axis::Z).then_some(towards),
+                rapid: false,
+                mm_per_min,
+                echo: self.gateway.beat.beat,
+            };
+            self.sim.receive(&frame.frame(NODE));
         }
     }
 

@@ -1,6 +1,7 @@
 //! The board as a node on a simulated wire: what a gateway, or anybody's CANopen tool, sees and can do.
 
 mod away;
+mod backlash;
 mod block;
 mod by_hand;
 mod hard_limits;

@@ -102,19 +102,24 @@ impl Drives {
     /// The count of an axis' drive says from now on where the axis is. Gives the machine's position with that.
     pub(in crate::tick) fn refer(&mut self, axis: Axis, at: Position) -> Position {
         *of_mut(&mut self.offsets, axis) = *of(&self.homed, axis);
+        if let Some(backlash) = &mut self.backlash {
+            backlash.refer(axis);
+        }
         self.read(axis, at)
     }
 
     /// The machine's position where the drive of this axis says where the axis is.
     pub(in crate::tick) fn read(&self, axis: Axis, at: Position) -> Position {
+        super::with(axis, at, self.read_place(axis))
+    }
+
+    /// Where the drive of an axis says that the axis is, in its unit.
+    pub(super) fn read_place(&self, axis: Axis) -> i64 {
         let drive = self.axis(axis);
         let offset = *of(&self.offsets, axis);
         let own = drive.target().get().wrapping_sub(offset);
-        super::with(
-            axis,
-            at,
-            drive.config().scale.position(Increments::new(own)),
-        )
+        let place = drive.config().scale.position(Increments::new(own));
+        place.wrapping_sub(*of(&self.put_in(), axis))
     }
 
     /// The mark of an axis was passed at `seen`, by what counted before; the machine stands at `at`. Gives its position by
@@ -130,7 +135,12 @@ impl Drives {
         let mark = of(&self.marks, axis).place;
         let place = here.wrapping_add(mark.wrapping_sub(seen.nm()));
         let to = super::with(axis, at, place);
-        if !self.place(at, to) {
+        let (there, before) = (self.demands(super::figures(at)), self.backlash);
+        if let Some(backlash) = &mut self.backlash {
+            backlash.refer(axis);
+        }
+        if !self.place_at(there, at, to) {
+            self.backlash = before;
             return None;
         }
         *of_mut(&mut self.homed, axis) = *of(&self.offsets, axis);
@@ -157,9 +167,9 @@ impl Drives {
 
     /// Where X or Z is, by a status of its drive that came for the last tick.
     pub(in crate::tick) fn place_told(&self, axis: Axis) -> Option<Length> {
-        let actual = self.has_told(axis == Axis::X)?;
+        let (actual, put_in) = self.has_told(axis == Axis::X)?;
         let scale = self.axis(axis).config().scale;
-        Some(Length::from_nm(scale.position(actual)))
+        Some(Length::from_nm(scale.position(actual).wrapping_sub(put_in)))
     }
 
     /// The axes whose drives have lost their count since the last call: they have been switched on, or their encoder has

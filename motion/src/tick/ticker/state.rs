@@ -150,9 +150,10 @@ impl Ticker {
         learner.before(on_x)
     }
 
-    /// Where the drive of X or Z says that it was at the last SYNC; `None` where its status did not come with this tick.
+    /// Where the drive of X or Z says that it was at the last SYNC, and how much of it has been put in at reversals, in
+    /// nanometres; `None` where its status did not come with this tick.
     #[must_use]
-    pub(in crate::tick) fn has_told(&self, on_x: bool) -> Option<Increments> {
+    pub(in crate::tick) fn has_told(&self, on_x: bool) -> Option<(Increments, i64)> {
         self.drives.has_told(on_x)
     }
 
