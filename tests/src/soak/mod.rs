@@ -93,6 +93,11 @@ impl core::fmt::Display for Soaked {
         }
         writeln!(
             f,
+            "{:>12} of these in the groove that the program's text asks for",
+            judged.grooves
+        )?;
+        writeln!(
+            f,
             "{:>12} on the line of a rigid tap, {} nm; {} of an ordinary one, {} nm",
             judged.taps, judged.tap_nm, judged.floats, judged.float_nm
         )?;

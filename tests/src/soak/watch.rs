@@ -17,6 +17,9 @@ const TAP_NM: i64 = 500;
 /// The most ticks by which rows come late.
 const LATE: usize = 256;
 
+/// The most grooves of a program: two passes of three strokes in each of its three pieces.
+const GROOVES: usize = 18;
+
 /// The used part of the limits in a shift, and the number of judged values.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Judged {
@@ -26,6 +29,8 @@ pub struct Judged {
     pub threads: [u64; Class::ALL.len()],
     /// The largest distance from the helix, in nanometres.
     pub thread_nm: [i64; Class::ALL.len()],
+    /// Of these: in a groove that the program's text asks for.
+    pub grooves: u64,
     /// Setpoints with an axis held to the line of a rigid tap.
     pub taps: u64,
     /// The largest distance from this line, in nanometres.
@@ -46,6 +51,7 @@ impl Judged {
             self.threads[class] += other.threads[class];
             self.thread_nm[class] = self.thread_nm[class].max(other.thread_nm[class]);
         }
+        self.grooves += other.grooves;
         self.taps += other.taps;
         self.floats += other.floats;
         self.tap_nm = self.tap_nm.max(other.tap_nm);
@@ -84,7 +90,7 @@ pub struct Watch {
     ticks: usize,
     /// Position and state after the tick before.
     before: Option<(Position, State)>,
-    grooves: heapless::Vec<Groove, 8>,
+    grooves: heapless::Vec<Groove, GROOVES>,
     /// Until this row's tick the true angle of the spindle and the board's count may differ, because counts have slipped.
     slipped: bool,
     /// An emergency stop in the rounded corner of a run-out adds its jerk to that of the corner [D53], until the axes
@@ -302,6 +308,7 @@ impl Watch {
                     self.class
                 );
                 if let Some(groove) = self.grooves.iter().find(|groove| groove.line == row.line) {
+                    self.judged.grooves += 1;
                     in_groove(row, groove, self.beside);
                 }
             }
@@ -360,7 +367,11 @@ fn in_groove(row: &Row, groove: &Groove, beside: i64) {
     let lead = groove.lead as f64;
     // Of a large number of turns only the fraction counts.
     let turns = (row.spindle.raw() & ((1_i128 << 64) - 1)) as f64 / 2f64.powi(64);
-    let way = (row.position.z.nm() - groove.start) as f64 - groove.sign as f64 * turns * lead;
+    let at = match groove.on_x {
+        true => row.position.x,
+        false => row.position.z,
+    };
+    let way = (at.nm() - groove.start) as f64 - groove.sign as f64 * turns * lead;
     let off = (way + lead / 2.0).rem_euclid(lead) - lead / 2.0;
     assert!(
         off.abs() <= beside as f64,
