@@ -7,6 +7,7 @@ use leadscrew_core::call::Position;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Length};
 
+use super::drives::{self, Tool};
 use super::encoder::{self, Class};
 use super::programs::Groove;
 
@@ -29,7 +30,11 @@ pub struct Judged {
     pub threads: [u64; Class::ALL.len()],
     /// The largest distance from the helix, in nanometres.
     pub thread_nm: [i64; Class::ALL.len()],
-    /// Of these: in a groove that the program's text asks for.
+    /// Of the tool in a thread behind drives that lag, once it has settled, by class of encoder.
+    pub tools: [u64; Class::ALL.len()],
+    /// Its largest distance from the helix, in nanometres.
+    pub tool_nm: [i64; Class::ALL.len()],
+    /// Setpoints in a groove that the program's text asks for.
     pub grooves: u64,
     /// Setpoints with an axis held to the line of a rigid tap.
     pub taps: u64,
@@ -50,6 +55,8 @@ impl Judged {
         for class in Class::ALL.map(|class| class as usize) {
             self.threads[class] += other.threads[class];
             self.thread_nm[class] = self.thread_nm[class].max(other.thread_nm[class]);
+            self.tools[class] += other.tools[class];
+            self.tool_nm[class] = self.tool_nm[class].max(other.tool_nm[class]);
         }
         self.grooves += other.grooves;
         self.taps += other.taps;
@@ -78,8 +85,13 @@ pub struct Watch {
     /// The class of the spindle's encoder, and how far a thread may be beside its helix, in nanometres.
     class: Class,
     beside: i64,
+    /// Its part by the way ahead that setpoints are calculated for.
+    foreseen: i64,
     /// How often the spindle swings, in thousandths of a hertz.
     swing_mhz: u32,
+    /// What the tool does behind drives that lag, and since when it can settle.
+    tool: Option<Tool>,
+    settling: Settling,
     last: heapless::Deque<Row, 4>,
     /// For each of the last ticks: a spindle out of control drove an axis. Rows come late.
     led: [bool; LATE],
@@ -102,6 +114,8 @@ pub struct Watch {
     broken_until: usize,
     /// The axes may be declared to stand elsewhere.
     replaces: bool,
+    /// The drives count from a place that is taken for theirs, so where the tool truly is says nothing.
+    assumed: bool,
     /// The judged values.
     pub judged: Judged,
 }
@@ -117,11 +131,16 @@ impl Watch {
     /// A watch for a machine with these parameters and this plant.
     pub fn new(params: &Params, options: &PlantOptions) -> Self {
         let swing_mhz = encoder::swing_mhz(options);
+        let foreseen = drives::foreseen(params, options);
         Self {
             bounds: bounds(params),
             class: Class::of(params),
-            beside: encoder::beside(params, swing_mhz),
+            beside: encoder::beside(params, swing_mhz) + foreseen,
+            assumed: false,
+            foreseen,
             swing_mhz,
+            tool: Tool::of(params, options),
+            settling: Settling::default(),
             last: heapless::Deque::new(),
             led: [false; LATE],
             came_up: [false; LATE],
@@ -141,7 +160,7 @@ impl Watch {
     pub fn set_params(&mut self, params: &Params) {
         self.bounds = bounds(params);
         self.class = Class::of(params);
-        self.beside = encoder::beside(params, self.swing_mhz);
+        self.beside = encoder::beside(params, self.swing_mhz) + self.foreseen;
         self.last.clear();
     }
 
@@ -179,6 +198,11 @@ impl Watch {
     /// Whether the axes may be declared to stand elsewhere, because an entry of the tap journal is being dropped.
     pub fn set_replaces(&mut self, replaces: bool) {
         self.replaces = replaces;
+    }
+
+    /// Whether a drive counts from a place that is taken for its own.
+    pub fn set_assumed(&mut self, assumed: bool) {
+        self.assumed = assumed;
     }
 
     /// A tick is over. `well`: nothing is broken.
@@ -269,6 +293,7 @@ impl Watch {
     /// Judges threads and taps on their lines.
     fn spindle(&mut self, row: &Row) {
         let Some(error) = row.error else {
+            self.settling = Settling::default();
             return;
         };
         let nm = error.nm().abs();
@@ -302,17 +327,45 @@ impl Watch {
                 }
                 let worst = &mut self.judged.thread_nm[class];
                 *worst = (*worst).max(nm);
+                // Few counts learn a spindle that is broken no better than one whose swing nobody has told.
+                let broken = (row.tick as usize) < self.broken_until;
+                let most = match self.class {
+                    Class::FewTimed | Class::Few if broken => self.beside.max(encoder::UNKNOWN_NM),
+                    _ => self.beside,
+                };
                 assert!(
-                    nm <= self.beside,
+                    nm <= most,
                     "{nm} nm off the helix, {:?}: {row:?}",
                     self.class
                 );
+                self.behind_drives(row);
                 if let Some(groove) = self.grooves.iter().find(|groove| groove.line == row.line) {
                     self.judged.grooves += 1;
-                    in_groove(row, groove, self.beside);
+                    in_groove(row, groove, most);
                 }
             }
         }
+    }
+
+    /// Judges what the tool cuts behind drives that lag, where it has had time to settle.
+    fn behind_drives(&mut self, row: &Row) {
+        let (Some(tool), Some(cut)) = (self.tool, row.cut) else {
+            return;
+        };
+        self.settling.take(row, tool.even);
+        let broken = (row.tick as usize) < self.broken_until;
+        if self.settling.ticks < tool.settles || broken || self.assumed {
+            return;
+        }
+        let nm = cut.error.nm().abs();
+        let class = self.class as usize;
+        self.judged.tools[class] += 1;
+        self.judged.tool_nm[class] = self.judged.tool_nm[class].max(nm);
+        assert!(
+            nm <= self.beside + tool.beside,
+            "the tool is {nm} nm off the helix, {:?}: {row:?}",
+            self.class
+        );
     }
 
     /// Judges the state between two ticks.
@@ -345,6 +398,29 @@ impl Watch {
                 !below || record.is_some_and(|record| record.in_hole),
                 "a tap below R, and the journal says {record:?}"
             );
+        }
+    }
+}
+
+/// How long the spindle has led an axis evenly.
+#[derive(Clone, Copy, Default)]
+struct Settling {
+    ticks: u64,
+    /// The spindle's angle at the last tick, and its way in a tick at the beginning, in turns.
+    angle: Option<f64>,
+    step: f64,
+}
+
+impl Settling {
+    fn take(&mut self, row: &Row, even: f64) {
+        // Differences of some thousand turns.
+        let angle = row.spindle.raw() as f64 / 2f64.powi(64);
+        let step = self.angle.map_or(0.0, |before| angle - before);
+        self.angle = Some(angle);
+        if (step - self.step).abs() > even * self.step.abs() {
+            (self.ticks, self.step) = (0, step);
+        } else {
+            self.ticks += 1;
         }
     }
 }
