@@ -90,7 +90,7 @@ fn fit(
     let servo = ServoOptions {
         feed_forward_milli: ahead,
         following: Some((Length::from_nm(limit), 100)),
-        // One that counts missing setpoints goes into fault (8250h) when a set is taken: the board is silent meanwhile [D478].
+        // One that counts missing setpoints goes into fault (8250h) when a set is taken: the board is silent then [D478].
         late: None,
         ..servo
     };
@@ -100,8 +100,8 @@ fn fit(
 /// Setpoints that are calculated for up to so much later are within what a thread may be beside its helix.
 const SOON_US: u32 = 3_000;
 
-/// How much further a setpoint may be beside its helix where targets wait in the drives, in nanometres: it is for an instant
-/// that is so far away (9003) that the spindle has another speed by then, by its swing or at the end of its ramp.
+/// How much further a setpoint may be beside its helix where targets wait in the drives, in nanometres: it is for an
+/// instant so far away (9003) that the spindle has another speed by then, by its swing or at the end of its ramp.
 pub fn foreseen(params: &Params, options: &PlantOptions) -> i64 {
     let latency = params.latency_us(Axis::X).max(params.latency_us(Axis::Z));
     if latency <= SOON_US {
