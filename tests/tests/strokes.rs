@@ -222,6 +222,9 @@ fn a_reset_or_a_stop_anywhere_in_a_chain_comes_to_rest_on_it() {
             None,
             "at {tick}"
         );
+        let beside = ran.rows.iter().filter_map(|row| row.error);
+        let beside = beside.map(|error| error.nm().abs()).max();
+        assert!(beside <= Some(1), "at {tick}: {beside:?} nm off the helix");
         let last = ran.rows.last().expect("rows").position;
         let (x, z) = (last.x.nm(), last.z.nm());
         // On the face, the last stroke, a reset leaves to the side of J.

@@ -112,6 +112,12 @@ impl Ripple {
         }
     }
 
+    /// Its amplitude in thousandths of a percent.
+    #[must_use]
+    pub const fn milli_percent(self) -> u32 {
+        self.milli_percent
+    }
+
     /// How often the speed swings, in thousandths of a hertz; 0 where the amplitude is 0.
     #[must_use]
     pub const fn milli_hertz(self) -> u32 {

@@ -20,6 +20,7 @@ use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::params::Params;
 
 use super::alarms::Latch;
+use super::drives;
 use super::operator::{Mood, Operator};
 use super::script::{Draws, Luck};
 use super::trouble::OF_BUS;
@@ -339,6 +340,7 @@ impl Bench {
         }
         let row = self.sim.step();
         let well = self.operator.is_well();
+        self.watch.set_assumed(self.assumed != [false; 3]);
         self.watch.tick(&self.sim, well);
         if let Some(row) = row {
             self.watch.row(&row);
@@ -509,13 +511,25 @@ impl Bench {
         for _ in 0..ticks {
             let starting = self.state() == State::Starting;
             self.tick();
-            if starting && self.state() != State::Starting && !self.operator.is_well() {
+            if starting && self.state() != State::Starting {
+                if self.operator.is_well() {
+                    self.keeps(at);
+                }
                 // A drive that was elsewhere reports its position.
                 at = self.position();
             }
             assert_eq!(self.position(), at, "it moves again");
         }
         self.operator.mood = mood;
+    }
+
+    /// The position is kept, over a reset or another set of parameters.
+    pub fn keeps(&self, before: Position) {
+        let now = self.position();
+        assert!(
+            drives::is_kept(&self.params, &self.options, before, now),
+            "the position is not kept: {before:?}, now {now:?}"
+        );
     }
 
     /// Writes an object while time passes.

@@ -80,12 +80,15 @@ pub fn draw(r: &mut Draws, params: &mut Params, swing_mhz: u32) {
     }
 }
 
+/// How far few counts may be off where nobody has told how the spindle swings, in nanometres.
+pub const UNKNOWN_NM: i64 = 200_000;
+
 /// The largest distance of a thread from its helix, in nanometres, for any lead, speed, tick and ripple of these machines.
 pub fn beside(params: &Params, swing_mhz: u32) -> i64 {
     const FINE: i64 = 8_000;
     match Class::of(params) {
         Class::Fine => FINE,
-        _ if is_unknown(params, swing_mhz) => 200_000,
+        _ if is_unknown(params, swing_mhz) => UNKNOWN_NM,
         // What 9035 allows: the frequency is known within one per cent, and has to be learned.
         _ if swing_mhz != 0 => params.encoder_error().nm(),
         Class::FewTimed => FINE,
@@ -105,4 +108,4 @@ pub fn noise(params: &Params, axis: Axis) -> f64 {
 }
 
 /// The fastest threads: five metres a minute.
-const FASTEST_NM_PER_S: i64 = 83_333_333;
+pub const FASTEST_NM_PER_S: i64 = 83_333_333;

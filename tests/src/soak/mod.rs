@@ -12,6 +12,7 @@
 mod alarms;
 mod bench;
 mod by_hand;
+mod drives;
 mod encoder;
 mod hours;
 mod operator;
@@ -91,6 +92,19 @@ impl core::fmt::Display for Soaked {
                 class.name()
             )?;
         }
+        for class in Class::ALL {
+            let (count, nm) = (judged.tools[class as usize], judged.tool_nm[class as usize]);
+            writeln!(
+                f,
+                "{count:>12} of the tool behind drives that lag {}, at most {nm} nm off",
+                class.name()
+            )?;
+        }
+        writeln!(
+            f,
+            "{:>12} setpoints in the groove that the program's text asks for",
+            judged.grooves
+        )?;
         writeln!(
             f,
             "{:>12} on the line of a rigid tap, {} nm; {} of an ordinary one, {} nm",

@@ -66,7 +66,7 @@ pub struct Operator {
 }
 
 /// Alarms of a spindle that does not turn as the program tells it.
-pub(super) const OF_SPINDLE: [Code; 15] = [
+pub(super) const OF_SPINDLE: [Code; 17] = [
     Code::EncoderUncertain,
     Code::LeadForEncoder,
     Code::SpeedForEncoder,
@@ -82,6 +82,8 @@ pub(super) const OF_SPINDLE: [Code; 15] = [
     Code::RunOutTooFast,
     Code::RunInTooFast,
     Code::StrokeTooShortForSpeed,
+    Code::StrokeTooShortInChain,
+    Code::LeadChangeTooFast,
 ];
 
 impl Operator {

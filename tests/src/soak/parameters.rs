@@ -147,7 +147,7 @@ impl Shift {
         }
         bench.sim.flash_mut().power(true);
         in_force(bench, params);
-        assert_eq!(bench.position(), stood, "the position is not kept");
+        bench.keeps(stood);
     }
 
     /// The power went while a set was being stored.

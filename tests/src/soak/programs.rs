@@ -1,12 +1,17 @@
-//! Programs at random: the cycles of the sheets, lines and arcs, in the text a user writes. The machine can carry out each.
+//! Programs at random: all cycles, lines and arcs, in the text a user writes. The machine can carry out each.
 
-use core::fmt::Write as _;
+mod taps;
+mod threads;
+mod turning;
 
-use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::call::{Call, CallKind, ChainPart, Position};
 use leadscrew_core::cycle;
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Event, Events, Options};
+use leadscrew_core::program::{Event, Options};
 use leadscrew_core::signals::Signals;
+use leadscrew_language::flow::Rules;
+use leadscrew_language::reader::Reader;
+use leadscrew_language::variables::Kept;
 
 use super::script::Draws;
 
@@ -22,17 +27,22 @@ pub struct Program {
     pub grooves: Vec<Groove>,
 }
 
-/// A thread without a shift of its starts: at the index of the spindle its axis is a whole number of leads from where
-/// the cycle starts.
+/// A thread without a shift of its starts: at the index of the spindle its long axis is a whole number of leads from
+/// `start`.
 #[derive(Clone, Copy, Debug)]
 pub struct Groove {
-    /// Line of the cycle.
+    /// The first of the lines without which it would be another one.
+    pub first: u32,
+    /// Line of the cycle, pass or stroke.
     pub line: u32,
-    /// Where the cycle starts on Z, in nanometres.
+    /// X has the lead, on its radius.
+    pub on_x: bool,
+    /// Where the cycle starts on the long axis, in nanometres; with a start angle, as far before that as the axis goes
+    /// while the spindle turns by it; of a later stroke of a chain likewise.
     pub start: i64,
     /// Its lead in nanometres.
     pub lead: i64,
-    /// Z per turn of the spindle as its encoder counts it: +1 or −1 leads.
+    /// The long axis per turn of the spindle as its encoder counts it: +1 or −1 leads.
     pub sign: i64,
 }
 
@@ -113,12 +123,17 @@ pub fn read(text: &str, params: &Params, from: Position) -> Vec<Call> {
         position: from,
         ..Options::default()
     };
+    let (kept, rules) = (Kept::default(), Rules::default());
+    let mut reader = Reader::new(text.as_bytes(), params, options, kept, rules);
     let mut calls = Vec::new();
-    for event in Events::new(text.as_bytes(), params, options) {
-        match event {
-            Ok(Event::Call(call)) => calls.push(call),
-            Ok(Event::Warning(_)) => {}
-            Err(alarm) => panic!("{alarm:?} in\n{text}"),
+    while !reader.is_over() {
+        let step = reader.step(&mut |event| {
+            if let Event::Call(call) = event {
+                calls.push(call);
+            }
+        });
+        if let Err(trouble) = step {
+            panic!("{trouble:?} in\n{text}");
         }
     }
     calls
@@ -127,8 +142,21 @@ pub fn read(text: &str, params: &Params, from: Position) -> Vec<Call> {
 /// The calls of a text, if the machine can do all of them.
 fn fitting(text: &str, params: &Params, from: Position) -> Option<Vec<Call>> {
     let calls = read(text, params, from);
+    let mut chain = Vec::new();
     let possible = calls.iter().all(|call| match &call.kind {
-        CallKind::Thread(thread) => cycle::thread_report(thread, call.span, params).is_ok(),
+        CallKind::Thread(thread) if thread.part == ChainPart::Whole => {
+            cycle::thread_report(thread, call.span, params).is_ok()
+        }
+        CallKind::Thread(thread) => {
+            chain.push((*thread, call.span));
+            let goes_on = thread.part.goes_on();
+            let alone = cycle::thread_report(thread, call.span, params).is_ok();
+            let fits = alone && (goes_on || cycle::chain_report(&chain, params).is_ok());
+            if !goes_on {
+                chain.clear();
+            }
+            fits
+        }
         CallKind::Tap(tap) => cycle::tap_report(tap, Signals::default(), call.span, params).is_ok(),
         _ => true,
     });
@@ -151,17 +179,32 @@ impl Writer<'_> {
         self.line(&format!("G0 X{} Z{}", mm(at.0), mm(at.1)));
     }
 
+    /// Starts the spindle; the sign of its direction.
+    fn turn(&mut self, rpm: i64) -> i64 {
+        let way = if self.random.chance(70) { 1 } else { -1 };
+        let code = if way > 0 { "M3" } else { "M4" };
+        self.line(&format!("{code} S{rpm}"));
+        way
+    }
+
     fn piece(&mut self) {
-        match self.random.within(0, 9) {
+        match self.random.within(0, 17) {
             0 => self.lines(),
             1 => self.arc(),
             2 => self.groove(),
-            3 | 4 => self.thread(),
-            5 => self.enhanced_thread(),
-            6 => self.face_tap(),
-            7 => self.side_tap(),
-            8 => self.deeper_tap(),
-            _ => self.ordinary_tap(),
+            3 => self.thread(),
+            4 => self.enhanced_thread(),
+            5 | 6 => self.single_passes(),
+            7 | 8 => self.strokes(),
+            9 => self.variable(),
+            10 => self.face_tap(),
+            11 => self.side_tap(),
+            12 => self.deeper_tap(),
+            13 => self.ordinary_tap(),
+            14 => self.face_groove(),
+            15 => self.cuts(),
+            16 => self.drill(),
+            _ => self.contour(),
         }
         if self.random.chance(30) {
             let words = self.random.of(&["M8", "M9", "G4 P30", "G4 P300", "M5"]);
@@ -216,238 +259,37 @@ impl Writer<'_> {
             mm(radius)
         ));
     }
+}
 
-    fn groove(&mut self) {
-        let (x, z) = (
-            self.random.within(40_000, 70_000) / 2 * 2,
-            self.random.within(-10_000, 2_000),
-        );
-        self.to((x, z));
-        let depth = self.random.within(500, 3_000);
-        let width = if self.random.chance(40) {
-            0
-        } else {
-            self.random.within(200, 2_500) * self.random.sign()
-        };
-        // A diameter, in input increments of 0.1 µm.
-        let peck = depth * 2 * 10 / self.random.within(1, 4);
-        let step = width.abs() * 10 / self.random.within(1, 3);
-        let feed = self.random.within(300, 2_000);
-        let back = mm(self.random.within(100, 400));
-        let bottom = mm(x - 2 * depth);
-        self.line(&format!("G75 R{back}"));
-        let wide = if width == 0 {
-            String::new()
-        } else {
-            format!(" Z{} Q{step}", mm(z + width))
-        };
-        self.line(&format!("G75 X{bottom}{wide} P{peck} F{feed}"));
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// Lead in micrometres and speed, as Z can go.
-    fn lead_and_speed(&mut self) -> (i64, i64) {
-        let rpm = self.random.within(300, 1500);
-        let lead = self.random.within(300, (5_000_000 / rpm).min(4_000));
-        (lead, rpm)
-    }
-
-    fn turn(&mut self, rpm: i64) -> i64 {
-        let way = if self.random.chance(70) { 1 } else { -1 };
-        let code = if way > 0 { "M3" } else { "M4" };
-        self.line(&format!("{code} S{rpm}"));
-        way
-    }
-
-    fn thread(&mut self) {
-        let (lead, rpm) = self.lead_and_speed();
-        let way = self.turn(rpm);
-        let height = self.random.within(300, 1_200);
-        let core = self.random.within(30_000, 60_000) / 2 * 2;
-        let (start, length) = (
-            self.random.within(4_000, 10_000),
-            self.random.within(8_000, 20_000),
-        );
-        let towards = if self.random.chance(85) { -1 } else { 1 };
-        let clear = self.random.within(500, 4_000);
-        self.to((core + 2 * (height + clear), start));
-        let run_out = self.random.of(&[0, 5, 10]);
-        let angle = self.random.of(&[0, 0, 55, 60]);
-        let first = (height - 100).max(100) * 10 / self.random.within(1, 3);
-        self.line(&format!(
-            "G76 P01{run_out:02}{angle:02} Q{} R0.05",
-            (first / 4).min(height * 5)
-        ));
-        if angle == 0 {
-            self.grooves.push(Groove {
-                line: self.next_line(),
-                start: start * 1000,
-                lead: lead * 1000,
-                sign: towards * way,
-            });
+    /// Of each kind of piece there are some that this machine can carry out, and grooves that are known.
+    #[test]
+    fn all_cycles_are_drawn() {
+        let mut draws = Draws::live(475);
+        let params = Params::sheets();
+        let mut words: std::collections::BTreeMap<&str, usize> = [
+            "G1 ", "G2 ", "G3 ", "G32 ", "G34 ", "G70 ", "G71 ", "G72 ", "G73 ", "G74 ", "G75 ",
+            "G76 ", "G78 ", "G83 ", "G84 ", "G87 ", "G88 ", "G90 ", "G92 ", "G94 ",
+        ]
+        .map(|word| (word, 0))
+        .into();
+        let (mut on_x, mut later) = (0, 0);
+        for _ in 0..300 {
+            let program = random(&mut draws, &params, Position::default());
+            for (word, count) in &mut words {
+                *count += usize::from(program.text.contains(word));
+            }
+            on_x += program.grooves.iter().filter(|groove| groove.on_x).count();
+            let chained = |call: &&Call| match &call.kind {
+                CallKind::Thread(thread) => thread.part.is_joined(),
+                _ => false,
+            };
+            later += program.calls.iter().filter(chained).count();
         }
-        self.line(&format!(
-            "G76 X{} Z{} P{} Q{first} F{}",
-            mm(core),
-            mm(start + towards * length),
-            height * 10,
-            mm(lead)
-        ));
-    }
-
-    fn enhanced_thread(&mut self) {
-        let (lead, rpm) = self.lead_and_speed();
-        self.turn(rpm);
-        let height = self.random.within(300, 1_200);
-        let core = self.random.within(30_000, 60_000) / 2 * 2;
-        let (start, length) = (
-            self.random.within(5_000, 12_000),
-            self.random.within(8_000, 20_000),
-        );
-        let clear = self.random.within(1_000, 4_000);
-        self.to((core + 2 * (height + clear), start));
-        let mode = self.random.within(0, 4);
-        let angle = self.random.of(&[0, 55, 60]);
-        let starts = self.random.of(&[1, 1, 2]);
-        let decreasing = self.random.within(0, 1);
-        self.line(&format!(
-            "G78 P01{mode:02}{angle:02} Q0.08 R0.05 L{starts} D{decreasing}"
-        ));
-        let first = (height - 100) / self.random.within(1, 2);
-        let mut words = format!(
-            "G78 X{} Z{} P{} Q{} F{}",
-            mm(core),
-            mm(start - length),
-            mm(height),
-            mm(first),
-            mm(lead)
-        );
-        if self.random.chance(60) {
-            let run_out = mm(self.random.within(500, 1_500));
-            let _ = write!(words, " J{run_out} K{run_out}");
-        }
-        if self.random.chance(40) {
-            let _ = write!(words, " E{}", mm(self.random.within(300, 900)));
-        }
-        self.line(&words);
-    }
-
-    /// Lead in micrometres and speed of a tap.
-    fn tap(&mut self) -> (i64, i64) {
-        let rpm = self.random.within(300, 1500);
-        (self.random.within(400, (3_500_000 / rpm).min(2_500)), rpm)
-    }
-
-    /// What a hole may have beside its depth.
-    fn notes(&mut self, depth: i64) -> String {
-        let mut words = String::new();
-        if self.random.chance(50) {
-            let infeed = depth / self.random.within(2, 4);
-            let back = infeed * self.random.within(0, 100) / 100;
-            let _ = write!(words, " Q{} D{}", mm(infeed), mm(back));
-        }
-        if self.random.chance(40) {
-            let _ = write!(words, " P{}", self.random.within(1, 200));
-        }
-        words
-    }
-
-    fn rigid(&mut self, rpm: i64) {
-        let hand = if self.random.chance(30) { "-" } else { "" };
-        self.line(&format!("M29 S{hand}{rpm}"));
-    }
-
-    fn face_tap(&mut self) {
-        let (lead, rpm) = self.tap();
-        let initial = self.random.within(3_000, 8_000);
-        let x = self.random.within(20_000, 60_000) / 2 * 2;
-        self.to((x, initial));
-        self.rigid(rpm);
-        let level = self.random.within(1_000, 3_000);
-        let depth = self.random.within(1_000, 8_000);
-        let notes = self.notes(depth);
-        let spindle = if self.random.chance(30) {
-            format!(" E{}", self.random.within(1, 4))
-        } else {
-            String::new()
-        };
-        // Under G98 the feed is lead times speed: in whole micrometres a minute.
-        self.line(&format!(
-            "G84 Z{} R-{}{notes}{spindle} F{}",
-            mm(initial - level - depth),
-            mm(level),
-            mm(lead * rpm)
-        ));
-        if self.random.chance(40) {
-            self.at.0 = x + 10_000;
-            self.line(&format!("X{}", mm(x + 10_000)));
-        }
-        if self.random.chance(20) {
-            let c = self.random.within(-180, 180);
-            self.line(&format!("C{c}."));
-        }
-        self.line("G80");
-    }
-
-    fn side_tap(&mut self) {
-        let (lead, rpm) = self.tap();
-        let (x, z) = (
-            self.random.within(50_000, 70_000) / 2 * 2,
-            self.random.within(-20_000, 0),
-        );
-        self.to((x, z));
-        self.rigid(rpm);
-        let level = self.random.within(1_000, 3_000);
-        let depth = self.random.within(1_000, 6_000);
-        let notes = self.notes(depth);
-        self.line(&format!(
-            "G88 X{} R-{}{notes} F{}",
-            mm(x - 2 * (level + depth)),
-            mm(level),
-            mm(lead * rpm)
-        ));
-        self.line("G80");
-    }
-
-    /// Stays at the bottom, and goes deeper.
-    fn deeper_tap(&mut self) {
-        let (lead, rpm) = self.tap();
-        let initial = self.random.within(3_000, 8_000);
-        let x = self.random.within(20_000, 60_000) / 2 * 2;
-        self.to((x, initial));
-        self.rigid(rpm);
-        let level = self.random.within(1_000, 3_000);
-        let depth = self.random.within(1_000, 5_000);
-        let feed = mm(lead * rpm);
-        self.line(&format!(
-            "G84 Z{} R-{} F{feed} K198",
-            mm(initial - level - depth),
-            mm(level)
-        ));
-        let ms = self.random.within(10, 300);
-        self.line(&format!("G4 P{ms}"));
-        let further = self.random.within(500, 3_000);
-        self.line(&format!(
-            "G84 Z{} F{feed}",
-            mm(initial - level - depth - further)
-        ));
-        self.line("G80");
-    }
-
-    fn ordinary_tap(&mut self) {
-        let (lead, rpm) = self.tap();
-        let initial = self.random.within(3_000, 8_000);
-        let x = self.random.within(20_000, 60_000) / 2 * 2;
-        self.to((x, initial));
-        self.turn(rpm);
-        let level = self.random.within(2_000, 5_000);
-        let depth = self.random.within(3_000, 12_000);
-        let notes = self.notes(depth);
-        self.line(&format!(
-            "G99 G84 Z{} R-{}{notes} F{}",
-            mm(initial - level - depth),
-            mm(level),
-            mm(lead)
-        ));
-        self.line("G80 G98");
+        assert!(words.values().all(|count| *count > 3), "{words:?}");
+        assert!(on_x > 10 && later > 10, "{on_x} on X, {later} joined");
     }
 }

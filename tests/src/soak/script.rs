@@ -19,8 +19,6 @@ use crate::random::{self, Random};
 const OF_A_SHIFT: u64 = 0x50AC_50AC;
 /// A played shift is over before this tick, also where its last job takes the longest time. Otherwise it would never end.
 const MOST_TICKS: u64 = 2 * super::shift::LONGEST;
-/// Lines of a thread before its own line that belong to it.
-const OF_A_THREAD: u32 = 3;
 
 /// Place of a draw in the code.
 type Place = &'static Location<'static>;
@@ -90,8 +88,7 @@ impl Written {
     /// The threads that are unchanged.
     fn grooves(&self) -> Vec<Groove> {
         let whole = |groove: &&Groove| {
-            let last = groove.line - 1;
-            let mut own = last.saturating_sub(OF_A_THREAD)..=last;
+            let mut own = groove.first - 1..=groove.line - 1;
             !own.any(|line| self.without.contains(&(line as usize)))
         };
         self.grooves.iter().filter(whole).copied().collect()

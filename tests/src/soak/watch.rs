@@ -7,6 +7,7 @@ use leadscrew_core::call::Position;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Length};
 
+use super::drives::{self, Tool};
 use super::encoder::{self, Class};
 use super::programs::Groove;
 
@@ -17,6 +18,9 @@ const TAP_NM: i64 = 500;
 /// The most ticks by which rows come late.
 const LATE: usize = 256;
 
+/// The most grooves of a program: two passes of three strokes in each of its three pieces.
+const GROOVES: usize = 18;
+
 /// The used part of the limits in a shift, and the number of judged values.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Judged {
@@ -26,6 +30,12 @@ pub struct Judged {
     pub threads: [u64; Class::ALL.len()],
     /// The largest distance from the helix, in nanometres.
     pub thread_nm: [i64; Class::ALL.len()],
+    /// Of the tool in a thread behind drives that lag, once it has settled, by class of encoder.
+    pub tools: [u64; Class::ALL.len()],
+    /// Its largest distance from the helix, in nanometres.
+    pub tool_nm: [i64; Class::ALL.len()],
+    /// Setpoints in a groove that the program's text asks for.
+    pub grooves: u64,
     /// Setpoints with an axis held to the line of a rigid tap.
     pub taps: u64,
     /// The largest distance from this line, in nanometres.
@@ -45,7 +55,10 @@ impl Judged {
         for class in Class::ALL.map(|class| class as usize) {
             self.threads[class] += other.threads[class];
             self.thread_nm[class] = self.thread_nm[class].max(other.thread_nm[class]);
+            self.tools[class] += other.tools[class];
+            self.tool_nm[class] = self.tool_nm[class].max(other.tool_nm[class]);
         }
+        self.grooves += other.grooves;
         self.taps += other.taps;
         self.floats += other.floats;
         self.tap_nm = self.tap_nm.max(other.tap_nm);
@@ -72,8 +85,13 @@ pub struct Watch {
     /// The class of the spindle's encoder, and how far a thread may be beside its helix, in nanometres.
     class: Class,
     beside: i64,
+    /// Its part by the way ahead that setpoints are calculated for.
+    foreseen: i64,
     /// How often the spindle swings, in thousandths of a hertz.
     swing_mhz: u32,
+    /// What the tool does behind drives that lag, and since when it can settle.
+    tool: Option<Tool>,
+    settling: Settling,
     last: heapless::Deque<Row, 4>,
     /// For each of the last ticks: a spindle out of control drove an axis. Rows come late.
     led: [bool; LATE],
@@ -84,7 +102,7 @@ pub struct Watch {
     ticks: usize,
     /// Position and state after the tick before.
     before: Option<(Position, State)>,
-    grooves: heapless::Vec<Groove, 8>,
+    grooves: heapless::Vec<Groove, GROOVES>,
     /// Until this row's tick the true angle of the spindle and the board's count may differ, because counts have slipped.
     slipped: bool,
     /// An emergency stop in the rounded corner of a run-out adds its jerk to that of the corner [D53], until the axes
@@ -96,6 +114,8 @@ pub struct Watch {
     broken_until: usize,
     /// The axes may be declared to stand elsewhere.
     replaces: bool,
+    /// The drives count from a place that is taken for theirs, so where the tool truly is says nothing.
+    assumed: bool,
     /// The judged values.
     pub judged: Judged,
 }
@@ -111,11 +131,16 @@ impl Watch {
     /// A watch for a machine with these parameters and this plant.
     pub fn new(params: &Params, options: &PlantOptions) -> Self {
         let swing_mhz = encoder::swing_mhz(options);
+        let foreseen = drives::foreseen(params, options);
         Self {
             bounds: bounds(params),
             class: Class::of(params),
-            beside: encoder::beside(params, swing_mhz),
+            beside: encoder::beside(params, swing_mhz) + foreseen,
+            assumed: false,
+            foreseen,
             swing_mhz,
+            tool: Tool::of(params, options),
+            settling: Settling::default(),
             last: heapless::Deque::new(),
             led: [false; LATE],
             came_up: [false; LATE],
@@ -135,7 +160,7 @@ impl Watch {
     pub fn set_params(&mut self, params: &Params) {
         self.bounds = bounds(params);
         self.class = Class::of(params);
-        self.beside = encoder::beside(params, self.swing_mhz);
+        self.beside = encoder::beside(params, self.swing_mhz) + self.foreseen;
         self.last.clear();
     }
 
@@ -173,6 +198,11 @@ impl Watch {
     /// Whether the axes may be declared to stand elsewhere, because an entry of the tap journal is being dropped.
     pub fn set_replaces(&mut self, replaces: bool) {
         self.replaces = replaces;
+    }
+
+    /// Whether a drive counts from a place that is taken for its own.
+    pub fn set_assumed(&mut self, assumed: bool) {
+        self.assumed = assumed;
     }
 
     /// A tick is over. `well`: nothing is broken.
@@ -263,6 +293,7 @@ impl Watch {
     /// Judges threads and taps on their lines.
     fn spindle(&mut self, row: &Row) {
         let Some(error) = row.error else {
+            self.settling = Settling::default();
             return;
         };
         let nm = error.nm().abs();
@@ -296,16 +327,45 @@ impl Watch {
                 }
                 let worst = &mut self.judged.thread_nm[class];
                 *worst = (*worst).max(nm);
+                // Few counts learn a spindle that is broken no better than one whose swing nobody has told.
+                let broken = (row.tick as usize) < self.broken_until;
+                let most = match self.class {
+                    Class::FewTimed | Class::Few if broken => self.beside.max(encoder::UNKNOWN_NM),
+                    _ => self.beside,
+                };
                 assert!(
-                    nm <= self.beside,
+                    nm <= most,
                     "{nm} nm off the helix, {:?}: {row:?}",
                     self.class
                 );
+                self.behind_drives(row);
                 if let Some(groove) = self.grooves.iter().find(|groove| groove.line == row.line) {
-                    in_groove(row, groove, self.beside);
+                    self.judged.grooves += 1;
+                    in_groove(row, groove, most);
                 }
             }
         }
+    }
+
+    /// Judges what the tool cuts behind drives that lag, where it has had time to settle.
+    fn behind_drives(&mut self, row: &Row) {
+        let (Some(tool), Some(cut)) = (self.tool, row.cut) else {
+            return;
+        };
+        self.settling.take(row, tool.even);
+        let broken = (row.tick as usize) < self.broken_until;
+        if self.settling.ticks < tool.settles || broken || self.assumed {
+            return;
+        }
+        let nm = cut.error.nm().abs();
+        let class = self.class as usize;
+        self.judged.tools[class] += 1;
+        self.judged.tool_nm[class] = self.judged.tool_nm[class].max(nm);
+        assert!(
+            nm <= self.beside + tool.beside,
+            "the tool is {nm} nm off the helix, {:?}: {row:?}",
+            self.class
+        );
     }
 
     /// Judges the state between two ticks.
@@ -342,6 +402,29 @@ impl Watch {
     }
 }
 
+/// How long the spindle has led an axis evenly.
+#[derive(Clone, Copy, Default)]
+struct Settling {
+    ticks: u64,
+    /// The spindle's angle at the last tick, and its way in a tick at the beginning, in turns.
+    angle: Option<f64>,
+    step: f64,
+}
+
+impl Settling {
+    fn take(&mut self, row: &Row, even: f64) {
+        // Differences of some thousand turns.
+        let angle = row.spindle.raw() as f64 / 2f64.powi(64);
+        let step = self.angle.map_or(0.0, |before| angle - before);
+        self.angle = Some(angle);
+        if (step - self.step).abs() > even * self.step.abs() {
+            (self.ticks, self.step) = (0, step);
+        } else {
+            self.ticks += 1;
+        }
+    }
+}
+
 /// A row in one line.
 fn told(row: Row) -> String {
     let [x, z, c] = of(row.position);
@@ -360,7 +443,11 @@ fn in_groove(row: &Row, groove: &Groove, beside: i64) {
     let lead = groove.lead as f64;
     // Of a large number of turns only the fraction counts.
     let turns = (row.spindle.raw() & ((1_i128 << 64) - 1)) as f64 / 2f64.powi(64);
-    let way = (row.position.z.nm() - groove.start) as f64 - groove.sign as f64 * turns * lead;
+    let at = match groove.on_x {
+        true => row.position.x,
+        false => row.position.z,
+    };
+    let way = (at.nm() - groove.start) as f64 - groove.sign as f64 * turns * lead;
     let off = (way + lead / 2.0).rem_euclid(lead) - lead / 2.0;
     assert!(
         off.abs() <= beside as f64,

@@ -290,6 +290,8 @@ impl Executor {
             }
         };
         self.crossed = run.is_over(plan, ahead);
+        // A stop takes the axes along the same path, but at a pace of its own.
+        let is_led = run.is_led();
         self.position = point.position;
         let motion = match point.phase {
             Phase::Waiting => Motion::Wait,
@@ -313,7 +315,7 @@ impl Executor {
             Some(code) => return Err(Alarm::new(code, self.span)),
         }
         self.tell(setpoint, motion);
-        setpoint.locked = point.phase == Phase::Locked;
+        setpoint.locked = is_led && point.phase == Phase::Locked;
         setpoint.number = self.number.saturating_add(u32::from(point.move_index));
         Ok(())
     }
