@@ -25,7 +25,7 @@ use leadscrew_core::units::{Decimal, StartAngle};
 
 use crate::dialect::{Control, Setting};
 use crate::drilling::{Drill, Kind};
-use crate::flow::{Done, Flow, Machine, Rules, Trouble};
+use crate::flow::{Done, Flow, Machine, Modes, Rules, Trouble};
 use crate::heading::Allowed;
 use crate::lines::Source;
 use crate::nose::Side;
@@ -124,7 +124,7 @@ impl<'p, S: Source> Reader<'p, S> {
         };
         let mut acting = Acting {
             core: &mut self.core,
-            returns_to_r: false,
+            modes: Modes::default(),
             out,
         };
         let mut result = self.flow.step(&mut acting);
@@ -331,8 +331,8 @@ impl Core<'_> {
 /// A core that carries out one step.
 struct Acting<'a, 'p> {
     core: &'a mut Core<'p>,
-    /// A hole ends at its level R.
-    returns_to_r: bool,
+    /// What the flow has in force.
+    modes: Modes,
     out: &'a mut dyn FnMut(Event),
 }
 
@@ -612,8 +612,8 @@ impl Machine for Acting<'_, '_> {
         self.core.drill.is_some() || self.core.counts_increments()
     }
 
-    fn returns_to_r(&mut self, returns: bool) {
-        self.returns_to_r = returns;
+    fn follow(&mut self, modes: Modes) {
+        self.modes = modes;
     }
 
     fn decimals(&self, letter: u8) -> u8 {

@@ -3,6 +3,7 @@
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 
 use super::Control;
+use crate::value::Value;
 use crate::word::{Given, Word};
 
 /// Pairs: as the control writes it, and as system A does.
@@ -52,7 +53,8 @@ pub(super) fn leave_out(words: &mut Vec<Word>, control: Control) {
 fn tenths(word: &Word) -> Option<i64> {
     match word.given {
         Given::Written(number) => number.scaled(1).ok(),
-        Given::Calculated(value) => value.whole()?.checked_mul(10),
+        // G#1, with the 13.1 of #4021.
+        Given::Calculated(value) => Value::Number(value.number() * 10.0).whole(),
     }
 }
 

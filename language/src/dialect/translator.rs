@@ -5,6 +5,7 @@ use leadscrew_core::units::Decimal;
 
 use super::codes::leave_out;
 use super::{Control, one_line};
+use crate::flow::Modes;
 use crate::value::Value;
 use crate::word::{Given, Word};
 
@@ -76,10 +77,15 @@ impl Translator {
         self.control = control;
     }
 
-    /// A hole ends at its level R and not where the tool came from.
+    /// What is in force for blocks of the control that is read now.
     #[must_use]
-    pub const fn returns_to_r(&self) -> bool {
-        self.returns_to_r && self.control.has_system_b()
+    pub const fn modes(&self) -> Modes {
+        let has_b = self.control.has_system_b();
+        Modes {
+            incremental: self.incremental && has_b,
+            returns_to_r: self.returns_to_r && has_b,
+            calls: false,
+        }
     }
 
     /// Turns the words of a block into those of system A.

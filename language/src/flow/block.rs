@@ -113,6 +113,7 @@ impl<S: Source> Flow<S> {
         sequence: Option<Word>,
         machine: &mut impl Machine,
     ) -> Result<(), Trouble> {
+        machine.follow(self.modes());
         if kind == Statement::Words {
             let mut words = std::mem::take(&mut self.words);
             words.clear();
@@ -206,7 +207,7 @@ impl<S: Source> Flow<S> {
         {
             machine.note(told);
         }
-        machine.returns_to_r(self.translator.returns_to_r());
+        machine.follow(self.modes());
         if let Some(blocks) = one_line::blocks(words, self.translator.control(), now)? {
             for block in &blocks {
                 let done = machine.words(cursor.line(), block)?;

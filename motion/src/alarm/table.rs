@@ -1309,7 +1309,7 @@ codes! {
     TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
         "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
 
-    // -- 4850–4859 program flow: `language` ------------------------------------------------------------------------------
+    // -- 4850–4862 program flow: `language` ------------------------------------------------------------------------------
     /// A loop that goes on for ever; {0} how many statements it may have without a motion.
     RunawayLoop = 4850, "this loop has carried out {0} statements without a motion", "correct the condition that ends it",
         "该循环已执行 {0} 条语句而没有移动", "请修改结束循环的条件";
@@ -1333,6 +1333,27 @@ codes! {
     /// A variable that the file of variables has twice; {0} its number, {1} the first line.
     VariableEntryTwice = 4857, "#{0} is here a second time, after line {1}", "remove one of the two lines",
         "#{0} 重复，首次出现在第 {1} 行", "请删去其中一行";
+    // 4858–4862: system variables whose value nobody knows where the text is read.
+    /// A clock or a date; {0} its number.
+    ClockVariable = 4858, "#{0} is a clock of the machine, and a program is calculated before the machine moves",
+        "write G04 to wait; `simulate` tells how long a program takes; keep a date or a figure of your own in #500 to #999",
+        "#{0} 是机床的时钟，而程序在机床运动之前就已计算", "等待请用 G04；程序用时见 `simulate`；日期或自定的数值可存入 #500 至 #999";
+    /// The parts that were made, or are to be made; {0} its number.
+    PartsVariable = 4859, "#{0} counts parts on the machine, and a program is calculated before the machine moves",
+        "count in a variable that is kept, with `#500=#500+1` in front of M30; `run --passes 10` repeats a main program with M99 ten times",
+        "#{0} 是机床的工件计数，而程序在机床运动之前就已计算", "请用保持型变量计数，在 M30 之前写 `#500=#500+1`；`run --passes 10` 将以 M99 结尾的主程序重复十次";
+    /// What would keep single block, feed hold, the override or the exact stop from acting; {0} its number.
+    InhibitVariable = 4860, "#{0} can only be 0 here: nothing in a program takes single block, feed hold or the override from the operator",
+        "leave it out; a thread, or a chain of G32, stops at its end alone in any case; in place of 4 in #3004 write G64 before the cuts that are to be joined",
+        "#{0} 在此只能为 0：程序不得使操作者的单段、进给保持或倍率失效", "请省略；螺纹及连续的 G32 总是在其终点才停；#3004 的 4 请改为在需连续切削的程序段之前写 G64";
+    /// An input or output; {0} its number.
+    SignalVariable = 4861, "#{0} is a signal of the machine, and a program is calculated before the machine moves",
+        "give the signal an M code of its own in the table of machine functions: it sets an output, or waits for an input",
+        "#{0} 是机床信号，而程序在机床运动之前就已计算", "请在机床功能表中为该信号指定 M 代码：用于输出，或等待输入";
+    /// The modal code of a group, or word, that the control does not have; {0} its number.
+    GroupVariable = 4862, "#{0} tells a code that this control does not have",
+        "leave it out: there is nothing to keep and to put back; `docs/language.md` lists those that there are, and the tool offset is part of T (#4120)",
+        "#{0} 所指的代码本系统没有", "请省略：没有需要保存或恢复的内容；现有各组见 `docs/language.md`，刀偏号包含在 T（#4120）中";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",
