@@ -1,5 +1,6 @@
 //! Programs of other controls against the same program of system A, call by call.
 
+mod haas;
 mod readings;
 mod system_variables;
 

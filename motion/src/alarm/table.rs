@@ -1309,7 +1309,7 @@ codes! {
     TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
         "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
 
-    // -- 4850–4862 program flow: `language` ------------------------------------------------------------------------------
+    // -- 4850–4866 program flow: `language` ------------------------------------------------------------------------------
     /// A loop that goes on for ever; {0} how many statements it may have without a motion.
     RunawayLoop = 4850, "this loop has carried out {0} statements without a motion", "correct the condition that ends it",
         "该循环已执行 {0} 条语句而没有移动", "请修改结束循环的条件";
@@ -1354,6 +1354,14 @@ codes! {
     GroupVariable = 4862, "#{0} tells a code that this control does not have",
         "leave it out: there is nothing to keep and to put back; `docs/language.md` lists those that there are, and the tool offset is part of T (#4120)",
         "#{0} 所指的代码本系统没有", "请省略：没有需要保存或恢复的内容；现有各组见 `docs/language.md`，刀偏号包含在 T（#4120）中";
+    /// I, J or K of G71 and G72 on a GSK.
+    RoughWordOfGsk = 4863, "{w} in the block with P and Q is an allowance of the strokes on FANUC and Haas, and another word on a GSK",
+        "leave it out: the contour is always checked, and its last pass is always cut; for the allowance write `(DIALECT FANUC-A)`, or D in the same block",
+        "在含 P、Q 的程序段中，{w} 在 FANUC 和 Haas 上是粗车余量，在 GSK 上是另一个字", "请省略：轮廓总是经过检查，最后一刀总会执行；若为余量请写 `(DIALECT FANUC-A)`，或在同一段写 D";
+    /// I or K that moves the walls of a pocket.
+    PocketAllowance = 4866, "{w} moves both walls of a pocket the same way, and the strokes would cut into the contour at one of them",
+        "leave {w} out where the contour has pockets; the allowance across the strokes (I of G71, K of G72) may stay",
+        "{w} 使凹槽的两壁向同一方向移动，粗车会在其中一壁切入轮廓", "轮廓有凹槽时请省略 {w}；垂直于切削方向的余量（G71 的 I、G72 的 K）可保留";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",
