@@ -50,6 +50,8 @@ pub struct Modes {
     pub incremental: bool,
     /// G99 of the systems B and C: a hole ends at its level R.
     pub returns_to_r: bool,
+    /// M24 of a Haas: threads have no run-out.
+    pub without_run_out: bool,
     /// G66: a macro is called after each motion.
     pub calls: bool,
 }

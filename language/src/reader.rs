@@ -10,6 +10,7 @@ mod glimpse;
 mod pointless;
 #[cfg(test)]
 mod published;
+mod rigid;
 mod system;
 mod tap_level;
 #[cfg(test)]
@@ -604,7 +605,9 @@ impl Machine for Acting<'_, '_> {
             return Ok(done);
         }
         let tap = self.tap_level(line, words)?;
-        self.plain_words(line, tap.as_deref().unwrap_or(words))
+        let tap = tap.as_deref().unwrap_or(words);
+        let rigid = self.rigid_by_itself(line, tap)?;
+        self.plain_words(line, rigid.as_deref().unwrap_or(tap))
             .map_err(|alarm| self.core.without_point(alarm, words))
     }
 
@@ -614,6 +617,8 @@ impl Machine for Acting<'_, '_> {
 
     fn follow(&mut self, modes: Modes) {
         self.modes = modes;
+        let interpreter = &mut self.core.interpreter;
+        interpreter.run_out_by_words_alone(modes.without_run_out);
     }
 
     fn decimals(&self, letter: u8) -> u8 {

@@ -137,6 +137,10 @@ impl<S: Source> Flow<S> {
                 self.begin_loop(kind, &mut cursor, here, machine)?
             }
             Statement::End => self.end_loop(&mut cursor)?,
+            Statement::Print => {
+                let place = cursor.span_from(here.column);
+                return Err(Alarm::new(Code::PrintStatement, place).into());
+            }
             // A second number of a program in one block.
             _ => return Err(cursor.alarm(Code::MacroStatement).into()),
         }

@@ -491,12 +491,10 @@ codes! {
     /// G7.1, G107, G12.1, G112; {0} the code.
     PolarMoves = 4095, "{0} moves X and C as one plane for a live tool, and is not built", "let the CAM system write these moves with X, Z and C of their own (without polar or cylindrical interpolation)",
         "未实现 {0}（动力刀具的极坐标或圆柱插补）", "请让 CAM 系统直接输出 X、Z、C 的移动（不用极坐标或圆柱插补）";
-    /// M24 of a Haas.
-    NoChamfer = 4096, "M24, threads without a run-out at their end, is not built", "leave it out, and set parameter 5130 to 0 for threads without a run-out (`leadscrew params set 5130=0`)",
-        "未实现 M24（螺纹不退尾）", "请去掉该代码；若要螺纹不退尾，请将参数 5130 设为 0（`leadscrew params set 5130=0`）";
     /// A code of FANUC or Haas that does something, and is not built; {0} the code.
-    OtherControls = 4097, "{0} of other controls is not built", "G09: write G61 in this block and G64 in the next one; G154: G54 to G59; G184, G84.1: M04 and G84; leave G22, G26 and G68 out: the soft limits hold always, and this machine has one turret",
-        "未实现其他系统的 {0}", "G09：本段写 G61，下一段写 G64；G154：用 G54 至 G59；G184、G84.1：用 M04 和 G84；G22、G26、G68 请省略：软限位始终有效，且本机只有一个刀架";
+    OtherControls = 4097, "{0} of other controls is not built",
+        "G09: write G61 in this block and G64 in the next one; G110 to G129, G154, G54.1: G54 to G59; G51: G50 with U and W the other way; G52: G10 L2; G86: G85, or G01 and M05; G184, G84.1: M04 and G84; G187 with E: leave E out, for 9033 is the tolerance of corners; leave G22, G26 and G68 out: the soft limits hold always, and this machine has one turret",
+        "未实现其他系统的 {0}", "G09：本段写 G61，下一段写 G64；G110 至 G129、G154、G54.1：用 G54 至 G59；G51：用 G50 反向写 U、W；G52：用 G10 L2；G86：用 G85，或 G01 和 M05；G184、G84.1：用 M04 和 G84；带 E 的 G187：省略 E，拐角允差为 9033；G22、G26、G68 请省略：软限位始终有效，且本机只有一个刀架";
     /// A length without a point that is too large and may have been meant as increments; {0} what it is, {1} as increments.
     LengthWithoutPoint = 4098, "{w} has no point and is {0} here, which cannot be; as a count of increments it would be {1}",
         "write it with a point; where the whole program counts increments, read it with `--set 3401.0=0` (`leadscrew params set 3401.0=0` for good)",
@@ -1354,10 +1352,19 @@ codes! {
     GroupVariable = 4862, "#{0} tells a code that this control does not have",
         "leave it out: there is nothing to keep and to put back; `docs/language.md` lists those that there are, and the tool offset is part of T (#4120)",
         "#{0} 所指的代码本系统没有", "请省略：没有需要保存或恢复的内容；现有各组见 `docs/language.md`，刀偏号包含在 T（#4120）中";
+    // 4863–4865: words and codes of other controls.
     /// I, J or K of G71 and G72 on a GSK.
     RoughWordOfGsk = 4863, "{w} in the block with P and Q is an allowance of the strokes on FANUC and Haas, and another word on a GSK",
         "leave it out: the contour is always checked, and its last pass is always cut; for the allowance write `(DIALECT FANUC-A)`, or D in the same block",
         "在含 P、Q 的程序段中，{w} 在 FANUC 和 Haas 上是粗车余量，在 GSK 上是另一个字", "请省略：轮廓总是经过检查，最后一刀总会执行；若为余量请写 `(DIALECT FANUC-A)`，或在同一段写 D";
+    /// A code for what this machine does not have; {0} the code.
+    PartOfOtherMachine = 4864, "{0} is for something that this machine does not have",
+        "G14 G15 G199: no second spindle, so the other side of the part is a program of its own; G105: no bar feeder, so M00 and an operator; G31: no probe; G05 G195 G196: no live tool; G100 G101: no mirror image, so write the signs",
+        "{0} 用于本机没有的部件", "G14 G15 G199：没有副主轴，另一端请另编程序；G105：没有送料机，请用 M00；G31：没有测头；G05 G195 G196：没有动力刀具；G100 G101：没有镜像，请改写符号";
+    /// DPRNT and what belongs to it.
+    PrintStatement = 4865, "DPRNT, BPRNT, POPEN and PCLOS print to a serial port, and there is none here",
+        "leave them out; a value is kept for the next run, and in the file of variables, with `#500=#1`",
+        "DPRNT、BPRNT、POPEN、PCLOS 向串口输出，本机没有串口", "请省略；用 `#500=#1` 可将数值保存到变量文件，供下次运行使用";
     /// I or K that moves the walls of a pocket.
     PocketAllowance = 4866, "{w} moves both walls of a pocket the same way, and the strokes would cut into the contour at one of them",
         "leave {w} out where the contour has pockets; the allowance across the strokes (I of G71, K of G72) may stay",
