@@ -43,6 +43,19 @@ pub struct Done {
     pub ended: bool,
 }
 
+/// What is in force that no word of system A says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Modes {
+    /// G91 of the systems B and C.
+    pub incremental: bool,
+    /// G99 of the systems B and C: a hole ends at its level R.
+    pub returns_to_r: bool,
+    /// M24 of a Haas: threads have no run-out.
+    pub without_run_out: bool,
+    /// G66: a macro is called after each motion.
+    pub calls: bool,
+}
+
 /// What carries out the words.
 pub trait Machine: System {
     /// Carries out a line, or the front of one, in which nothing has to be calculated. Blocks of this line that were
@@ -71,9 +84,9 @@ pub trait Machine: System {
         false
     }
 
-    /// A hole ends at its level R.
-    fn returns_to_r(&mut self, returns: bool) {
-        let _ = returns;
+    /// What the blocks so far have set that is none of the machine's.
+    fn follow(&mut self, modes: Modes) {
+        let _ = modes;
     }
 
     /// Tells the operator something.
@@ -424,6 +437,14 @@ impl<S: Source> Flow<S> {
         match self.frames.last() {
             Some(frame) if self.frames.len() > 1 => Err(frame.left_open(frame.called).into()),
             _ => Ok(()),
+        }
+    }
+
+    /// What is in force for the machine.
+    fn modes(&self) -> Modes {
+        Modes {
+            calls: !self.top().modals.is_empty(),
+            ..self.translator.modes()
         }
     }
 

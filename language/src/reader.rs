@@ -10,6 +10,7 @@ mod glimpse;
 mod pointless;
 #[cfg(test)]
 mod published;
+mod rigid;
 mod system;
 mod tap_level;
 #[cfg(test)]
@@ -25,7 +26,7 @@ use leadscrew_core::units::{Decimal, StartAngle};
 
 use crate::dialect::{Control, Setting};
 use crate::drilling::{Drill, Kind};
-use crate::flow::{Done, Flow, Machine, Rules, Trouble};
+use crate::flow::{Done, Flow, Machine, Modes, Rules, Trouble};
 use crate::heading::Allowed;
 use crate::lines::Source;
 use crate::nose::Side;
@@ -124,7 +125,7 @@ impl<'p, S: Source> Reader<'p, S> {
         };
         let mut acting = Acting {
             core: &mut self.core,
-            returns_to_r: false,
+            modes: Modes::default(),
             out,
         };
         let mut result = self.flow.step(&mut acting);
@@ -331,8 +332,8 @@ impl Core<'_> {
 /// A core that carries out one step.
 struct Acting<'a, 'p> {
     core: &'a mut Core<'p>,
-    /// A hole ends at its level R.
-    returns_to_r: bool,
+    /// What the flow has in force.
+    modes: Modes,
     out: &'a mut dyn FnMut(Event),
 }
 
@@ -604,7 +605,9 @@ impl Machine for Acting<'_, '_> {
             return Ok(done);
         }
         let tap = self.tap_level(line, words)?;
-        self.plain_words(line, tap.as_deref().unwrap_or(words))
+        let tap = tap.as_deref().unwrap_or(words);
+        let rigid = self.rigid_by_itself(line, tap)?;
+        self.plain_words(line, rigid.as_deref().unwrap_or(tap))
             .map_err(|alarm| self.core.without_point(alarm, words))
     }
 
@@ -612,8 +615,10 @@ impl Machine for Acting<'_, '_> {
         self.core.drill.is_some() || self.core.counts_increments()
     }
 
-    fn returns_to_r(&mut self, returns: bool) {
-        self.returns_to_r = returns;
+    fn follow(&mut self, modes: Modes) {
+        self.modes = modes;
+        let interpreter = &mut self.core.interpreter;
+        interpreter.run_out_by_words_alone(modes.without_run_out);
     }
 
     fn decimals(&self, letter: u8) -> u8 {

@@ -45,7 +45,7 @@ impl Cycle {
     pub const fn letters(self) -> &'static [u8] {
         match self {
             Self::Finish => b"PQ",
-            Self::Rough(_) => b"PQUWRD",
+            Self::Rough(_) => b"PQUWRIJKD",
             Self::Pattern => b"PQUWRIKD",
         }
     }
@@ -182,7 +182,7 @@ impl FirstLines {
                     Along::Z => (b'U', b'W'),
                     Along::X => (b'W', b'U'),
                 };
-                words.without(&[other, b'D'])?;
+                words.without(&[other, b'D', b'I', b'J', b'K'])?;
                 let kept = &mut self.rough[index(along)];
                 kept.depth = words.length(depth, unit)?.or(kept.depth);
                 kept.retract = words.length(b'R', unit)?.or(kept.retract);
@@ -231,7 +231,16 @@ impl FirstLines {
             z: words.length(b'W', unit)?.map_or(Length::ZERO, |w| w.value),
         };
         let one_line = words.find(b'D').is_some();
-        if !one_line {
+        let rough = matches!(cycle, Cycle::Rough(_));
+        if !one_line && rough && self.control.is_gsk() {
+            let of_gsk = |word: &&Word| matches!(word.letter, b'I' | b'J' | b'K');
+            if let Some(word) = block.iter().find(of_gsk) {
+                return Err(word.alarm(Code::RoughWordOfGsk));
+            }
+        }
+        if rough {
+            words.without(b"J")?;
+        } else if !one_line {
             words.without(b"IK")?;
         }
         if !self.has_pockets_by_word(cycle) {
@@ -253,6 +262,12 @@ impl FirstLines {
                         retract: retract.unwrap_or_else(|| given(params.rough_retract())),
                         retract_feeds,
                         allowance,
+                        left: Allowance {
+                            x: words.length(b'I', unit)?.map_or(Diameter::from_nm(0), |i| {
+                                Diameter::from_nm(i.value.nm().saturating_mul(2))
+                            }),
+                            z: words.length(b'K', unit)?.map_or(Length::ZERO, |k| k.value),
+                        },
                         semi_finish: true,
                         tolerance: Length::ZERO,
                         span,
@@ -409,10 +424,12 @@ impl Collected {
     /// What looks wrong about the cycle, though it can be cut [D252]: its depth beside the declared stock, too [D275].
     #[must_use]
     pub fn doubts(&self, stock: Option<&Stock>) -> Vec<Alarm> {
-        let (allowance, depth, span) = match &self.figures {
+        let (allowance, left, depth, span) = match &self.figures {
             Figures::Finish => return Vec::new(),
-            Figures::Rough(_, words) => (words.allowance, Some(words.depth), words.span),
-            Figures::Pattern(words) => (words.allowance, None, words.span),
+            Figures::Rough(_, words) => {
+                (words.allowance, words.left, Some(words.depth), words.span)
+            }
+            Figures::Pattern(words) => (words.allowance, Allowance::NONE, None, words.span),
         };
         let ends = || self.elements.iter().map(|element| element.end);
         let x = Reach::of(self.start.x, ends().map(|end| end.x));
@@ -427,6 +444,12 @@ impl Collected {
         }
         if z.is_against(allowance.z.nm()) {
             odd(b'W', Arg::Length(allowance.z), span);
+        }
+        if x.is_against(left.x.nm()) {
+            odd(b'I', Arg::Length(left.x.radius()), span);
+        }
+        if z.is_against(left.z.nm()) {
+            odd(b'K', Arg::Length(left.z), span);
         }
         let letter = match self.figures {
             Figures::Rough(Along::X, _) => b'W',

@@ -35,6 +35,8 @@ pub enum Statement {
     End,
     /// The number of a program: `O1`, `:1` or `<O1>`; the cursor is after it.
     Program(u32),
+    /// DPRNT and what belongs to it; the cursor is after it.
+    Print,
     /// Words without values that have to be calculated, and without calls.
     Plain,
     /// Words of which this module cannot say as much.
@@ -76,6 +78,7 @@ pub fn statement(cursor: &mut Cursor<'_>) -> Statement {
         Some(b'I') if cursor.take_word("IF") => Statement::If,
         Some(b'W') if cursor.take_word("WHILE") => Statement::While,
         Some(b'G') if cursor.take_word("GOTO") => Statement::Goto,
+        Some(b'B' | b'D' | b'P') if prints(cursor) => Statement::Print,
         Some(b'D') if cursor.take_word("DO") => Statement::Do,
         Some(b'E') if cursor.take_word("END") => Statement::End,
         Some(b'O' | b'<' | b':') => match program(cursor) {
@@ -87,6 +90,12 @@ pub fn statement(cursor: &mut Cursor<'_>) -> Statement {
             _ => Statement::Words,
         },
     }
+}
+
+/// Takes a statement that prints to a serial port.
+fn prints(cursor: &mut Cursor<'_>) -> bool {
+    let statements = ["DPRNT", "BPRNT", "POPEN", "PCLOS"];
+    statements.into_iter().any(|word| cursor.take_word(word))
 }
 
 /// `O1`, `:1` or `<O1>`.

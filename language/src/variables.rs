@@ -81,8 +81,11 @@ pub enum Written {
 
 /// The variables of the machine: from `#1000` on, but `#3000` and `#3006`, which are statements.
 pub trait System {
-    /// The value of a variable; `None` where there is none, or where its value cannot be known.
-    fn read(&mut self, number: u32) -> Option<Value>;
+    /// The value of a variable; `None` where there is none.
+    ///
+    /// # Errors
+    /// Its value cannot be known here; the alarm has no place yet.
+    fn read(&mut self, number: u32) -> Result<Option<Value>, Alarm>;
 
     /// Gives a variable a value.
     fn write(&mut self, number: u32, value: Value) -> Written;
@@ -194,7 +197,10 @@ impl<S: System> Lookup for Scope<'_, S> {
         }
         let read = match u32::try_from(number) {
             Ok(0) => Some(Value::Null),
-            Ok(system) if number >= SYSTEM => self.system.read(system),
+            Ok(system) if number >= SYSTEM => {
+                let placed = |alarm| Alarm { span, ..alarm };
+                self.system.read(system).map_err(placed)?
+            }
             _ => None,
         };
         read.ok_or_else(|| blame(Code::VariableNumber, number, span))
@@ -213,8 +219,8 @@ mod tests {
     struct Two(f64);
 
     impl System for Two {
-        fn read(&mut self, number: u32) -> Option<Value> {
-            matches!(number, 5001 | 3002).then_some(Value::Number(self.0))
+        fn read(&mut self, number: u32) -> Result<Option<Value>, Alarm> {
+            Ok(matches!(number, 5001 | 3002).then_some(Value::Number(self.0)))
         }
 
         fn write(&mut self, number: u32, value: Value) -> Written {

@@ -26,6 +26,14 @@ pub struct InForce {
     pub origin: Position,
     /// Rigid tapping or a cycle of holes.
     pub taps: bool,
+    /// The tapping cycle in force: 84 or 88.
+    pub tap_cycle: Option<u8>,
+    /// G61.
+    pub exact_stop: bool,
+    /// The spindle turns.
+    pub turns: bool,
+    /// The latest M code, if there was one.
+    pub m: Option<u16>,
 }
 
 impl State<'_> {
@@ -46,6 +54,10 @@ impl State<'_> {
             surface: modal.surface.filter(|_| modal.in_surface),
             origin: modal.origin,
             taps: self.tapping.is_on(),
+            tap_cycle: self.tapping.code(),
+            exact_stop: self.exact_stop,
+            turns: modal.direction != 0,
+            m: self.m,
         }
     }
 }

@@ -285,6 +285,17 @@ impl<'p> Interpreter<'p> {
         self.state.modal.options.dialect = dialect;
     }
 
+    /// Threads of the lines that follow have a run-out by parameter, or none but that of their words.
+    pub const fn run_out_by_words_alone(&mut self, alone: bool) {
+        self.state.modal.without_run_out = alone;
+    }
+
+    /// The M code of rigid tapping.
+    #[must_use]
+    pub fn rigid_code(&self) -> u8 {
+        rigid_code(self.state.modal.params)
+    }
+
     /// Where the machine stands after the blocks so far.
     #[must_use]
     pub const fn position(&self) -> Position {

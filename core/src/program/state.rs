@@ -71,11 +71,13 @@ pub(super) struct State<'p> {
     /// The latest motion, where it is a stroke of G32 or G34.
     pub(super) stroked: Option<Stroked>,
     /// G61.
-    exact_stop: bool,
+    pub(super) exact_stop: bool,
     /// O of the program, if it has one.
     pub(super) program: Option<u32>,
     /// N of the latest block that has one.
     pub(super) sequence: Option<u32>,
+    /// The latest M word.
+    pub(super) m: Option<u16>,
     /// How often the program has written offsets, and where it did so last.
     pub(super) offsets_written: (u32, Span),
     /// M02 or M30 was read.
@@ -101,6 +103,7 @@ impl<'p> State<'p> {
             exact_stop: false,
             program: None,
             sequence: None,
+            m: None,
             offsets_written: (0, Span::default()),
             ended: false,
             started: false,
@@ -132,6 +135,9 @@ impl<'p> State<'p> {
         }
         if block.has_m() {
             self.after_motion(block, plan);
+            self.m = block
+                .last_m()
+                .and_then(|word| u16::try_from(word.value.mantissa()).ok());
         }
         if self.modal.in_surface {
             self.follow_surface(block, from, plan);

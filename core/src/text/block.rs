@@ -398,6 +398,16 @@ impl Block {
         Some(self.word(b'M', slot))
     }
 
+    /// The M word that stands last; `None` without any.
+    pub(crate) fn last_m(&self) -> Option<Word> {
+        let more = self.more.iter().take(usize::from(self.more_count));
+        let groups = self.m.iter().zip(0_u8..);
+        let written = groups.filter(|(_, group)| self.m_groups >> group & 1 != 0);
+        let slots = written.map(|(slot, _)| slot).chain(more);
+        let last = slots.max_by_key(|slot| slot.column)?;
+        Some(self.word(b'M', last))
+    }
+
     /// The M words without a meaning of their own, in their order.
     pub(crate) fn free_m(&self) -> impl Iterator<Item = Word> {
         let more = self.more.iter().take(usize::from(self.more_count));

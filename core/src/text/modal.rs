@@ -55,6 +55,8 @@ pub(crate) struct Modal<'p> {
     pub(crate) speed_limit: Option<u32>,
     /// The gear that is in, from 1; 0: nobody knows.
     pub(crate) gear: u8,
+    /// M24 of a Haas: threads have no run-out that their words do not ask for.
+    pub(crate) without_run_out: bool,
 }
 
 impl<'p> Modal<'p> {
@@ -78,9 +80,18 @@ impl<'p> Modal<'p> {
             surface: None,
             speed_limit: None,
             gear,
+            without_run_out: false,
         };
         modal.place_origin();
         modal
+    }
+
+    /// Tenths of the lead that a thread runs out over where its words do not say so.
+    pub(crate) const fn run_out_tenths(&self) -> u8 {
+        if self.without_run_out {
+            return 0;
+        }
+        self.params.thread_chamfer()
     }
 
     /// What offsets are read from.

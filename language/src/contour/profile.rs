@@ -193,6 +193,12 @@ impl Profile {
         (self.has_first && first.to.h < first.from.h).then_some(first)
     }
 
+    /// True with a pocket: the contour comes down again behind its first block.
+    pub fn sinks(&self) -> bool {
+        let mut pieces = self.pieces.iter().filter(|piece| piece.element > 0);
+        pieces.any(|piece| piece.to.h < piece.from.h)
+    }
+
     /// True where the straight way from the profile's end to `home` goes through it.
     pub fn blocks(&self, end: Local, home: Local) -> bool {
         let way = i128::from(end.l) - i128::from(home.l);

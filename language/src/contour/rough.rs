@@ -8,7 +8,7 @@ use leadscrew_core::units::Length;
 use super::frame::Local;
 use super::profile::{Place, Profile};
 use super::tree::{self, Stroke, Tree};
-use super::words::{Along, Roughing};
+use super::words::{Allowance, Along, Roughing};
 use super::{Contour, Cut};
 use crate::plane::{Element, Point, Shape};
 
@@ -39,7 +39,11 @@ enum Stage {
 pub struct Rough<'a> {
     contour: &'a Contour,
     words: Roughing,
+    /// What the strokes leave.
+    left: Allowance,
     profile: Profile,
+    /// The profile of the last pass, where the strokes leave more than it does.
+    last: Option<Profile>,
     tree: Tree,
     steps: VecDeque<Step>,
     stage: Stage,
@@ -71,8 +75,22 @@ impl<'a> Rough<'a> {
             let span = contour.elements.first().map_or(words.span, |ns| ns.span);
             return Err(Alarm::new(Code::ContourFirst, span));
         }
-        let profile = Profile::new(contour, along, &words.allowance, !stroke, words.tolerance)?;
-        let start = profile.frame.enter(words.allowance.shift(contour.start));
+        let left = words.allowance.and(words.left);
+        let of = |left| Profile::new(contour, along, left, !stroke, words.tolerance);
+        let profile = of(&left)?;
+        if words.left.along(along) != Length::ZERO && profile.sinks() {
+            return Err(
+                Alarm::new(Code::PocketAllowance, words.span).word(match along {
+                    Along::Z => b'K',
+                    Along::X => b'I',
+                }),
+            );
+        }
+        let last = match words.left {
+            Allowance::NONE => None,
+            _ => Some(of(&words.allowance)?),
+        };
+        let start = profile.frame.enter(left.shift(contour.start));
         tree::check(contour, &profile, start, words.depth.value.nm())?;
         let first = Step::Go {
             to: start,
@@ -83,6 +101,8 @@ impl<'a> Rough<'a> {
             words: *words,
             tree: Tree::new(&profile, start),
             profile,
+            left,
+            last,
             steps: VecDeque::from([first]),
             stage: Stage::Strokes,
             start,
@@ -94,13 +114,7 @@ impl<'a> Rough<'a> {
     /// True where the allowance along the strokes makes one wall of a pocket thin: it goes to both walls alike.
     #[must_use]
     pub fn leaves_a_thin_wall(&self) -> bool {
-        let along = match self.profile.frame.along {
-            Along::Z => self.words.allowance.z,
-            Along::X => self.words.allowance.x.radius(),
-        };
-        let mut pieces = self.profile.pieces.iter().filter(|piece| piece.element > 0);
-        let sinks = pieces.any(|piece| piece.to.h < piece.from.h);
-        sinks && along != Length::ZERO
+        self.left.along(self.profile.frame.along) != Length::ZERO && self.profile.sinks()
     }
 
     /// The axes, X and Z, in which the allowance moves the contour into the part.
@@ -221,6 +235,9 @@ impl<'a> Rough<'a> {
         if !self.words.semi_finish {
             return;
         }
+        if self.last.is_some() {
+            self.approach_pass();
+        }
         let first = self.contour.elements.first();
         if let Some(first) = first {
             let to = self.shifted(first.end);
@@ -229,14 +246,36 @@ impl<'a> Rough<'a> {
         self.steps.push_back(Step::Contour(1));
     }
 
+    /// From where the strokes begin to where the last pass does: that lies nearer to the contour.
+    fn approach_pass(&mut self) {
+        let begin = self.shifted(self.contour.start);
+        if !self.is_slanted() {
+            // Down to the contour where it begins, and not in front of it.
+            self.go(
+                Local {
+                    l: begin.l,
+                    ..self.at
+                },
+                true,
+            );
+            return;
+        }
+        // The move of `ns` is a wall that the pass cuts from its front.
+        let h = self.at.h.max(self.start.h);
+        self.go(Local { h, ..self.at }, true);
+        self.go(Local { h, l: self.start.l }, true);
+        self.go(begin, false);
+    }
+
     /// Back to `A`: straight, or over the contour where it stands in the way.
     fn home(&mut self) {
         let home = self.profile.frame.enter(self.contour.start);
         if self.words.semi_finish {
             let last = self.contour.elements.last();
             let end = last.map_or(home, |last| self.shifted(last.end));
-            if self.profile.blocks(end, home) {
-                let pieces = self.profile.pieces.iter();
+            let profile = self.last.as_ref().unwrap_or(&self.profile);
+            if profile.blocks(end, home) {
+                let pieces = profile.pieces.iter();
                 let high = home.h.max(self.start.h);
                 let h = pieces.map(|piece| piece.to.h).fold(high, i64::max);
                 self.go(Local { h, l: end.l }, true);
@@ -319,7 +358,7 @@ impl<'a> Rough<'a> {
         if near <= Length::from_nm(4) {
             return Shape::Line;
         }
-        let from = self.words.allowance.shift(from);
+        let from = self.left.shift(from);
         Shape::Arc {
             i: from.x + i - self.given.x,
             k: from.z + k - self.given.z,

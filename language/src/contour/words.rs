@@ -15,6 +15,29 @@ pub struct Allowance {
 }
 
 impl Allowance {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        x: Diameter::from_nm(0),
+        z: Length::ZERO,
+    };
+
+    /// That along the strokes.
+    pub(super) const fn along(&self, strokes: Along) -> Length {
+        match strokes {
+            Along::Z => self.z,
+            Along::X => self.x.radius(),
+        }
+    }
+
+    /// Both of them.
+    #[must_use]
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            x: Diameter::from_nm(self.x.nm().saturating_add(other.x.nm())),
+            z: self.z + other.z,
+        }
+    }
+
     /// `point` on the contour, moved by the allowance.
     pub(super) fn shift(&self, point: Point) -> Point {
         Point {
@@ -62,6 +85,8 @@ pub struct Roughing {
     pub retract_feeds: bool,
     /// Δu, Δw.
     pub allowance: Allowance,
+    /// I, K: what the strokes leave besides, for the last pass along the contour.
+    pub left: Allowance,
     /// True where the contour is cut with its allowance after the strokes.
     pub semi_finish: bool,
     /// How far the contour may turn back and still counts as monotonic.

@@ -3,18 +3,40 @@
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 
 use super::Control;
+use crate::value::Value;
 use crate::word::{Given, Word};
 
 /// Pairs: as the control writes it, and as system A does.
 type Pairs = &'static [(i64, i64)];
 
 /// What is told of a code that other controls have, in tenths: what to write in its place.
-const fn refusal(tenths: u16) -> Option<Code> {
+///
+/// G05, G14 and their like are other codes on each of them, so it is a Haas that is told of them.
+const fn refusal(control: Control, tenths: u16) -> Option<Code> {
     Some(match tenths {
+        50 | 140 | 150 | 1000 | 1010 | 1050 | 1950 | 1960 | 1990
+            if matches!(control, Control::Haas) =>
+        {
+            Code::PartOfOtherMachine
+        }
+        310 => Code::PartOfOtherMachine,
         270 | 290 => Code::ReferenceMove,
         350 | 360 => Code::CircularThread,
         71 | 1070 | 121 | 1120 => Code::PolarMoves,
-        90 | 220 | 260 | 680 | 1540 | 1840 | 841 | 881 => Code::OtherControls,
+        90
+        | 220
+        | 260
+        | 510
+        | 520
+        | 541
+        | 680
+        | 860
+        | 1100..=1290
+        | 1540
+        | 1840
+        | 1870
+        | 841
+        | 881 => Code::OtherControls,
         _ => return None,
     })
 }
@@ -26,21 +48,23 @@ const fn ends_nothing(tenths: i64) -> bool {
     matches!(tenths, 230 | 250 | 490 | 690 | 131 | 1130)
 }
 
-/// Takes the codes and words out of a block that say nothing on this machine: cancels, M23 and G103 P of a Haas, V0 of
-/// G28.
+/// Takes the codes and words out of a block that say nothing on this machine: cancels, G103 P and G187 P of a Haas, V0 of
+/// G28; and M23 and M24, which have been heard. E of G187 is a tolerance, and is not passed over [D484].
 pub(super) fn leave_out(words: &mut Vec<Word>, control: Control) {
     let code = |word: &Word, letter| (word.letter == letter).then(|| tenths(word))?;
     let has = |tenths| words.iter().any(|word| code(word, b'G') == Some(tenths));
     let goes_home = has(280) || has(300);
-    let looks_ahead = control == Control::Haas && has(1030);
+    let tolerance = words.iter().any(|word| word.letter == b'E');
+    let looks_ahead = control == Control::Haas && (has(1030) || (has(1870) && !tolerance));
     words.retain(|word| {
         let is_zero = word.value().is_null() || word.value().whole() == Some(0);
         let leaves = match word.letter {
             b'V' | b'Y' => goes_home && is_zero,
             _ if control.is_gsk() => false,
-            b'G' => code(word, b'G')
-                .is_some_and(|code| ends_nothing(code) || (looks_ahead && code == 1030)),
-            b'M' => control == Control::Haas && code(word, b'M') == Some(230),
+            b'G' => code(word, b'G').is_some_and(|code| {
+                ends_nothing(code) || (looks_ahead && matches!(code, 1030 | 1870))
+            }),
+            b'M' => control == Control::Haas && matches!(code(word, b'M'), Some(230 | 240)),
             b'P' => looks_ahead,
             _ => false,
         };
@@ -52,7 +76,8 @@ pub(super) fn leave_out(words: &mut Vec<Word>, control: Control) {
 fn tenths(word: &Word) -> Option<i64> {
     match word.given {
         Given::Written(number) => number.scaled(1).ok(),
-        Given::Calculated(value) => value.whole()?.checked_mul(10),
+        // G#1, with the 13.1 of #4021.
+        Given::Calculated(value) => Value::Number(value.number() * 10.0).whole(),
     }
 }
 
@@ -118,7 +143,7 @@ impl Control {
     pub fn in_own_codes(self, mut alarm: Alarm) -> Alarm {
         if let (Code::UnknownG | Code::GNotAvailable, Arg::GCode(tenths)) =
             (alarm.code, alarm.args[0])
-            && let Some(code) = refusal(tenths)
+            && let Some(code) = refusal(self, tenths)
         {
             alarm.code = code;
             return alarm;

@@ -1,6 +1,8 @@
 //! Programs of other controls against the same program of system A, call by call.
 
+mod haas;
 mod readings;
+mod system_variables;
 
 use leadscrew_core::alarm::{Alarm, Arg};
 use leadscrew_core::call::{CallKind, CutIn, Infeed, ThreadCall};

@@ -5,6 +5,7 @@ use leadscrew_core::units::Decimal;
 
 use super::codes::leave_out;
 use super::{Control, one_line};
+use crate::flow::Modes;
 use crate::value::Value;
 use crate::word::{Given, Word};
 
@@ -51,6 +52,8 @@ pub struct Translator {
     incremental: bool,
     /// G99 of the systems B and C: a hole ends at R.
     returns_to_r: bool,
+    /// M24 of a Haas: threads have no run-out.
+    without_run_out: bool,
 }
 
 impl Translator {
@@ -62,6 +65,7 @@ impl Translator {
             machine: control,
             incremental: false,
             returns_to_r: false,
+            without_run_out: false,
         }
     }
 
@@ -76,10 +80,16 @@ impl Translator {
         self.control = control;
     }
 
-    /// A hole ends at its level R and not where the tool came from.
+    /// What is in force for blocks of the control that is read now.
     #[must_use]
-    pub const fn returns_to_r(&self) -> bool {
-        self.returns_to_r && self.control.has_system_b()
+    pub const fn modes(&self) -> Modes {
+        let has_b = self.control.has_system_b();
+        Modes {
+            incremental: self.incremental && has_b,
+            returns_to_r: self.returns_to_r && has_b,
+            without_run_out: self.without_run_out && matches!(self.control, Control::Haas),
+            calls: false,
+        }
     }
 
     /// Turns the words of a block into those of system A.
@@ -87,11 +97,11 @@ impl Translator {
     /// # Errors
     /// A code that this control does not have, or a count with a point.
     pub fn translate(&mut self, words: &mut Vec<Word>, now: Setting) -> Result<(), Alarm> {
+        if self.control == Control::Haas {
+            self.chamfers(words);
+        }
         leave_out(words, self.control);
         refuse_decimal_codes(words)?;
-        if self.control == Control::Haas {
-            refuse_no_chamfer(words)?;
-        }
         let increments = !self.control.is_gsk() && self.codes(words)?;
         if self.control.limits_every_speed() != self.machine.limits_every_speed() {
             refuse_speed_limit(words)?;
@@ -124,6 +134,16 @@ impl Translator {
         }
         refuse_turns_per_inch(words, motion, alone)?;
         of_fanuc(words, now)
+    }
+
+    /// M23 and M24 of a Haas: threads with and without a run-out.
+    fn chamfers(&mut self, words: &[Word]) {
+        let codes = words.iter().filter(|word| word.letter == b'M');
+        for code in codes.filter_map(|word| word.value().whole()) {
+            if matches!(code, 23 | 24) {
+                self.without_run_out = code == 24;
+            }
+        }
     }
 
     /// The G codes. True where the axis words of the block count from where the tool is.
@@ -213,15 +233,6 @@ fn refuse_speed_limit(words: &[Word]) -> Result<(), Alarm> {
         Some(word) => Err(word
             .alarm(Code::SpeedLimitElsewhere)
             .with([Arg::GCode(500)])),
-        None => Ok(()),
-    }
-}
-
-/// M24 of a Haas: threads without a run-out, which the words of the cycles cannot say.
-fn refuse_no_chamfer(words: &[Word]) -> Result<(), Alarm> {
-    let is = |word: &&Word| word.letter == b'M' && word.value().whole() == Some(24);
-    match words.iter().find(is) {
-        Some(word) => Err(word.alarm(Code::NoChamfer)),
         None => Ok(()),
     }
 }

@@ -113,6 +113,7 @@ impl<S: Source> Flow<S> {
         sequence: Option<Word>,
         machine: &mut impl Machine,
     ) -> Result<(), Trouble> {
+        machine.follow(self.modes());
         if kind == Statement::Words {
             let mut words = std::mem::take(&mut self.words);
             words.clear();
@@ -136,6 +137,10 @@ impl<S: Source> Flow<S> {
                 self.begin_loop(kind, &mut cursor, here, machine)?
             }
             Statement::End => self.end_loop(&mut cursor)?,
+            Statement::Print => {
+                let place = cursor.span_from(here.column);
+                return Err(Alarm::new(Code::PrintStatement, place).into());
+            }
             // A second number of a program in one block.
             _ => return Err(cursor.alarm(Code::MacroStatement).into()),
         }
@@ -206,7 +211,7 @@ impl<S: Source> Flow<S> {
         {
             machine.note(told);
         }
-        machine.returns_to_r(self.translator.returns_to_r());
+        machine.follow(self.modes());
         if let Some(blocks) = one_line::blocks(words, self.translator.control(), now)? {
             for block in &blocks {
                 let done = machine.words(cursor.line(), block)?;

@@ -32,8 +32,8 @@ impl Recorder {
 }
 
 impl System for Recorder {
-    fn read(&mut self, number: u32) -> Option<Value> {
-        (number == 5001).then_some(Value::Number(self.heard.len() as f64))
+    fn read(&mut self, number: u32) -> Result<Option<Value>, Alarm> {
+        Ok((number == 5001).then_some(Value::Number(self.heard.len() as f64)))
     }
 
     fn write(&mut self, number: u32, _value: Value) -> Written {
@@ -137,8 +137,8 @@ fn a_block_that_is_carried_out_alone_keeps_its_columns() {
     let mut flow = Flow::new(&text[..], Kept::default(), Rules::default());
     struct Columns<'r>(&'r mut Recorder, Vec<usize>);
     impl System for Columns<'_> {
-        fn read(&mut self, _: u32) -> Option<Value> {
-            None
+        fn read(&mut self, _: u32) -> Result<Option<Value>, Alarm> {
+            Ok(None)
         }
         fn write(&mut self, _: u32, _: Value) -> Written {
             Written::Unknown

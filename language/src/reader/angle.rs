@@ -144,7 +144,10 @@ impl Acting<'_, '_> {
 
     /// Where the words of a block lead.
     fn way(&self, words: &[Word]) -> Way {
-        let here = |number| self.core.system(number).map_or(0.0, Value::number);
+        let here = |number| {
+            let value = self.core.system(number, self.modes);
+            value.ok().flatten().map_or(0.0, Value::number)
+        };
         let inch = self.core.interpreter.is_inch();
         let mut way = Way {
             x: None,

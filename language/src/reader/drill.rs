@@ -166,7 +166,7 @@ impl Acting<'_, '_> {
             clearance: self.core.params.drill_clearance(),
             dwell: drill.dwell,
             feeds_out: drill.kind.feeds_out(),
-            ends_at_r: self.returns_to_r,
+            ends_at_r: self.modes.returns_to_r,
         };
         let beyond = |a: Length, b: Length| (bottom - level).signum() * (a - b).signum() < 0;
         if bottom == level || beyond(level, of(initial)) || hole.pecks() > MOST_PECKS {

@@ -1,11 +1,12 @@
 //! System variables: what a macro may ask of the program's state.
 
-use leadscrew_core::alarm::Span;
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::FeedRate;
 use leadscrew_core::program::InForce;
 use leadscrew_core::units::Length;
 
 use super::{Acting, Core};
+use crate::flow::Modes;
 use crate::value::Value;
 use crate::variables::{System, Written};
 use crate::word::{Given, Word};
@@ -30,20 +31,29 @@ impl Core<'_> {
     }
 
     /// The value of a system variable.
-    pub(super) fn system(&self, number: u32) -> Option<Value> {
+    ///
+    /// # Errors
+    /// It is known on the machine alone, or this control has no such code.
+    pub(super) fn system(&self, number: u32, modes: Modes) -> Result<Option<Value>, Alarm> {
+        if let Some(code) = elsewhere(number) {
+            return Err(unknown(code, number));
+        }
         let now = self.interpreter.in_force();
         let at = self.interpreter.position();
         let (x, z, c) = (at.x, at.z, at.c.udeg());
         let zero = now.origin;
         let number = match number {
-            4001 => now.motion.into(),
-            4002 => 97.0 - f64::from(u8::from(now.surface.is_some())),
-            4005 => 98.0 + f64::from(u8::from(now.per_turn)),
-            4007 => self.path.code().into(),
-            4006 => 21.0 - f64::from(u8::from(self.interpreter.is_inch())),
-            4014 => now.system.into(),
-            4016 => now.plane.into(),
-            4109 => return Some(self.feed(&now).map_or(Value::Null, Value::Number)),
+            INHIBIT_STEPS | INHIBIT_HOLDS => 0.0,
+            4001..=4021 => {
+                let code = self.modal_code(number - 4000, &now, modes);
+                return match code {
+                    Some(code) => Ok(Some(Value::Number(code))),
+                    None => Err(unknown(Code::GroupVariable, number)),
+                };
+            }
+            4102 | 4107 | 4108 | 4111 | 4130 => return Err(unknown(Code::GroupVariable, number)),
+            4109 => return Ok(Some(self.feed(&now).map_or(Value::Null, Value::Number))),
+            4113 => return Ok(Some(now.m.map_or(Value::Null, |m| Value::Number(m.into())))),
             4114 => self.interpreter.sequence_number().unwrap_or(0).into(),
             4115 => self.interpreter.program_number().unwrap_or(0).into(),
             4119 => match now.surface {
@@ -68,9 +78,45 @@ impl Core<'_> {
             5023 => c as f64 / 1e6,
             // The table has no wear of a radius.
             2201..=2232 => 0.0,
-            _ => return Datum::of(number).map(|datum| Value::Number(self.datum(datum))),
+            _ => return Ok(Datum::of(number).map(|datum| Value::Number(self.datum(datum)))),
         };
-        Some(Value::Number(number))
+        Ok(Some(Value::Number(number)))
+    }
+
+    /// The code of a group that is in force, as the control writes it; `None` where it has no such group.
+    fn modal_code(&self, group: u32, now: &InForce, modes: Modes) -> Option<f64> {
+        let control = self.control;
+        let either = |of: bool, yes: u8, no: u8| if of { yes } else { no };
+        let others = !control.is_gsk();
+        let code = match group {
+            1 => now.motion,
+            2 => either(now.surface.is_some(), 96, 97),
+            // G90 and G94 of system A are cycles, of group 01.
+            3 if control.has_system_b() => {
+                return Some(either(modes.incremental, 91, 90).into());
+            }
+            // What these controls may end, and this machine does not have [D442].
+            4 if others => 69,
+            5 => either(now.per_turn, 99, 98),
+            6 => either(self.interpreter.is_inch(), 20, 21),
+            7 => return Some(self.path.code().into()),
+            8 if others => 25,
+            9 if others => 23,
+            10 => match &self.drill {
+                Some((drill, _)) => return drill.kind.code()[1..].parse().ok(),
+                None => now.tap_cycle.unwrap_or(80),
+            },
+            11 if control.has_system_b() => {
+                return Some(either(modes.returns_to_r, 99, 98).into());
+            }
+            12 => either(modes.calls, 66, 67),
+            14 => now.system,
+            15 => either(now.exact_stop, 61, 64),
+            16 => now.plane,
+            21 if others => return Some(13.1),
+            _ => return None,
+        };
+        Some(control.written(code.into()) as f64)
     }
 
     /// A value of the table of offsets.
@@ -165,18 +211,46 @@ impl Datum {
     }
 }
 
+/// Single block, and feed hold, override and exact stop, as a program may take them from the operator.
+const INHIBIT_STEPS: u32 = 3003;
+const INHIBIT_HOLDS: u32 = 3004;
+
+/// Why a variable has no value where the text is.
+const fn elsewhere(number: u32) -> Option<Code> {
+    Some(match number {
+        3001 | 3002 | 3011 | 3012 => Code::ClockVariable,
+        3901 | 3902 => Code::PartsVariable,
+        1000..=1135 => Code::SignalVariable,
+        _ => return None,
+    })
+}
+
+/// The alarm of a variable, which gets its place from who asks for it.
+fn unknown(code: Code, number: u32) -> Alarm {
+    Alarm::new(code, Span::default()).with([Arg::Int(number.into())])
+}
+
 impl System for Acting<'_, '_> {
-    fn read(&mut self, number: u32) -> Option<Value> {
-        self.core.system(number)
+    fn read(&mut self, number: u32) -> Result<Option<Value>, Alarm> {
+        self.core.system(number, self.modes)
     }
 
     fn write(&mut self, number: u32, value: Value) -> Written {
         if let Some(datum) = Datum::of(number) {
             return self.core.write_datum(datum, value);
         }
-        match self.core.system(number) {
-            Some(_) => Written::ReadOnly,
-            None => Written::Unknown,
+        if let INHIBIT_STEPS | INHIBIT_HOLDS = number {
+            return match value.whole() {
+                Some(0) => Written::Done,
+                _ => Written::Refused(unknown(Code::InhibitVariable, number)),
+            };
+        }
+        if let Some(code) = elsewhere(number) {
+            return Written::Refused(unknown(code, number));
+        }
+        match self.core.system(number, self.modes) {
+            Ok(None) => Written::Unknown,
+            Ok(Some(_)) | Err(_) => Written::ReadOnly,
         }
     }
 }

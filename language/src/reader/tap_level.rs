@@ -2,7 +2,7 @@
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::call::Position;
-use leadscrew_core::units::Decimal;
+use leadscrew_core::units::{Decimal, Length};
 
 use super::Acting;
 use crate::dialect::Control;
@@ -27,9 +27,16 @@ impl Acting<'_, '_> {
         let across = now.plane == 17 && !core.params.tap_axis_fixed();
         let letter = if across { b'X' } else { b'Z' };
         let of = |at: Position| if across { at.x } else { at.z };
-        let level = of(self.probe(line, letter, &words[index])?);
-        let away = level - of(core.interpreter.position());
         let unit = core.unit();
+        let level = if now.taps {
+            // In rigid mode nothing moves but the tap.
+            let at = unit.length(&words[index])?.value;
+            let on_axis = if across { at.nm() / 2 } else { at.nm() };
+            of(now.origin) + Length::from_nm(on_axis)
+        } else {
+            of(self.probe(line, letter, &words[index])?)
+        };
+        let away = level - of(core.interpreter.position());
         let step = unit.step_nm;
         let half = step / 2 * away.signum();
         let count = (away.nm() + half) / step;

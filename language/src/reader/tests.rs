@@ -197,7 +197,7 @@ fn macros_can_ask_where_the_program_stands() {
             "{text}"
         );
     }
-    for text in ["#1=#3001", "#1=#2033", "#1=#5223", "#3003=1"] {
+    for text in ["#1=#3005", "#1=#2033", "#1=#5223", "#3005=1"] {
         assert_eq!(
             read(text).1.map(|alarm| alarm.number()),
             Some(115),

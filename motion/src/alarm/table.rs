@@ -491,12 +491,10 @@ codes! {
     /// G7.1, G107, G12.1, G112; {0} the code.
     PolarMoves = 4095, "{0} moves X and C as one plane for a live tool, and is not built", "let the CAM system write these moves with X, Z and C of their own (without polar or cylindrical interpolation)",
         "未实现 {0}（动力刀具的极坐标或圆柱插补）", "请让 CAM 系统直接输出 X、Z、C 的移动（不用极坐标或圆柱插补）";
-    /// M24 of a Haas.
-    NoChamfer = 4096, "M24, threads without a run-out at their end, is not built", "leave it out, and set parameter 5130 to 0 for threads without a run-out (`leadscrew params set 5130=0`)",
-        "未实现 M24（螺纹不退尾）", "请去掉该代码；若要螺纹不退尾，请将参数 5130 设为 0（`leadscrew params set 5130=0`）";
     /// A code of FANUC or Haas that does something, and is not built; {0} the code.
-    OtherControls = 4097, "{0} of other controls is not built", "G09: write G61 in this block and G64 in the next one; G154: G54 to G59; G184, G84.1: M04 and G84; leave G22, G26 and G68 out: the soft limits hold always, and this machine has one turret",
-        "未实现其他系统的 {0}", "G09：本段写 G61，下一段写 G64；G154：用 G54 至 G59；G184、G84.1：用 M04 和 G84；G22、G26、G68 请省略：软限位始终有效，且本机只有一个刀架";
+    OtherControls = 4097, "{0} of other controls is not built",
+        "G09: write G61 in this block and G64 in the next one; G110 to G129, G154, G54.1: G54 to G59; G51: G50 with U and W the other way; G52: G10 L2; G86: G85, or G01 and M05; G184, G84.1: M04 and G84; G187 with E: leave E out, for 9033 is the tolerance of corners; leave G22, G26 and G68 out: the soft limits hold always, and this machine has one turret",
+        "未实现其他系统的 {0}", "G09：本段写 G61，下一段写 G64；G110 至 G129、G154、G54.1：用 G54 至 G59；G51：用 G50 反向写 U、W；G52：用 G10 L2；G86：用 G85，或 G01 和 M05；G184、G84.1：用 M04 和 G84；带 E 的 G187：省略 E，拐角允差为 9033；G22、G26、G68 请省略：软限位始终有效，且本机只有一个刀架";
     /// A length without a point that is too large and may have been meant as increments; {0} what it is, {1} as increments.
     LengthWithoutPoint = 4098, "{w} has no point and is {0} here, which cannot be; as a count of increments it would be {1}",
         "write it with a point; where the whole program counts increments, read it with `--set 3401.0=0` (`leadscrew params set 3401.0=0` for good)",
@@ -1309,7 +1307,7 @@ codes! {
     TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
         "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
 
-    // -- 4850–4859 program flow: `language` ------------------------------------------------------------------------------
+    // -- 4850–4866 program flow: `language` ------------------------------------------------------------------------------
     /// A loop that goes on for ever; {0} how many statements it may have without a motion.
     RunawayLoop = 4850, "this loop has carried out {0} statements without a motion", "correct the condition that ends it",
         "该循环已执行 {0} 条语句而没有移动", "请修改结束循环的条件";
@@ -1333,6 +1331,44 @@ codes! {
     /// A variable that the file of variables has twice; {0} its number, {1} the first line.
     VariableEntryTwice = 4857, "#{0} is here a second time, after line {1}", "remove one of the two lines",
         "#{0} 重复，首次出现在第 {1} 行", "请删去其中一行";
+    // 4858–4862: system variables whose value nobody knows where the text is read.
+    /// A clock or a date; {0} its number.
+    ClockVariable = 4858, "#{0} is a clock of the machine, and a program is calculated before the machine moves",
+        "write G04 to wait; `simulate` tells how long a program takes; keep a date or a figure of your own in #500 to #999",
+        "#{0} 是机床的时钟，而程序在机床运动之前就已计算", "等待请用 G04；程序用时见 `simulate`；日期或自定的数值可存入 #500 至 #999";
+    /// The parts that were made, or are to be made; {0} its number.
+    PartsVariable = 4859, "#{0} counts parts on the machine, and a program is calculated before the machine moves",
+        "count in a variable that is kept, with `#500=#500+1` in front of M30; `run --passes 10` repeats a main program with M99 ten times",
+        "#{0} 是机床的工件计数，而程序在机床运动之前就已计算", "请用保持型变量计数，在 M30 之前写 `#500=#500+1`；`run --passes 10` 将以 M99 结尾的主程序重复十次";
+    /// What would keep single block, feed hold, the override or the exact stop from acting; {0} its number.
+    InhibitVariable = 4860, "#{0} can only be 0 here: nothing in a program takes single block, feed hold or the override from the operator",
+        "leave it out; a thread, or a chain of G32, stops at its end alone in any case; in place of 4 in #3004 write G64 before the cuts that are to be joined",
+        "#{0} 在此只能为 0：程序不得使操作者的单段、进给保持或倍率失效", "请省略；螺纹及连续的 G32 总是在其终点才停；#3004 的 4 请改为在需连续切削的程序段之前写 G64";
+    /// An input or output; {0} its number.
+    SignalVariable = 4861, "#{0} is a signal of the machine, and a program is calculated before the machine moves",
+        "give the signal an M code of its own in the table of machine functions: it sets an output, or waits for an input",
+        "#{0} 是机床信号，而程序在机床运动之前就已计算", "请在机床功能表中为该信号指定 M 代码：用于输出，或等待输入";
+    /// The modal code of a group, or word, that the control does not have; {0} its number.
+    GroupVariable = 4862, "#{0} tells a code that this control does not have",
+        "leave it out: there is nothing to keep and to put back; `docs/language.md` lists those that there are, and the tool offset is part of T (#4120)",
+        "#{0} 所指的代码本系统没有", "请省略：没有需要保存或恢复的内容；现有各组见 `docs/language.md`，刀偏号包含在 T（#4120）中";
+    // 4863–4865: words and codes of other controls.
+    /// I, J or K of G71 and G72 on a GSK.
+    RoughWordOfGsk = 4863, "{w} in the block with P and Q is an allowance of the strokes on FANUC and Haas, and another word on a GSK",
+        "leave it out: the contour is always checked, and its last pass is always cut; for the allowance write `(DIALECT FANUC-A)`, or D in the same block",
+        "在含 P、Q 的程序段中，{w} 在 FANUC 和 Haas 上是粗车余量，在 GSK 上是另一个字", "请省略：轮廓总是经过检查，最后一刀总会执行；若为余量请写 `(DIALECT FANUC-A)`，或在同一段写 D";
+    /// A code for what this machine does not have; {0} the code.
+    PartOfOtherMachine = 4864, "{0} is for something that this machine does not have",
+        "G14 G15 G199: no second spindle, so the other side of the part is a program of its own; G105: no bar feeder, so M00 and an operator; G31: no probe; G05 G195 G196: no live tool; G100 G101: no mirror image, so write the signs",
+        "{0} 用于本机没有的部件", "G14 G15 G199：没有副主轴，另一端请另编程序；G105：没有送料机，请用 M00；G31：没有测头；G05 G195 G196：没有动力刀具；G100 G101：没有镜像，请改写符号";
+    /// DPRNT and what belongs to it.
+    PrintStatement = 4865, "DPRNT, BPRNT, POPEN and PCLOS print to a serial port, and there is none here",
+        "leave them out; a value is kept for the next run, and in the file of variables, with `#500=#1`",
+        "DPRNT、BPRNT、POPEN、PCLOS 向串口输出，本机没有串口", "请省略；用 `#500=#1` 可将数值保存到变量文件，供下次运行使用";
+    /// I or K that moves the walls of a pocket.
+    PocketAllowance = 4866, "{w} moves both walls of a pocket the same way, and the strokes would cut into the contour at one of them",
+        "leave {w} out where the contour has pockets; the allowance across the strokes (I of G71, K of G72) may stay",
+        "{w} 使凹槽的两壁向同一方向移动，粗车会在其中一壁切入轮廓", "轮廓有凹槽时请省略 {w}；垂直于切削方向的余量（G71 的 I、G72 的 K）可保留";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",

@@ -57,6 +57,11 @@ impl Tapping {
         self.rigid.is_some() || self.cycle.is_some()
     }
 
+    /// The cycle in force, as its G code.
+    pub(crate) fn code(&self) -> Option<u8> {
+        self.cycle.as_ref().map(Kept::code)
+    }
+
     /// True where a block goes through [`begin`](Self::begin) and [`end`](Self::end).
     #[inline]
     pub(crate) fn concerns(&self, block: &Block) -> bool {

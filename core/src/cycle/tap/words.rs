@@ -60,6 +60,14 @@ pub(super) struct Kept {
 }
 
 impl Kept {
+    /// Its G code.
+    pub(super) const fn code(&self) -> u8 {
+        match self.cycle {
+            TapCycle::G84 => 84,
+            TapCycle::G88 => 88,
+        }
+    }
+
     const fn new(cycle: TapCycle, axis: TapAxis) -> Self {
         const NOWHERE: Span = Span {
             line: 0,

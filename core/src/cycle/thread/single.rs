@@ -78,7 +78,7 @@ impl ThreadWords {
             return Err(Alarm::new(Code::LeadMissing, span).with(range));
         };
         let (j, k) = self.run_out.sizes();
-        let chamfer = Chamfer::plain(modal, parameter(modal.params.thread_chamfer()));
+        let chamfer = Chamfer::plain(modal, parameter(modal.run_out_tenths()));
         let call = ThreadCall {
             cycle: ThreadCycle::G92,
             start: modal.position,

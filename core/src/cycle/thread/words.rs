@@ -195,9 +195,9 @@ impl Rules {
                     r: Some(r), span, ..
                 }),
             ) => Chamfer::plain(modal, At::new(r, span)),
-            (TwoBlock::G76, _) => Chamfer::plain(modal, parameter(modal.params.thread_chamfer())),
+            (TwoBlock::G76, _) => Chamfer::plain(modal, parameter(modal.run_out_tenths())),
             (TwoBlock::G78, _) => Chamfer {
-                tenths: parameter(modal.params.thread_chamfer()),
+                tenths: parameter(modal.run_out_tenths()),
                 degrees: chamfer_angle(modal),
             },
         }

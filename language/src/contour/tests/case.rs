@@ -51,6 +51,8 @@ pub struct Case {
     pub depth: i64,
     pub retract: i64,
     pub allowance: (i64, i64),
+    /// What the strokes leave besides, away from the contour: as heights, and along the strokes.
+    pub left: (i64, i64),
 }
 
 impl Case {
@@ -71,6 +73,7 @@ impl Case {
                 2 * random.within(-scale / 20, scale / 20),
                 random.within(-scale / 10, scale / 10),
             ),
+            left: (0, 0),
         };
         if random.one_in(3) {
             case.allowance = (0, 0);
@@ -97,6 +100,10 @@ impl Case {
             l: random.within(1, scale),
             arc: None,
         });
+        if random.one_in(2) {
+            let most = if case.two_axes { 0 } else { scale / 10 };
+            case.left = (random.within(0, scale / 10), random.within(0, most));
+        }
         case
     }
 
@@ -223,8 +230,22 @@ impl Case {
         Contour::new(Point::default(), axes, elements).expect("a contour")
     }
 
+    /// I and K. Those along the strokes are zero where a contour may have pockets.
+    pub fn left(&self) -> Allowance {
+        let (across, along) = (self.up * self.left.0, -self.forward * self.left.1);
+        let (x, z) = match self.along {
+            Along::Z => (across, along),
+            Along::X => (along, across),
+        };
+        Allowance {
+            x: Diameter::from_nm(2 * x),
+            z: Length::from_nm(z),
+        }
+    }
+
     pub fn words(&self) -> Roughing {
         Roughing {
+            left: self.left(),
             depth: At::new(Length::from_nm(self.depth), span(101)),
             retract: At::new(Length::from_nm(self.retract), span(102)),
             retract_feeds: !self.rapid_retract,

@@ -5,7 +5,7 @@
 //! high as the shifted contour. The check calculates in `f64` and shares no code with the cycles.
 
 use super::case::{Case, Random};
-use crate::contour::{Along, Contour, Cut};
+use crate::contour::{Allowance, Along, Contour, Cut};
 use crate::plane::{Element, Point, Shape};
 
 /// What rounding to nanometres may change, nm.
@@ -164,6 +164,26 @@ impl Columns {
     }
 }
 
+/// The contour with an allowance.
+fn shifted(case: &Case, contour: &Contour, allowance: &Allowance) -> Vec<Way> {
+    let mut from = allowance.shift(contour.start());
+    let elements = contour.elements().iter();
+    let ways = elements.map(|element| {
+        let end = allowance.shift(element.end);
+        let way = Way::of(case, from, &Element { end, ..*element });
+        from = end;
+        way
+    });
+    ways.collect()
+}
+
+/// How many of the moves come before the last pass and the way home.
+fn strokes(cuts: &[Cut]) -> usize {
+    let home = cuts.iter().rev().take_while(|cut| cut.of.is_none()).count();
+    let pass = cuts[..cuts.len() - home].iter().rev();
+    cuts.len() - home - pass.take_while(|cut| cut.of.is_some()).count()
+}
+
 fn check(case: &Case) -> Result<(), String> {
     let contour = case.contour();
     let words = case.words();
@@ -171,18 +191,9 @@ fn check(case: &Case) -> Result<(), String> {
     let cycle = cycle.map_err(|alarm| format!("refused: {alarm:?}"))?;
     let cuts: Vec<Cut> = cycle.take(20_000).collect();
     let moved = |point| words.allowance.shift(point);
-    let start = moved(contour.start());
-    let mut from = start;
-    let part: Vec<Way> = contour
-        .elements()
-        .iter()
-        .map(|element| {
-            let end = moved(element.end);
-            let way = Way::of(case, from, &Element { end, ..*element });
-            from = end;
-            way
-        })
-        .collect();
+    let left = words.allowance.and(words.left);
+    let start = left.shift(contour.start());
+    let part = shifted(case, &contour, &words.allowance);
     let mut from = contour.start();
     let mut moves = Vec::new();
     for cut in &cuts {
@@ -204,21 +215,36 @@ fn check(case: &Case) -> Result<(), String> {
     if from != contour.start() {
         return Err("does not come home".into());
     }
-    let (top, begin) = case.place(start);
-    let mut random = Random(1);
-    let mut columns = Columns::new(&part, &moves, (top, begin), &mut random);
+    let top = case.place(start).0;
+    // The last pass comes down there, at rapid in type I: no material is in front of it.
+    let front = case.place(moved(contour.start())).1;
+    let depth = case.depth as f64;
     // The way from A to A' is the caller's: the allowance may lead anywhere.
     let first = usize::from(start != contour.start());
     // Where the allowance moves the first block over A, A itself is in material, and so is the last move.
     let home = case.place(contour.start());
-    let inside = home.0 < near(&part, home.1).1 && begin < home.1;
+    let inside = home.0 < near(&part, home.1).1 && front < home.1;
+    // The strokes stay away from the contour by what they leave, and the last pass takes that at once.
+    let deepest = if words.left == Allowance::NONE {
+        depth
+    } else {
+        let part = shifted(case, &contour, &left);
+        let mut columns = Columns::new(&part, &moves, (top, front), &mut Random(1));
+        for way in &moves[first..strokes(&cuts)] {
+            columns
+                .go(way, depth)
+                .map_err(|what| format!("a stroke {what}: {way:?}"))?;
+        }
+        f64::INFINITY
+    };
+    let mut columns = Columns::new(&part, &moves, (top, front), &mut Random(1));
     for (cut, way) in cuts.iter().zip(&moves).skip(first) {
         let upright = way.from.1.to_bits() == way.to.1.to_bits();
         if inside && upright && way.to == home {
             continue;
         }
         columns
-            .go(way, case.depth as f64)
+            .go(way, deepest)
             .map_err(|what| format!("{what}: {way:?}"))?;
         let level = way.from.0.to_bits() == way.to.0.to_bits();
         if cut.of.is_none() && !way.rapid && level {
@@ -277,6 +303,7 @@ fn shrink(mut case: Case, mut why: String) -> (Case, String) {
             .collect();
         for change in [
             |case: &mut Case| case.allowance = (0, 0),
+            |case: &mut Case| case.left = (0, 0),
             |case: &mut Case| case.retract = 0,
             |case: &mut Case| case.up = 1,
             |case: &mut Case| case.along = Along::Z,

@@ -11,6 +11,7 @@ pub fn words(text: &str) -> Roughing {
     let all: Vec<i64> = text.split_whitespace().map(nm).collect();
     let length = |place: usize| Length::from_nm(all[place]);
     Roughing {
+        left: Allowance::NONE,
         depth: At::new(length(0), span(101)),
         retract: At::new(length(1), span(102)),
         retract_feeds: true,
@@ -37,6 +38,36 @@ fn a_shaft_is_roughed_along_z() {
     assert!(!rough.leaves_a_thin_wall() && !rough.starts_inside());
     assert_eq!(rough.allowance_into_the_part(), (false, false));
     assert_eq!(moves(rough), expected("40,2", SHAFT_ROUGH));
+}
+
+#[test]
+fn what_i_and_k_leave_is_cut_by_the_last_pass() {
+    // Strokes 1 mm on the diameter and 0.2 mm along Z off the contour with its allowance, and the pass on it.
+    let shaft = contour("40,2", "X", SHAFT);
+    let mut words = words("3 0.5 0.4 0.1");
+    words.left = Allowance {
+        x: Diameter::from_nm(1_000_000),
+        z: Length::from_nm(200_000),
+    };
+    let rough = shaft.rough(Along::Z, &words).expect("a cycle");
+    let wanted = "R41.4,2.3 R35.4,2.3 F35.4,-19.7 F36.4,-19.2 R36.4,2.3 R29.4,2.3 F29.4,-19.7 F30.4,-19.2 R30.4,2.3 \
+         R23.4,2.3 F23.4,-14.7 F24.4,-14.2 R24.4,2.3 R24.4,2.1 R20.4,2.1 F20.4,-9.9 F24.4,-19.9 F36.4,-19.9 \
+         F40.4,-20.9 R40,2";
+    assert_eq!(moves(rough), expected("40,2", wanted));
+}
+
+#[test]
+fn k_goes_with_no_pocket() {
+    let pocket = contour("40,0", "XZ", "R40,0 F30,-5 F36,-8 F30,-11 F40,-16");
+    let mut words = words("2 0 0 0");
+    words.left.z = Length::from_nm(1);
+    let alarm = pocket.rough(Along::Z, &words).expect_err("an alarm");
+    assert_eq!((alarm.number(), alarm.word), (4866, Some(b'K')));
+    words.left = Allowance {
+        x: Diameter::from_nm(2),
+        z: Length::ZERO,
+    };
+    assert!(pocket.rough(Along::Z, &words).is_ok());
 }
 
 #[test]

@@ -218,7 +218,6 @@ fn codes_of_other_controls_are_refused_by_name() {
             );
         }
     }
-    assert_eq!(alarm(Control::Haas, "M24").number(), 4096);
 }
 
 #[test]
