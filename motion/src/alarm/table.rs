@@ -1333,6 +1333,9 @@ codes! {
     /// A variable that the file of variables has twice; {0} its number, {1} the first line.
     VariableEntryTwice = 4857, "#{0} is here a second time, after line {1}", "remove one of the two lines",
         "#{0} 重复，首次出现在第 {1} 行", "请删去其中一行";
+    /// M99 as the end of a line that was typed.
+    LineRepeats = 4859, "M99 repeats a main program, and a line that was typed has nothing to repeat", "type the line without M99; a program that repeats itself is run from its file (`leadscrew run`)",
+        "M99 使主程序重复执行，而键入的单行没有可重复的内容", "请去掉 M99 后重新键入；需要重复执行的程序请存为文件运行（`leadscrew run`）";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",
