@@ -32,7 +32,7 @@ const PART: i64 = 6;
 #[derive(Debug)]
 pub enum Unfound {
     /// The program is wrong before it.
-    Wrong(Diagnostic),
+    Wrong(Box<Diagnostic>),
     /// 4590; the file cannot be read.
     Because(Failure),
 }
@@ -85,7 +85,7 @@ fn found(setup: &Setup, source: &SourceFile, line: u32) -> Outcome<Result<Start,
         Ok(start) => Ok(Ok(start)),
         Err(Unfit::Wrong(alarm)) => {
             let told = Diagnostic::new(&alarm, source, setup.lang, program.is_inch());
-            Ok(Err(Unfound::Wrong(told)))
+            Ok(Err(Unfound::Wrong(Box::new(told))))
         }
         Err(Unfit::NotReached) if source.line(line).is_none() => Err(refusal(
             line,
