@@ -25,6 +25,9 @@ use crate::failure::unreadable_part;
 use crate::source::{SourceFile, Text};
 pub use start::{Start, Unfit};
 
+/// How often the loops of a line that goes on behind others may begin again: whoever has typed it waits for it.
+const LINE_TURNS: u32 = 10_000;
+
 /// What a program begins with.
 #[derive(Clone, Debug, Default)]
 pub struct Begin {
@@ -150,12 +153,15 @@ impl<'p> Program<'p> {
         } = begin;
         let mut text = Again::open(source)?;
         let heading = Heading::read(&mut Lines::new(&mut text), Whose::Program)?;
-        let rules = Rules {
+        let mut rules = Rules {
             control: heading.control.unwrap_or(control),
             stock: heading.stock,
             passes,
             ..Rules::default()
         };
+        if carried.is_some() {
+            rules.turns = LINE_TURNS;
+        }
         let mut reader = Reader::new(text, params, options, kept, rules);
         if let Some(carried) = &carried {
             reader.carry(carried);

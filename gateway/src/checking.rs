@@ -204,7 +204,9 @@ impl Findings for Checker<'_> {
     /// Keeps an alarm or a warning that is new on its line, and counts those beyond the list.
     fn tell(&mut self, alarm: &Alarm) {
         let again = Alarm::new(Code::MainBeginsAgain, alarm.span);
+        let of_line = Alarm::new(Code::LineRepeats, alarm.span);
         let alarm = match (alarm.code, self.setup.passes) {
+            (Code::MainRepeats, _) if self.setup.carried.is_some() => &of_line,
             (Code::MainRepeats, Passes::UntilStopped) => &again,
             // It ends after as many passes as are wanted.
             (Code::MainRepeats, Passes::Number(_)) => return,

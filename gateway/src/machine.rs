@@ -2,10 +2,10 @@
 
 use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple, ServoOptions};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
-use leadscrew_core::alarm::Code;
+use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::{FdFrame, Frame};
-use leadscrew_core::call::Call;
+use leadscrew_core::call::{Aux, Call};
 use leadscrew_core::offsets::Offsets;
 use leadscrew_core::units::{Length, Turns};
 use leadscrew_language::variables::Kept;
@@ -198,9 +198,11 @@ fn carry_out(
                     ended.alarms.push(feeder.words(&placed(alarm, line)));
                 }
                 // Whoever stands at a machine that lives in one command is quick.
-                Event::Warning(warning) if warning.code == Code::ToolByHand => {
-                    sim.command(Command::Resume);
-                }
+                Event::Warning(Alarm {
+                    code: Code::ToolByHand,
+                    ..
+                })
+                | Event::Aux(Aux::M(0 | 1)) => sim.command(Command::Resume),
                 Event::Warning(warning)
                     if ended.warnings.iter().all(|w| w.number != warning.number()) =>
                 {

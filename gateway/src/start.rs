@@ -28,11 +28,51 @@ use crate::words::{Both, both};
 /// The approach goes at this part of rapid: at no feed override more than a quarter of it.
 const PART: i64 = 6;
 
+/// Why a line is no start.
+#[derive(Debug)]
+pub enum Unfound {
+    /// The program is wrong before it.
+    Wrong(Box<Diagnostic>),
+    /// 4590; the file cannot be read.
+    Because(Failure),
+}
+
 /// Finds the line, shows what would happen, and lets the operator agree.
 ///
 /// # Errors
 /// 4590; the operator does not agree.
 pub fn agree(setup: &Setup, source: &SourceFile, line: u32, agreed: bool) -> Outcome<Start> {
+    let start = find(setup, source, line).map_err(|unfound| match unfound {
+        Unfound::Wrong(told) => {
+            diagnostics::print(&told, setup.colour);
+            Failure::Wrong
+        }
+        Unfound::Because(failure) => failure,
+    })?;
+    let rows = shown(&start, setup);
+    let text = both!(
+        "{name}: start at line {line}\n{en}",
+        "{name}：从第 {line} 行开始\n{zh}",
+        name = source.shown(),
+        en = rows.en,
+        zh = rows.zh
+    );
+    diagnostics::say(text.get(setup.lang));
+    if !agreed {
+        confirm(line, setup.lang)?;
+    }
+    Ok(start)
+}
+
+/// Finds the line. Nothing is shown by it.
+///
+/// # Errors
+/// The line is no start.
+pub fn find(setup: &Setup, source: &SourceFile, line: u32) -> Result<Start, Unfound> {
+    found(setup, source, line).map_err(Unfound::Because)?
+}
+
+fn found(setup: &Setup, source: &SourceFile, line: u32) -> Outcome<Result<Start, Unfound>> {
     if setup.tap.is_some_and(|record| record.in_hole) {
         return Err(refusal(
             line,
@@ -41,26 +81,18 @@ pub fn agree(setup: &Setup, source: &SourceFile, line: u32, agreed: bool) -> Out
     }
     let cannot = |error: io::Error| Failure::file(Doing::Read, source.name(), &error);
     let mut program = Program::open(source, &setup.params, setup.begin()).map_err(cannot)?;
-    let start = match program.start_at(line).map_err(cannot)? {
-        Ok(start) => start,
+    match program.start_at(line).map_err(cannot)? {
+        Ok(start) => Ok(Ok(start)),
         Err(Unfit::Wrong(alarm)) => {
             let told = Diagnostic::new(&alarm, source, setup.lang, program.is_inch());
-            diagnostics::print(&told, setup.colour);
-            return Err(Failure::Wrong);
+            Ok(Err(Unfound::Wrong(Box::new(told))))
         }
-        Err(Unfit::NotReached) if source.line(line).is_none() => {
-            return Err(refusal(
-                line,
-                &both!("the file has fewer lines", "程序文件没有这么多行"),
-            ));
-        }
-        Err(unfit) => return Err(refusal(line, &why(&unfit))),
-    };
-    diagnostics::say(shown(&start, setup, source).get(setup.lang));
-    if !agreed {
-        confirm(line, setup.lang)?;
+        Err(Unfit::NotReached) if source.line(line).is_none() => Err(refusal(
+            line,
+            &both!("the file has fewer lines", "程序文件没有这么多行"),
+        )),
+        Err(unfit) => Err(refusal(line, &why(&unfit))),
     }
-    Ok(start)
 }
 
 /// The number of the line has to be typed.
@@ -125,8 +157,8 @@ fn why(unfit: &Unfit) -> Both {
     }
 }
 
-/// What would happen, for people.
-fn shown(start: &Start, setup: &Setup, source: &SourceFile) -> Both {
+/// What would happen, for people: a row for each.
+pub fn shown(start: &Start, setup: &Setup) -> Both {
     let in_lang = |lang: Lang| {
         let zh = lang == Lang::Zh;
         let mut text = String::new();
@@ -179,14 +211,10 @@ fn shown(start: &Start, setup: &Setup, source: &SourceFile) -> Both {
         row("first    ", "首段    ", first(start, zero).get(lang));
         text
     };
-    let name = source.shown();
-    both!(
-        "{name}: start at line {line}\n{en}",
-        "{name}：从第 {line} 行开始\n{zh}",
-        line = start.line,
-        en = in_lang(Lang::En),
-        zh = in_lang(Lang::Zh)
-    )
+    Both {
+        en: in_lang(Lang::En),
+        zh: in_lang(Lang::Zh),
+    }
 }
 
 fn first(start: &Start, zero: Position) -> Both {

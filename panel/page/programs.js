@@ -17,6 +17,8 @@ let turn = 0;
 // A change that is not saved is given up by asking twice.
 let doomed = null;
 let tell = () => {};
+// The start at a line that was shown, and may be ordered.
+let start = null;
 
 const both = (key) => ({ en: word(key), zh: word(key) });
 // What is drawn begins where the program has begun, by the same tables.
@@ -24,6 +26,7 @@ const fits = (one) => path.path.by === one.by && path.path.from === one.from;
 const is_open = (one) => open !== null && one !== null && open.name === one.name && open.tag === one.tag;
 
 function changed() {
+  drop();
   if (open) open.changed = true;
   doomed = null;
   text.mark([]);
@@ -77,6 +80,7 @@ async function show(name) {
   }
   turn += 1;
   const own = turn;
+  drop();
   at("path_note").textContent = "";
   const answer = await asked(program(name));
   if (!answer || own !== turn) return;
@@ -164,6 +168,25 @@ async function save() {
   await look();
 }
 
+// What would happen is shown before anything can be ordered: the order names it, and is refused where it is not so any more.
+async function look_at_start() {
+  drop();
+  if (!open) return tell(both("none_open"));
+  if (open.changed) return tell(both("save_first"));
+  const [own, one, line] = [turn, open, text.cursor];
+  const answer = await asked(view(one.name, `start/${line}`, isChinese()));
+  if (!answer || own !== turn || one.changed) return;
+  start = { line, by: answer.by, from: answer.from };
+  at("start_told").textContent = answer.text;
+  at("start_line").textContent = line;
+  at("start_at").hidden = false;
+}
+
+function drop() {
+  start = null;
+  at("start_at").hidden = true;
+}
+
 // Ready: whether the panel has a folder; what an order has to do; how it is told.
 export function begin({ order, said: told, held, has_folder }) {
   tell = told;
@@ -179,6 +202,11 @@ export function begin({ order, said: told, held, has_folder }) {
     if (open.changed) return tell(both("save_first"));
     order("program", { name: open.name, tag: open.tag, zh: isChinese() });
   });
+  at("start_look").onclick = look_at_start;
+  held(at("start_go"), () => {
+    if (open && start) order("program", { name: open.name, tag: open.tag, start, zh: isChinese() });
+    drop();
+  });
   list();
 }
 
@@ -188,6 +216,7 @@ for (const [id, act] of [["fit", () => path.view.fit()], ["nearer", () => path.v
 
 // Words have changed.
 export function again() {
+  drop();
   note();
   if (begin.done) list();
   if (open && !open.changed) look();
@@ -198,14 +227,15 @@ export function under_way(one) {
   runs = one.end ? null : one;
   note();
   if (runs && !open && begin.done) show(runs.name);
-  else if (is_open(runs) && !fits(runs)) look();
+  else if (is_open(runs) && runs.start === null && !fits(runs)) look();
 }
 
 // Gives the way to go.
 export function state(s) {
   const own = is_open(runs) && s.line !== null;
   text.here(own ? Number(s.line) || null : null);
-  path.at(s.mx / 2, s.mz, own ? s.move : null);
+  // What was started at a line counts its moves from there on: none of them is a piece's.
+  path.at(s.mx / 2, s.mz, own && runs.start === null ? s.move : null);
   if (open && !open.changed && open.by && s.by && s.by !== open.by) {
     open.by = s.by;
     look();

@@ -46,6 +46,11 @@ export class Text {
     this.area.value = this.lines.slice(this.base, this.base + SHOWN).join("\n");
   }
 
+  // The line of the cursor.
+  get cursor() {
+    return this.base + this.area.value.slice(0, this.area.selectionStart).split("\n").length;
+  }
+
   // Lines with what is wrong: "bad" or "care".
   mark(list) {
     this.found = new Map(list);

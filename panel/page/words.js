@@ -77,6 +77,8 @@ const WORDS = {
   sending: ["the program is checked and sent", "正在检查并发送程序"],
   saved: ["saved", "已保存"],
   run: ["SEND AND START", "发送并启动"],
+  start_look: ["Start at the cursor's line …", "从光标所在行开始……"],
+  start_go: ["START AT LINE", "从此行启动"],
   unsaved: ["not saved", "未保存"],
   unsaved_stay: ["Your changes are not saved: choose the program again to give them up", "修改尚未保存：再次选择该程序将放弃修改"],
   other_letters: ["not UTF-8: shown, and not changed here", "不是 UTF-8 编码：只能查看"],

@@ -44,6 +44,8 @@ pub enum View {
     Check,
     /// The path of its tools.
     Path,
+    /// What would happen if it were started at this line.
+    Start(u32),
 }
 
 /// A table of the board.

@@ -3,7 +3,7 @@
 //! ```text
 //! GET /programs                      the list
 //! GET /programs/NAME                 the text, with its ETag
-//! GET /programs/NAME/check, …/path   what the machine's side says of it
+//! GET /programs/NAME/check, …/path, …/start/LINE   what the machine's side says of it
 //! PUT /programs/NAME                 If-Match: the ETag that was seen, or If-None-Match: * for a new one
 //! ```
 //!
@@ -82,7 +82,11 @@ pub fn answer(
             let view = match view {
                 "check" => View::Check,
                 "path" => View::Path,
-                _ => return Err(Refusal::NotFound),
+                other => {
+                    let line = other.strip_prefix("start/");
+                    let line = line.and_then(|line| line.parse().ok());
+                    View::Start(line.ok_or(Refusal::NotFound)?)
+                }
             };
             let zh = request.header("accept-language") == Some("zh");
             let place = programs.path(name)?;

@@ -369,6 +369,87 @@ fn the_spindle_is_not_switched_on_with_a_door_or_a_chuck_open_or_without_pressur
     assert_eq!(ran.alarm, None);
 }
 
+/// Carries out a line that was typed: the machine's state after it, and what it was told.
+fn typed(bench: &mut Bench, line: &str, params: &Params) -> (State, Vec<u16>) {
+    bench.codes.clear();
+    let mut line = calls(line, params);
+    let over = Call {
+        kind: CallKind::LineOver,
+        ..line[0]
+    };
+    line.retain(|call| call.kind != CallKind::Over);
+    for call in line.iter().chain([&over]) {
+        while !bench.sim.offer(call) {
+            bench.run(1);
+        }
+    }
+    bench.run(2_000);
+    let told = bench.codes.iter().map(|(code, _)| code.number());
+    (bench.sim.board().ticker().state(), told.collect())
+}
+
+#[test]
+fn a_typed_line_that_cannot_begin_is_refused_and_the_machine_stays_ready() {
+    let params = guarded();
+    for (interlock, pin) in &PINS[..3] {
+        let mut bench = Bench::new(&params, WELL);
+        assert_eq!(bench.order(Order::Mode(OperatingMode::Mdi)), 0);
+        bench.sim.set_pins(inputs(WELL & !pin));
+        bench.run(5);
+        for _ in 0..2 {
+            let done = typed(&mut bench, "M3 S300\nG98 G1 W-1 F600\n", &params);
+            assert_eq!(done, (State::Idle, vec![4506]), "{interlock:?}");
+            assert_eq!(bench.codes[0].1, Arg::Interlock(*interlock));
+        }
+        let ticker = bench.sim.board().ticker();
+        assert_eq!(ticker.spindle_command().get(), 0);
+        assert_eq!(ticker.executor().position().z.nm(), 0);
+        // Once it can begin, the same line does, and nothing is left of the ones before.
+        bench.sim.set_pins(inputs(WELL));
+        bench.run(5);
+        let done = typed(&mut bench, "M3 S300\nG98 G1 W-1 F600\n", &params);
+        assert_eq!(done, (State::Idle, vec![]), "{interlock:?}");
+        let ticker = bench.sim.board().ticker();
+        assert_eq!(ticker.spindle_command().get(), 300);
+        assert_eq!(ticker.executor().position().z.nm(), -1_000_000);
+        // What turns goes on turning where a line is refused: here the chuck is not opened.
+        let done = typed(&mut bench, "M11\n", &params);
+        assert_eq!(done, (State::Idle, vec![4506]));
+        assert_eq!(bench.sim.board().ticker().spindle_command().get(), 300);
+    }
+}
+
+#[test]
+fn m00_stops_a_program_and_a_line_until_they_are_resumed() {
+    let params = guarded();
+    for mode in [OperatingMode::Mdi, OperatingMode::Automatic] {
+        let mut bench = Bench::new(&params, WELL);
+        assert_eq!(bench.order(Order::Mode(mode)), 0);
+        let text = "M3 S300\nG0 W-1\nM0\nG0 W-1\n";
+        let (state, told) = typed(&mut bench, text, &params);
+        assert_eq!((state, told), (State::Held, vec![]), "{mode:?}");
+        let ticker = bench.sim.board().ticker();
+        assert_eq!(ticker.executor().position().z.nm(), -1_000_000);
+        assert_eq!(ticker.spindle_command().get(), 300);
+        bench.sim.command(Command::Resume);
+        bench.run(1_000);
+        let ticker = bench.sim.board().ticker();
+        assert_eq!(ticker.state(), State::Idle);
+        assert_eq!(ticker.executor().position().z.nm(), -2_000_000);
+    }
+}
+
+#[test]
+fn a_typed_line_of_which_something_was_done_stops_on_an_alarm() {
+    let params = guarded();
+    let (_, pin) = PINS[0];
+    let mut bench = Bench::new(&params, WELL & !pin);
+    assert_eq!(bench.order(Order::Mode(OperatingMode::Mdi)), 0);
+    let (state, told) = typed(&mut bench, "M60\nM3 S300\n", &params);
+    assert_eq!(told, [4506]);
+    assert_eq!(state.alarm().map(|alarm| alarm.code.number()), Some(4506));
+}
+
 #[test]
 fn inputs_that_nobody_tells_are_the_worse_value() {
     let params = guarded();

@@ -31,6 +31,7 @@ use crate::call::{Call, Position};
 use crate::journal::TapRecord;
 use crate::link::Event;
 use crate::motion::Limits;
+use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::tick::queue::{drop_oldest, take};
 use crate::tick::{BackgroundEnds, Measured, Snapshot, State};
@@ -211,6 +212,11 @@ impl Background {
         self.orders.begin_anew() || self.setup_waits
     }
 
+    /// What comes is a line that was typed.
+    fn is_mdi(&self) -> bool {
+        self.device.mode() == OperatingMode::Mdi
+    }
+
     /// True where the machine takes calls, as far as the background knows.
     const fn takes_calls(&self) -> bool {
         self.snapshot.takes_calls() && !self.is_renewing()
@@ -344,9 +350,10 @@ impl<'a> BackgroundSide<'a> {
         snapshot.in_program |=
             snapshot.takes_calls() && (state.is_planning() || state.orders.begin_program());
         let takes_calls = state.takes_calls();
-        let (orders, calls, epoch) = (&mut state.orders, &mut state.calls, state.planner.epoch());
+        let work = (state.planner.epoch(), state.is_mdi());
+        let (orders, calls) = (&mut state.orders, &mut state.calls);
         let ends = &mut self.ends;
-        let mut offer = |call: &_| takes_calls && orders.offer(ends, calls, epoch, call);
+        let mut offer = |call: &_| takes_calls && orders.offer(ends, calls, work, call);
         worked |= state
             .device
             .poll(elapsed, snapshot, &state.params, &mut offer);
@@ -360,13 +367,11 @@ impl<'a> BackgroundSide<'a> {
     pub fn offer(&mut self, call: &Call) -> bool {
         let state = &mut *self.state;
         let takes_calls = state.takes_calls() && !state.device.is_changing();
+        let work = (state.planner.epoch(), state.is_mdi());
         takes_calls
-            && state.orders.offer(
-                &mut self.ends,
-                &mut state.calls,
-                state.planner.epoch(),
-                call,
-            )
+            && state
+                .orders
+                .offer(&mut self.ends, &mut state.calls, work, call)
     }
 
     /// Does one piece of planning. False where no planning can be done now. Returns a warning too.

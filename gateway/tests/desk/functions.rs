@@ -41,6 +41,36 @@ fn a_program_does_not_start_with_the_door_open_and_closing_it_starts_nothing() {
 }
 
 #[test]
+fn a_typed_line_that_the_door_forbids_is_refused_and_needs_no_reset() {
+    let user = guarded();
+    good(&user.does(&["mdi", "G98 F77 S300"]));
+    good(&user.does(&["sim", "door", "open"]));
+    for line in ["M3 S500", "G1 W-1", "M3 S500; G1 W-1"] {
+        let told = bad(&user.does(&["mdi", line]), 1);
+        assert!(
+            told.contains("alarm[4506]") && told.contains("--> mdi:1:"),
+            "{told}"
+        );
+        let status = user.json(&["status"]);
+        assert_eq!(
+            (&status["state"], &status["alarm"]),
+            (&json!("idle"), &json!(null)),
+            "{line}"
+        );
+    }
+    let refused = user.does(&["mdi", "M3 S500", "--json"]);
+    let refused: serde_json::Value = serde_json::from_slice(&refused.stdout).unwrap();
+    assert_eq!(refused["alarms"][0]["no"], json!(4506), "{refused}");
+    assert_eq!(refused["after"]["modal"], refused["before"]["modal"]);
+    good(&user.does(&["sim", "door", "close"]));
+    // What was in force still is.
+    let line = user.json(&["mdi", "M3"]);
+    let after = "G00 G18 G21 G54 G98 G97 F77 S300 M03 T--00";
+    assert_eq!(line["after"]["modal"], json!(after));
+    assert_eq!(user.json(&["status"])["rpm_commanded"], json!(300));
+}
+
+#[test]
 fn a_door_that_is_opened_holds_the_program_until_it_is_closed_and_resumed() {
     let user = guarded();
     let run = user.run(LONG);
@@ -171,9 +201,8 @@ fn gears_and_the_turret_are_those_of_the_board() {
     );
     good(&user.does(&["sim", "turret", "well"]));
     good(&user.does(&["reset"]));
-    let told = bad(&user.does(&["mdi", "G0 W1"]), 4);
+    let told = bad(&user.does(&["mdi", "G0 W1"]), 1);
     assert!(told.contains("4575"), "{told}");
-    good(&user.does(&["reset"]));
     good(&user.does(&["mdi", "T0500"]));
     good(&user.does(&["mdi", "G0 W1"]));
     // A new power-up knows no gear.

@@ -78,6 +78,56 @@ fn a_refused_line_changes_nothing_and_moves_nothing() {
 }
 
 #[test]
+fn a_line_that_would_not_end_is_refused_by_name() {
+    let user = User::with_machine();
+    for (line, number) in [
+        ("M99", "4867"),
+        ("G0 U1; M99", "4867"),
+        ("N1 G0 U1; G0 U-1; M99 P1", "4867"),
+        ("N1 G0 U1; U-1; GOTO 1", "4852"),
+        ("WHILE[1]DO1; G0 U1; U-1; END1", "4852"),
+    ] {
+        let told = bad(&user.does(&["mdi", line]), 1);
+        assert!(told.contains(&format!("alarm[{number}")), "{line}: {told}");
+    }
+    let status = user.json(&["status"]);
+    assert_eq!(
+        (&status["mx"], &status["state"]),
+        (&0.into(), &"idle".into())
+    );
+    // One that ends does.
+    let (_, after) = typed(
+        &user,
+        "#1=0; WHILE[#1LT9]DO1; G0 U1; U-1; #1=#1+1; END1; U2",
+    );
+    assert_eq!(after["mx"], 2);
+}
+
+#[test]
+fn what_ends_or_stops_a_program_does_so_in_a_line() {
+    let user = User::with_machine();
+    for end in ["M30", "M2"] {
+        typed(&user, "M3 S600 F77");
+        let (_, after) = typed(&user, end);
+        assert_eq!(after["modal"], POWER_ON, "{end}");
+        let status = user.json(&["status"]);
+        assert_eq!(
+            (&status["rpm_commanded"], &status["state"]),
+            (&0.into(), &"idle".into())
+        );
+    }
+    let mut line = user.command(&["mdi", "M3 S600; M0; G0 U1"]);
+    let line = line.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    user.wait_for("hold");
+    good(&user.does(&["resume"]));
+    good(&line.unwrap().wait_with_output().unwrap());
+    assert_eq!(user.json(&["status"])["mx"], 1);
+    // At the machine that lives in one command nobody could resume it.
+    let program = user.program("G0 X1\nM0\nG0 X2\nM30\n");
+    assert_eq!(user.json(&["run", &program, "--bus", "sim"])["ok"], true);
+}
+
+#[test]
 fn it_begins_anew_behind_a_program_and_a_power_up() {
     let user = User::with_machine();
     let line = "G1 X-4 F3000 S500";

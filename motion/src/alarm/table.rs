@@ -1369,6 +1369,9 @@ codes! {
     PocketAllowance = 4866, "{w} moves both walls of a pocket the same way, and the strokes would cut into the contour at one of them",
         "leave {w} out where the contour has pockets; the allowance across the strokes (I of G71, K of G72) may stay",
         "{w} 使凹槽的两壁向同一方向移动，粗车会在其中一壁切入轮廓", "轮廓有凹槽时请省略 {w}；垂直于切削方向的余量（G71 的 I、G72 的 K）可保留";
+    /// M99 as the end of a line that was typed.
+    LineRepeats = 4867, "M99 repeats a main program, and a line that was typed has nothing to repeat", "type the line without M99; a program that repeats itself is run from its file (`leadscrew run`)",
+        "M99 使主程序重复执行，而键入的单行没有可重复的内容", "请去掉 M99 后重新键入；需要重复执行的程序请存为文件运行（`leadscrew run`）";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",

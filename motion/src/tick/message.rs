@@ -15,7 +15,12 @@ pub enum Order {
     /// The inputs that are set over the bus.
     Signals(Signals),
     /// A program begins, if what is planned in this epoch still counts.
-    ProgramBegins(Epoch),
+    ProgramBegins {
+        /// That epoch.
+        epoch: Epoch,
+        /// It is a line that was typed.
+        typed: bool,
+    },
     /// The tap journal's entry is to be discarded.
     DiscardTap,
     /// An entry of the tap journal has been stored, or could not be.

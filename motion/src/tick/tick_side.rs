@@ -257,9 +257,9 @@ impl<'a> TickSide<'a> {
                     ticker.signals(signals);
                 }
             }
-            Order::ProgramBegins(epoch) => {
+            Order::ProgramBegins { epoch, typed } => {
                 if epoch == ticker.epoch() && ticker.takes_calls() {
-                    ticker.program_begins();
+                    ticker.program_begins(typed);
                 }
             }
             Order::DiscardTap => {

@@ -211,9 +211,9 @@ impl Ticker {
         }
     }
 
-    /// A program begins: until its end an empty queue is a wait, not idleness.
-    pub(super) const fn program_begins(&mut self) {
-        self.course.begin_program();
+    /// A program, or a line that was `typed`, begins: until its end an empty queue is a wait, not idleness.
+    pub(super) const fn program_begins(&mut self, typed: bool) {
+        self.course.begin_program(typed);
     }
 
     /// The node numbers of its drives.

@@ -86,6 +86,15 @@ fn a_program_is_read_by_who_looks_and_written_by_who_operates() {
         seen.ends_with("{\"seen\":\"a.nc\",\"view\":\"Path\",\"zh\":false}"),
         "{seen}"
     );
+    let seen = bench.get("/programs/a.nc/start/12", &[&looks]);
+    assert!(
+        seen.ends_with("{\"seen\":\"a.nc\",\"view\":\"Start(12)\",\"zh\":false}"),
+        "{seen}"
+    );
+    refused(
+        &bench.get("/programs/a.nc/start/x", &[&looks]),
+        Refusal::NotFound,
+    );
     refused(
         &bench.get("/programs/a.nc/other", &[&looks]),
         Refusal::NotFound,

@@ -60,22 +60,23 @@ impl Orders {
         self.asked = self.asked.wrapping_add(1);
         match order {
             Order::BeginAnew => self.anew = Some(self.asked),
-            Order::ProgramBegins(_) => self.program = Some(self.asked),
+            Order::ProgramBegins { .. } => self.program = Some(self.asked),
             _ => {}
         }
     }
 
-    /// Hands a call over to the planner. Returns false and changes nothing where there is no room.
+    /// Hands a call over to the planner; `typed`: it is of a line that was typed. Returns false and changes nothing where
+    /// there is no room.
     pub(super) fn offer(
         &mut self,
         ends: &mut BackgroundEnds<'_>,
         calls: &mut Calls,
-        epoch: Epoch,
+        (epoch, typed): (Epoch, bool),
         call: &Call,
     ) -> bool {
         let taken = has_room(ends) && calls.enqueue(*call).is_ok();
         if taken {
-            self.give(ends, Order::ProgramBegins(epoch));
+            self.give(ends, Order::ProgramBegins { epoch, typed });
         }
         taken
     }

@@ -96,14 +96,15 @@ fn ask(global: &Global) -> Outcome {
 fn carry_out(global: &Global, line: &str) -> Outcome {
     let source = SourceFile::text(NAME, format!("{line}\n"));
     let mut memory = Memory::load(global)?;
-    let mut before = None;
+    let (mut before, mut behind) = (None, None);
     let done = perform(
         global,
         &source,
         &Run::default(),
         Work::Typed,
         &mut |setup, status| {
-            let place = Place::at_start(setup, memory.behind(status), status)?;
+            behind = memory.behind(status);
+            let place = Place::at_start(setup, behind, status)?;
             setup.carried = Some(place.carried);
             if !global.json {
                 output::write(
@@ -118,8 +119,13 @@ fn carry_out(global: &Global, line: &str) -> Outcome {
     )?;
     let mut link = done.link;
     let status = link.status()?;
-    // A line that did not come to its end leaves nothing behind: nobody knows how far it came.
-    let left = done.verdict.is_ok().then_some(done.ran.carried).flatten();
+    // One that the board has refused has changed nothing. A line that did not come to its end leaves nothing behind: nobody
+    // knows how far it came.
+    let left = match (&done.verdict, done.ran.refused) {
+        (_, true) => behind,
+        (Ok(()), false) => done.ran.carried,
+        (Err(_), false) => None,
+    };
     memory.keep(left, done.ran.program, &status)?;
     let after = Place::at_start(&done.setup, left, &status)?;
     if global.json {

@@ -7,6 +7,7 @@ mod cut;
 mod long;
 mod retract;
 mod shown;
+mod start;
 mod tables;
 mod touch;
 

@@ -140,7 +140,7 @@ fn a_program_is_sent_and_begun_as_its_page_has_seen_it_and_stays_until_its_end()
     assert!(by.is_string() && from.is_string(), "{path}");
     assert_eq!(
         begun,
-        json!({"name": "long.nc", "tag": tag, "by": by, "from": from, "end": null})
+        json!({"name": "long.nc", "tag": tag, "start": null, "by": by, "from": from, "end": null})
     );
     user.wait_for("run");
     refused(one.orders("program", &args), "4502 ");
@@ -189,6 +189,64 @@ fn a_program_is_sent_and_begun_as_its_page_has_seen_it_and_stays_until_its_end()
     });
     assert_eq!(end["end"]["ok"], false, "{end}");
     assert!(!end["end"]["zh"].as_str().unwrap().is_ascii(), "{end}");
+}
+
+/// Started at its seventh line, it begins at X -40 Z -5.
+pub const PART: &str = "O1\nG98 G97 S500 M3\nT0101\nM8\nG0 X-30 Z-5\nG1 X-40 F2000\nZ-20\nG61\nX-30\nG0 Z-5\nG2 X-34 Z-7 R2 F500\nG0 X-10\nM30\n";
+
+#[test]
+fn a_program_is_started_at_a_line_as_its_page_was_shown() {
+    let user = User::with_machine();
+    let page = with_programs(&user, &[("part.nc", PART), ("wrong.nc", "G1 Q\nG0 X1\n")]);
+    let mut one = page.client("one");
+    let shown = one.seen("/programs/part.nc/start/7");
+    let text = shown["text"].as_str().unwrap();
+    for row in [
+        "tool       T0101 has to be in place",
+        "spindle    500 rpm",
+        "coolant    M08",
+        "begins at  X -40  Z -5  (machine X -40  Z -5)",
+        "approach   Z -5, X -40 at a sixth of rapid",
+    ] {
+        assert!(text.contains(row), "{row}: {text}");
+    }
+    for (path, why) in [
+        ("part.nc/start/11", "the line is an arc"),
+        ("part.nc/start/99", "fewer lines"),
+        ("wrong.nc/start/2", "1: 4"),
+    ] {
+        let (_, _, body) = one.get(&format!("/programs/{path}"));
+        let seen: Value = serde_json::from_str(&body).unwrap();
+        assert!(seen["error"].as_str().unwrap().contains(why), "{seen}");
+    }
+    let (_, tag, _) = one.get("/programs/part.nc");
+    let start = json!({"line": 7, "by": shown["by"], "from": shown["from"]});
+    let args = json!({"name": "part.nc", "tag": tag, "start": start});
+    one.take();
+    one.does("mode", &json!({"mode": "automatic"}));
+    // What was shown of another place, or by other tables, begins nothing.
+    for (key, value) in [("from", "1000 0"), ("by", "0-0")] {
+        let mut other = args.clone();
+        other["start"][key] = json!(value);
+        let (_, refused) = one.orders("program", &other);
+        let why = refused["en"].as_str().unwrap();
+        assert!(why.contains("look at it again"), "{why}");
+    }
+    assert_eq!(user.json(&["status"])["state"], "idle");
+    let mut told = page.watch();
+    wait(&mut told, "s", |s| s["by"].is_string());
+    one.does("program", &args);
+    let begun = wait(&mut told, "program", |_| true);
+    // Its moves are not those of a path.
+    let (by, from) = (&begun["by"], &begun["from"]);
+    assert_eq!(
+        (&begun["start"], by, from),
+        (&json!(7), &json!(null), &json!(null))
+    );
+    let end = wait(&mut told, "program", |one| !one["end"].is_null());
+    assert_eq!(end["end"]["ok"], true, "{end}");
+    let status = user.json(&["status"]);
+    assert_eq!((&status["mx"], &status["mz"]), (&json!(-10), &json!(-7)));
 }
 
 #[test]

@@ -43,7 +43,7 @@ impl Ticker {
             return None;
         }
         self.transition_to_running();
-        self.course.begin_program();
+        self.course.begin_program(false);
         if self.given.waits_for_rgtap && self.spindle.is_rigid() {
             let wait = self.wait_for_release(ends);
             if wait.is_some() {
@@ -67,21 +67,18 @@ impl Ticker {
         let task = ends.segments.peek()?;
         let segment = task.segment;
         let (number, line, stops) = (segment.number, segment.span.line, segment.stops);
-        match self.admit(segment) {
-            Admitted::Yes => {}
+        let refusal = match self.admit(segment) {
+            Admitted::Yes => None,
             Admitted::Waits => return Some((number, line, Motion::Wait)),
-            Admitted::Refused(by) => {
-                let alarm = interlocked(by, segment.span);
-                ends.segments.take();
-                self.raise(&alarm, ends);
-                return None;
-            }
-            Admitted::Wrong(alarm) => {
-                ends.segments.take();
-                self.raise(&alarm, ends);
-                return None;
-            }
+            Admitted::Refused(by) => Some(interlocked(by, segment.span)),
+            Admitted::Wrong(alarm) => Some(alarm),
+        };
+        if let Some(alarm) = refusal {
+            ends.segments.take();
+            self.refuse(&alarm, ends);
+            return None;
         }
+        self.course.do_something();
         let events = &mut ends.events;
         let instant = match segment.action {
             Action::Planned
@@ -139,6 +136,10 @@ impl Ticker {
             }
             Action::Aux(aux, row) => {
                 self.switching = Switching::Function(aux);
+                // M00, and M01 where it is wanted: the program stops behind it, until it is resumed [D494].
+                if let Aux::M(0 | 1) = aux {
+                    self.course.pause();
+                }
                 if let Some(row) = row {
                     self.begin_function(&row, number, segment.span);
                 } else {

@@ -18,11 +18,21 @@ pub(super) enum Source {
     Detour,
 }
 
+/// What is under way. Until its end, an empty queue is a wait, not idleness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Work {
+    #[default]
+    None,
+    /// A line that was typed, of which nothing has been done yet.
+    FreshLine,
+    /// A program, or a line of which something has been done.
+    Program,
+}
+
 /// How far the program has come.
 #[derive(Debug)]
 pub(super) struct Course {
-    /// A program has begun and not ended. Until its end, an empty queue is a wait, not idleness.
-    in_program: bool,
+    work: Work,
     source: Source,
     /// Single block has stopped between two segments.
     paused: bool,
@@ -38,7 +48,7 @@ impl Course {
     /// No program has been seen.
     pub(super) fn new() -> Self {
         Self {
-            in_program: false,
+            work: Work::None,
             source: Source::None,
             paused: false,
             pauses_unless_hole: false,
@@ -59,19 +69,33 @@ impl Course {
         epoch
     }
 
-    /// A program begins.
-    pub(super) const fn begin_program(&mut self) {
-        self.in_program = true;
+    /// A program begins; `typed`: it is a line that was typed.
+    pub(super) const fn begin_program(&mut self, typed: bool) {
+        self.work = match self.work {
+            Work::None if typed => Work::FreshLine,
+            Work::None => Work::Program,
+            begun => begun,
+        };
+    }
+
+    /// Something of it is done from now on.
+    pub(super) const fn do_something(&mut self) {
+        self.work = Work::Program;
     }
 
     /// The program has ended, or is given up.
     pub(super) const fn end_program(&mut self) {
-        self.in_program = false;
+        self.work = Work::None;
     }
 
     /// A program has begun and not ended.
     pub(super) const fn in_program(&self) -> bool {
-        self.in_program
+        !matches!(self.work, Work::None)
+    }
+
+    /// A line that was typed has begun, and nothing of it has been done.
+    pub(super) const fn in_fresh_line(&self) -> bool {
+        matches!(self.work, Work::FreshLine)
     }
 
     /// The thread or hole of the last segment that was carried to its end without a stop.

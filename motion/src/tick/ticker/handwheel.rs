@@ -113,7 +113,7 @@ impl Ticker {
         let warning = Alarm::new(Code::RunsByItself, next.span);
         emit(&mut ends.events, Event::Warning(warning));
         self.transition_to_running();
-        self.course.begin_program();
+        self.course.begin_program(false);
         self.course.pause();
         true
     }

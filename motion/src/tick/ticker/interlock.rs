@@ -155,6 +155,19 @@ impl Ticker {
         refusal.map_or(Admitted::Yes, Admitted::Refused)
     }
 
+    /// What the program asks for next is not let in. A line that was typed, of which nothing has been done, is forgotten,
+    /// and the machine stays ready [D492]. Anything else stops on an alarm.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn refuse(&mut self, alarm: &Alarm, ends: &mut Ends<'_>) {
+        if !self.course.in_fresh_line() {
+            return self.raise(alarm, ends);
+        }
+        emit(&mut ends.events, Event::Warning(*alarm));
+        self.give_up_function();
+        self.transition_from_refused(&mut ends.events);
+    }
+
     /// An M code that waits until the spindle has stood: it opens the chuck, or selects a gear.
     fn needs_a_stand(&self, code: u16) -> bool {
         let gear = gear_of_code(code).and_then(|number| self.given.gears.get(number));

@@ -70,6 +70,16 @@ impl Ticker {
         self.state = State::Idle;
     }
 
+    /// A line that was typed is refused before anything of it was done. What turns, and what is switched on, stays so.
+    pub(super) fn transition_from_refused(&mut self, events: &mut EventIn<'_>) {
+        self.course.end_program();
+        self.handwheel.set(false);
+        self.restart(self.executor.position());
+        self.state = State::Idle;
+        // Nothing comes of what was handed over.
+        emit(events, Event::Reset);
+    }
+
     /// A segment begins, or the path goes on.
     pub(super) const fn transition_to_running(&mut self) {
         self.state = State::Running;

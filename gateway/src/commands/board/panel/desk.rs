@@ -19,7 +19,7 @@ use leadscrew_core::bus::{Beat, BoardState, BoardStatus, Frame, JogRequest, Node
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_panel::{Jog, Machine, Sheet, View};
 
-pub use self::asks::{Asks, Line, Program, What};
+pub use self::asks::{Asks, Line, Program, StartAt, What};
 use super::super::by_hand;
 use super::super::monitor::hand::Hand;
 use super::super::monitor::homing::Homing;
@@ -331,13 +331,19 @@ impl Shared {
                     asks.lines.push(Line { ticket, what, zh });
                 });
             }
-            Wish::Program { name, tag, zh } => {
+            Wish::Program {
+                name,
+                tag,
+                start,
+                zh,
+            } => {
                 let why = keys::no_program(self.situation(now));
                 self.ask(ticket, why, |asks| {
                     asks.programs.push(Program {
                         ticket,
                         name,
                         tag,
+                        start,
                         zh,
                     });
                 });

@@ -38,6 +38,7 @@ impl Side<'_> {
         let Some(contacts) = self.tolerate(read)? else {
             return Ok(());
         };
+        self.views.note_gear(contacts.gear);
         let Some((params, _)) = self.watch.zeros.read() else {
             return Ok(());
         };

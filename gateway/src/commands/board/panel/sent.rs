@@ -3,6 +3,7 @@
 //! The text is the one that its page has shown, and nobody changes it here before it has ended. This must not know who has
 //! ordered it.
 
+use std::ffi::OsString;
 use std::sync::Arc;
 
 use leadscrew_core::alarm::Lang;
@@ -23,6 +24,8 @@ use crate::words::{Both, both};
 pub struct Sent {
     name: String,
     tag: String,
+    /// The line that it was started at.
+    start: Option<u32>,
     /// By which tables, and from where: as its path has them.
     by: Option<String>,
     from: Option<Position>,
@@ -43,17 +46,24 @@ impl Sent {
         (by, from): (Option<String>, Option<Position>),
     ) -> Result<Self, Both> {
         let programs = programs.ok_or_else(|| of_refusal(Refusal::NoStore))?;
+        let start = program.start.as_ref();
+        let place = from.as_ref().map(path::begins);
+        if let Some(start) = start
+            && (by.as_ref(), place.as_ref()) != (Some(&start.by), Some(&start.from))
+        {
+            return Err(moved());
+        }
         let claim = programs
             .claim(&program.name, &program.tag)
             .map_err(of_refusal)?;
         let lang = if program.zh { Lang::Zh } else { Lang::En };
-        let own = Own::begin(
-            global,
-            "run",
-            &["--".into(), claim.path.clone().into()],
-            lang,
-        )
-        .map_err(|error| {
+        let mut typed: Vec<OsString> = Vec::new();
+        if let Some(start) = start {
+            let line = start.line.to_string();
+            typed.extend(["--from".into(), line.into(), "--yes".into()]);
+        }
+        typed.extend(["--".into(), claim.path.clone().into()]);
+        let own = Own::begin(global, "run", &typed, lang).map_err(|error| {
             both!(
                 "`leadscrew run` does not begin: {error}",
                 "无法启动 `leadscrew run`：{error}"
@@ -62,6 +72,7 @@ impl Sent {
         Ok(Self {
             name: program.name.clone(),
             tag: program.tag.clone(),
+            start: start.map(|start| start.line),
             by,
             from,
             own,
@@ -101,11 +112,17 @@ impl Sent {
         object(|json| {
             json.text("name", &self.name);
             json.text("tag", &self.tag);
-            match &self.by {
+            match self.start {
+                Some(line) => json.integer("start", line.into()),
+                None => json.null("start"),
+            }
+            // What is started at a line counts its moves from there on, as no path does.
+            let whole = self.start.is_none();
+            match self.by.as_ref().filter(|_| whole) {
                 Some(by) => json.text("by", by),
                 None => json.null("by"),
             }
-            match &self.from {
+            match self.from.as_ref().filter(|_| whole) {
                 Some(from) => path::start(from, json),
                 None => json.null("from"),
             }
@@ -115,6 +132,14 @@ impl Sent {
             }
         })
     }
+}
+
+/// What was shown of a start is not so any more.
+fn moved() -> Both {
+    both!(
+        "the axes stand elsewhere, or parameters or tools were changed, since this start was shown: look at it again",
+        "显示此起点之后，坐标轴位置、参数或刀具已改变：请重新查看"
+    )
 }
 
 /// The end of a command of its own.

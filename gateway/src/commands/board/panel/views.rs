@@ -5,6 +5,7 @@
 //! too.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use leadscrew_core::call::Position;
@@ -20,6 +21,7 @@ use crate::cli::{Global, LangName};
 use crate::failure::{Failure, Outcome};
 use crate::setup::{Answer, Setup};
 use crate::source::SourceFile;
+use crate::start;
 use crate::words::{Both, both, pick};
 
 /// What a board has.
@@ -40,6 +42,8 @@ pub struct Views {
     known: Mutex<Option<Known>>,
     /// Where the axes stood when the program began that runs from here.
     begun: Mutex<Option<Position>>,
+    /// The gear that is in, as its program has to know.
+    gear: AtomicU8,
     turn: Mutex<()>,
 }
 
@@ -54,6 +58,7 @@ impl Views {
             },
             known: Mutex::default(),
             begun: Mutex::default(),
+            gear: AtomicU8::new(0),
             turn: Mutex::default(),
         }
     }
@@ -111,6 +116,11 @@ impl Views {
         *self.begun.lock().unwrap_or_else(PoisonError::into_inner) = at;
     }
 
+    /// Takes the gear that is in.
+    pub fn note_gear(&self, gear: u8) {
+        self.gear.store(gear, Ordering::Relaxed);
+    }
+
     /// By what programs are looked at now.
     pub fn tag(&self) -> Option<String> {
         self.known().as_ref().map(|known| known.tag.clone())
@@ -137,6 +147,23 @@ impl Views {
         global.lang = if zh { LangName::Zh } else { LangName::En };
         let source = SourceFile::new(program);
         let mut setup = Setup::over(&global, Some(base), Some(program), Answer::Check)?;
+        if let View::Start(line) = view {
+            setup.position = Some(position);
+            setup.gear = self.gear.load(Ordering::Relaxed);
+            let start = start::find(&setup, &source, line).map_err(|unfound| match unfound {
+                start::Unfound::Wrong(told) => {
+                    let (number, place) = (told.number, told.line);
+                    let words = format!("{place}: {number:04} {}; {}", told.message, told.help);
+                    Failure::WrongBecause(Both::same(words))
+                }
+                start::Unfound::Because(failure) => failure,
+            })?;
+            return Ok(object(|json| {
+                json.text("by", &tag);
+                path::start(&position, json);
+                json.text("text", start::shown(&start, &setup).get(setup.lang));
+            }));
+        }
         if view == View::Path {
             let begun = *self.begun.lock().unwrap_or_else(PoisonError::into_inner);
             setup.position = Some(begun.unwrap_or(position));

@@ -6,6 +6,7 @@ use leadscrew_core::units::Axes;
 use serde_json::Value;
 
 use super::super::monitor::keys::INCREMENTS;
+use super::desk::StartAt;
 use crate::cli::{AxisWay, OverrideName, StepLength};
 
 /// No block is longer.
@@ -40,6 +41,8 @@ pub enum Wish {
         name: String,
         /// The tag of the text that the page shows.
         tag: String,
+        /// The line that it is started at, as the page was shown it.
+        start: Option<StartAt>,
         /// Its answer is to be Chinese.
         zh: bool,
     },
@@ -105,6 +108,10 @@ impl Wish {
             "program" => Self::Program {
                 name: args["name"].as_str()?.to_owned(),
                 tag: args["tag"].as_str()?.to_owned(),
+                start: match &args["start"] {
+                    Value::Null => None,
+                    start => Some(start_at(start)?),
+                },
                 zh: args["zh"] == true,
             },
             _ => return None,
@@ -120,6 +127,14 @@ impl Wish {
     pub const fn needs_fresh(&self) -> bool {
         !matches!(self, Self::Order(Order::Hold | Order::Stop | Order::Reset))
     }
+}
+
+fn start_at(start: &Value) -> Option<StartAt> {
+    Some(StartAt {
+        line: u32::try_from(start["line"].as_u64()?).ok()?,
+        by: start["by"].as_str()?.to_owned(),
+        from: start["from"].as_str()?.to_owned(),
+    })
 }
 
 fn mode(name: &str) -> Option<OperatingMode> {
@@ -171,12 +186,31 @@ mod tests {
         let wish = Wish::Program {
             name: "a.nc".into(),
             tag: "4-x".into(),
+            start: None,
             zh: false,
         };
         assert!(wish.needs_fresh() && !wish.halts());
         assert_eq!(Wish::of("program", &args), Some(wish));
         assert_eq!(Wish::of("program", &json!({"name": "a.nc"})), None);
         assert_eq!(Wish::of("program", &json!({"tag": "4-x"})), None);
+        let at = |start: Value| {
+            let args = json!({"name": "a.nc", "tag": "4-x", "start": start});
+            Wish::of("program", &args)
+        };
+        let start = StartAt {
+            line: 7,
+            by: "1-0".into(),
+            from: "0 0".into(),
+        };
+        let seen = json!({"line": 7, "by": "1-0", "from": "0 0"});
+        assert!(matches!(at(seen), Some(Wish::Program { start: Some(at), .. }) if at == start));
+        for wrong in [
+            json!(7),
+            json!({"line": 7}),
+            json!({"line": -7, "by": "1-0", "from": "0 0"}),
+        ] {
+            assert_eq!(at(wrong), None);
+        }
     }
 
     #[test]

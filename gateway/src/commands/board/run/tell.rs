@@ -26,7 +26,9 @@ use crate::words::{both, pick};
 
 /// The verdict on a run that was carried to its end.
 pub fn verdict(setup: &Setup, ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
-    if !ran.alarms.is_empty() {
+    if ran.refused {
+        Err(Failure::Wrong)
+    } else if !ran.alarms.is_empty() {
         Err(Failure::Machine)
     } else if ran.interrupted {
         Err(Failure::Interrupted)

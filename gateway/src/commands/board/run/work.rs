@@ -56,6 +56,12 @@ pub struct Ran {
     pub threads: Threads,
     pub line: u32,
     finished: bool,
+    /// Something of it has been done.
+    begun: bool,
+    /// The board has refused to begin it.
+    pub refused: bool,
+    /// Why it has just refused something.
+    refusal: Option<Diagnostic>,
     /// Another client has reset the board.
     pub reset: bool,
     /// The drives have been enabled again.
@@ -311,6 +317,9 @@ impl Runner<'_> {
             }
             self.pace.read(new, line, locked);
         }
+        if self.ran.refused {
+            self.ran.program = feed.program();
+        }
         if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
             if self.ran.finished && !self.ran.reset && self.ran.alarms.is_empty() {
                 self.ran.variables = Some(feeder.variables().clone());
@@ -524,8 +533,10 @@ impl Runner<'_> {
     }
 
     fn note(&mut self, entry: &Logged, feeder: &Feeder) {
+        let refusal = self.ran.refusal.take();
         match entry.event {
             Event::Started { number, line } => {
+                self.ran.begun = true;
                 self.ran.moves = self.ran.moves.max(self.before + u64::from(number));
                 self.ran.line = line;
             }
@@ -540,8 +551,10 @@ impl Runner<'_> {
                 self.bar
                     .suspend(|| diagnostics::print(&words, self.setup.colour));
             }
-            // What an operator was refused is told where it was asked.
-            Event::Warning(warning) if BY_MODE.contains(&warning.number()) => {}
+            // What an operator was refused is told where it was asked, unless this is what was asked.
+            Event::Warning(warning) if BY_MODE.contains(&warning.number()) => {
+                self.ran.refusal = Some(feeder.words(&warning));
+            }
             Event::Warning(warning) => {
                 let known = |w: &Diagnostic| w.number == warning.number();
                 if !self.ran.warnings.iter().any(known) {
@@ -549,7 +562,15 @@ impl Runner<'_> {
                 }
             }
             Event::Finished => self.ran.finished = true,
-            Event::Reset => self.ran.reset = true,
+            Event::Reset => {
+                self.ran.reset = true;
+                if let Some(words) = refusal
+                    && !self.ran.begun
+                {
+                    self.ran.refused = true;
+                    self.ran.alarms.push(words);
+                }
+            }
             Event::Ready => self.ran.ready = true,
             _ => {}
         }

@@ -18,6 +18,17 @@ pub enum What {
     Retract(Option<u32>),
 }
 
+/// A line that a program is started at, and by what its page was shown what would happen.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StartAt {
+    /// The line.
+    pub line: u32,
+    /// The tag of parameters and tables.
+    pub by: String,
+    /// Where the axes stood.
+    pub from: String,
+}
+
 /// A program to be sent and begun.
 pub struct Program {
     /// Answers whether it is being sent.
@@ -26,6 +37,8 @@ pub struct Program {
     pub name: String,
     /// The tag of its text.
     pub tag: String,
+    /// The line that it is started at, not its first one.
+    pub start: Option<StartAt>,
     /// The answer is Chinese.
     pub zh: bool,
 }
