@@ -35,6 +35,7 @@ impl Params {
     }
 }
 
-const fn left(limit: i64) -> i64 {
-    limit.wrapping_sub(limit.wrapping_div(TAKE_UP_PART as i64))
+fn left(limit: i64) -> i64 {
+    let kept = limit.unsigned_abs().checked_div(TAKE_UP_PART).unwrap_or(0);
+    limit.saturating_sub_unsigned(kept)
 }

@@ -65,7 +65,7 @@ impl Hand {
         if tick == 0 {
             self.press = self.press.wrapping_add(1);
         }
-        if tick % RENEWAL == 0 {
+        if tick.is_multiple_of(RENEWAL) {
             let frame = JogRequest {
                 session: self.session,
                 press: self.press,
