@@ -138,8 +138,10 @@ impl TakeUp {
         let missing = self.goal.wrapping_sub(self.ramp);
         self.ramp = self
             .ramp
-            .wrapping_add(missing.clamp(ramp.wrapping_neg(), ramp));
-        let behind = |ahead: i32, value: i32| value.wrapping_add(ahead.wrapping_sub(value) >> lag);
+            .wrapping_add(missing.max(ramp.wrapping_neg()).min(ramp));
+        let behind = |ahead: i32, value: i32| {
+            value.wrapping_add(ahead.wrapping_sub(value).wrapping_shr(lag))
+        };
         self.first = behind(self.ramp, self.first);
         self.second = behind(self.first, self.second);
         self.put_in()
