@@ -424,12 +424,10 @@ impl Collected {
     /// What looks wrong about the cycle, though it can be cut [D252]: its depth beside the declared stock, too [D275].
     #[must_use]
     pub fn doubts(&self, stock: Option<&Stock>) -> Vec<Alarm> {
-        let (allowance, left, depth, span) = match &self.figures {
+        let (allowance, depth, span) = match &self.figures {
             Figures::Finish => return Vec::new(),
-            Figures::Rough(_, words) => {
-                (words.allowance, words.left, Some(words.depth), words.span)
-            }
-            Figures::Pattern(words) => (words.allowance, Allowance::NONE, None, words.span),
+            Figures::Rough(_, words) => (words.allowance, Some(words.depth), words.span),
+            Figures::Pattern(words) => (words.allowance, None, words.span),
         };
         let ends = || self.elements.iter().map(|element| element.end);
         let x = Reach::of(self.start.x, ends().map(|end| end.x));
@@ -444,12 +442,6 @@ impl Collected {
         }
         if z.is_against(allowance.z.nm()) {
             odd(b'W', Arg::Length(allowance.z), span);
-        }
-        if x.is_against(left.x.nm()) {
-            odd(b'I', Arg::Length(left.x.radius()), span);
-        }
-        if z.is_against(left.z.nm()) {
-            odd(b'K', Arg::Length(left.z), span);
         }
         let letter = match self.figures {
             Figures::Rough(Along::X, _) => b'W',

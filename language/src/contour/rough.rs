@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use leadscrew_core::alarm::{Alarm, At, Code};
+use leadscrew_core::alarm::{Alarm, Arg, At, Code};
 use leadscrew_core::units::Length;
 
 use super::frame::Local;
@@ -78,7 +78,18 @@ impl<'a> Rough<'a> {
         let left = words.allowance.and(words.left);
         let of = |left| Profile::new(contour, along, left, !stroke, words.tolerance);
         let profile = of(&left)?;
-        if words.left.along(along) != Length::ZERO && profile.sinks() {
+        let (x, z) = into_the_part(&profile, words.left);
+        let words_left = [(x, b'I', words.left.x.radius()), (z, b'K', words.left.z)];
+        if let Some((_, letter, length)) = words_left.into_iter().find(|(into, ..)| *into) {
+            let alarm = Alarm::new(Code::RoughLeftInside, words.span).word(letter);
+            return Err(alarm.with([Arg::Length(length)]));
+        }
+        // A first block at a slant is a wall, too.
+        let is_slanted = profile
+            .first()
+            .is_some_and(|first| first.from.l != first.to.l);
+        let has_wall = profile.sinks() || is_slanted;
+        if words.left.along(along) != Length::ZERO && has_wall {
             return Err(
                 Alarm::new(Code::PocketAllowance, words.span).word(match along {
                     Along::Z => b'K',
@@ -120,13 +131,7 @@ impl<'a> Rough<'a> {
     /// The axes, X and Z, in which the allowance moves the contour into the part.
     #[must_use]
     pub fn allowance_into_the_part(&self) -> (bool, bool) {
-        let frame = self.profile.frame;
-        let allowance = self.words.allowance;
-        let (x, z) = (allowance.x.radius().nm(), allowance.z.nm());
-        match frame.along {
-            Along::Z => (x * frame.up < 0, z * frame.forward > 0),
-            Along::X => (x * frame.forward > 0, z * frame.up < 0),
-        }
+        into_the_part(&self.profile, self.words.allowance)
     }
 
     /// True where the contour with its allowance is higher than the cycle's start in a place: what stands there is cut
@@ -412,5 +417,15 @@ impl Iterator for Rough<'_> {
                 return None;
             }
         }
+    }
+}
+
+/// The axes, X and Z, in which an allowance moves the contour into the part.
+fn into_the_part(profile: &Profile, allowance: Allowance) -> (bool, bool) {
+    let frame = profile.frame;
+    let (x, z) = (allowance.x.radius().nm(), allowance.z.nm());
+    match frame.along {
+        Along::Z => (x * frame.up < 0, z * frame.forward > 0),
+        Along::X => (x * frame.forward > 0, z * frame.up < 0),
     }
 }

@@ -88,6 +88,10 @@ impl Core<'_> {
         let control = self.control;
         let either = |of: bool, yes: u8, no: u8| if of { yes } else { no };
         let others = !control.is_gsk();
+        // A Haas numbers its groups otherwise; these four are the same.
+        if control == crate::dialect::Control::Haas && !matches!(group, 1 | 6 | 7 | 15) {
+            return None;
+        }
         let code = match group {
             1 => now.motion,
             2 => either(now.surface.is_some(), 96, 97),

@@ -1365,10 +1365,13 @@ codes! {
     PrintStatement = 4865, "DPRNT, BPRNT, POPEN and PCLOS print to a serial port, and there is none here",
         "leave them out; a value is kept for the next run, and in the file of variables, with `#500=#1`",
         "DPRNT、BPRNT、POPEN、PCLOS 向串口输出，本机没有串口", "请省略；用 `#500=#1` 可将数值保存到变量文件，供下次运行使用";
-    /// I or K that moves the walls of a pocket.
-    PocketAllowance = 4866, "{w} moves both walls of a pocket the same way, and the strokes would cut into the contour at one of them",
-        "leave {w} out where the contour has pockets; the allowance across the strokes (I of G71, K of G72) may stay",
-        "{w} 使凹槽的两壁向同一方向移动，粗车会在其中一壁切入轮廓", "轮廓有凹槽时请省略 {w}；垂直于切削方向的余量（G71 的 I、G72 的 K）可保留";
+    /// I or K that moves the walls of a pocket, or the wall in front of the contour.
+    PocketAllowance = 4866, "{w} moves all walls of the contour the same way, and the strokes would cut into the one in front of a pocket or of the contour",
+        "leave {w} out where the contour has pockets or its first block cuts a slope; the allowance across the strokes (I of G71, K of G72) may stay",
+        "{w} 使轮廓的所有侧壁向同一方向移动，粗车会切入凹槽前方或轮廓前方的侧壁", "轮廓有凹槽、或首段为斜向切削时请省略 {w}；垂直于切削方向的余量（G71 的 I、G72 的 K）可保留";
+    /// I or K that leads into the part; {0} its length.
+    RoughLeftInside = 4868, "{w} of {0} leads into the part: the strokes would cut below the finished contour",
+        "turn its sign, or leave {w} out", "{0} 的 {w} 指向工件内部：粗车会切到成品轮廓以下", "请改变其符号，或省略 {w}";
     /// M99 as the end of a line that was typed.
     LineRepeats = 4867, "M99 repeats a main program, and a line that was typed has nothing to repeat", "type the line without M99; a program that repeats itself is run from its file (`leadscrew run`)",
         "M99 使主程序重复执行，而键入的单行没有可重复的内容", "请去掉 M99 后重新键入；需要重复执行的程序请存为文件运行（`leadscrew run`）";

@@ -550,7 +550,8 @@ fn the_whole_page_is_small() {
         assert!(answer.starts_with("HTTP/1.1 200"), "{path}");
         bytes += answer.len();
     }
-    assert!(bytes < 112 << 10, "{bytes}");
+    // About a third of it where it is packed.
+    assert!(bytes < 128 << 10, "{bytes}");
 }
 
 #[test]

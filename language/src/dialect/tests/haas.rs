@@ -163,9 +163,24 @@ fn i_and_k_of_roughing_are_lengths_off_the_last_pass() {
             kinds(control, &two("I.5 K.2")),
             kinds(control, &format!("G0;{}", two("K.2 I.5")))
         );
-        let odd = kinds(control, &one("I-.5 K.2 D2."));
-        assert!(odd.contains(&"w4989".to_owned()), "{control:?}");
-        assert!(!left.contains(&"w4989".to_owned()), "{control:?}");
+        // A sign that leads into the part would cut below the finished contour, also where its end is higher than the start.
+        for (words, letter) in [("I-.5 K.2", b'I'), ("I.5 K-.2", b'K')] {
+            for text in [
+                one(&format!("{words} D2.")),
+                two(words),
+                one(&format!("{words} D2.")).replace("X48.", "X54."),
+            ] {
+                let alarm = alarm(control, &text);
+                assert_eq!((alarm.number(), alarm.word), (4868, Some(letter)), "{text}");
+            }
+        }
+        // A first block at a slant is a wall that K would move, at rapid and at feed.
+        for first in ["N1 G1 X20. Z-10.", "N1 G0 X20. Z1."] {
+            let text = one("I.5 K.2 D2.").replace("N1 G0 X20.", first);
+            let alarm = alarm(control, &text);
+            assert_eq!((alarm.number(), alarm.word), (4866, Some(b'K')), "{text}");
+            kinds(control, &one("I.5 D2.").replace("N1 G0 X20.", first));
+        }
         let alarm = alarm(control, &two("J1"));
         assert_eq!((alarm.number(), alarm.word), (4028, Some(b'J')));
     }
