@@ -129,6 +129,9 @@ function seen({ state, samples, threads, told }) {
   of("time").textContent = `${(state.time_ms / 1000).toFixed(1)} s`;
   of("worst").textContent = `${(state.worst_nm / 1000).toFixed(2)} µm`;
   editor.here(state.line);
+  // M00 holds it, too.
+  held = state.doing === "hold";
+  buttons(running);
   phase.add(samples);
   if (threads.length) {
     of("measured").hidden = false;

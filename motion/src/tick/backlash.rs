@@ -8,77 +8,20 @@
 //! place ─► the side changes (more than 1 µm back) ─► ramp of r a tick ─► two lags of τ ticks ─► what is put in
 //! ```
 //!
-//! From |ramp| ≤ r follow: speed within r, acceleration within 2·r/τ, jerk within 4·r/τ². r and τ are chosen so that these
-//! are within the [part](TAKE_UP_PART) of the axis' limits that its motion [leaves](Params::motion_acceleration) for it,
-//! and the way is made soonest. In the tick: additions and shifts.
+//! r and τ are those of the [shape](TakeUpShape), which holds the limits. In the tick: additions and shifts.
 //!
 //! Must not know what an axis is moved for, or its drive's increments.
 
-use crate::params::{Params, TAKE_UP_PART};
-use crate::units::{Axis, mul_div};
-
-/// Binary places of what is put in: the lags end within a quarter of a nanometre.
-const PLACES: u32 = 10;
+use crate::params::TakeUpShape;
+use crate::units::Axis;
 
 /// A motion back by more than this is a reversal, in nanometres: setpoints that follow a spindle may tremble.
 const REVERSAL: i64 = 1_000;
 
-/// The largest τ, as a power of two, in ticks.
-const LONGEST: u32 = 6;
-
-/// Ticks until a lag of one tick has come close: to a quarter of a per cent.
-const SETTLED: u64 = 6;
-
-/// A way that is put in soonest with good figures for what an earlier parameter has left, with [`PLACES`]: 20 µm.
-const LEAST: u64 = 20_000 << PLACES;
-
-/// What the parameters say of one axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Play {
-    /// The backlash in nanometres, with [`PLACES`].
-    way: i32,
-    /// r, with [`PLACES`].
-    ramp: i32,
-    /// τ as a power of two.
-    lag: u32,
-}
-
-impl Play {
-    /// Of X or Z. The backlash may be zero.
-    pub(super) fn of_axis(params: &Params, axis: Axis) -> Self {
-        // The range ends at 1 mm.
-        let way = params.backlash(axis).unwrap_or(0) << PLACES;
-        let tick = u64::from(params.tick_us());
-        let acceleration = params.acceleration(axis).nm_per_s2().unsigned_abs() / TAKE_UP_PART;
-        let jerk = params.jerk(axis).nm_per_s3().unsigned_abs() / TAKE_UP_PART;
-        let mut best = (u64::MAX, 1, 0);
-        for lag in 0..=LONGEST {
-            let ticks = 1_u64.wrapping_shl(lag);
-            // 2·r/τ ≤ a and 4·r/τ² ≤ j, per tick.
-            let square = tick.saturating_mul(tick).saturating_mul(ticks << PLACES);
-            let cube = square.saturating_mul(tick).saturating_mul(ticks);
-            let by_acceleration = mul_div(acceleration, square, 2_000_000_000_000);
-            let by_jerk = mul_div(jerk, cube, 4_000_000_000_000_000_000);
-            let ramp = by_acceleration.min(by_jerk).clamp(1, 1 << 30);
-            let ramped = way.unsigned_abs().max(LEAST).checked_div(ramp).unwrap_or(0);
-            let time = ramped.saturating_add(SETTLED.wrapping_mul(ticks));
-            if time < best.0 {
-                best = (time, ramp, lag);
-            }
-        }
-        let (_, ramp, lag) = best;
-        Self {
-            way: i32::try_from(way).unwrap_or(0),
-            ramp: i32::try_from(ramp).unwrap_or(1),
-            lag,
-        }
-    }
-}
-
 /// One axis: the side of its last motion, and what is put in.
 #[derive(Clone, Copy, Debug)]
 struct TakeUp {
-    play: Play,
+    shape: TakeUpShape,
     /// Its last motion was in the plus direction, or it is at its reference.
     plus: bool,
     /// The farthest place on this side.
@@ -92,9 +35,9 @@ struct TakeUp {
 }
 
 impl TakeUp {
-    const fn new(play: Play) -> Self {
+    const fn new(shape: TakeUpShape) -> Self {
         Self {
-            play,
+            shape,
             plus: true,
             farthest: 0,
             goal: 0,
@@ -106,7 +49,7 @@ impl TakeUp {
 
     /// What has been put in, in nanometres.
     const fn put_in(&self) -> i64 {
-        (self.second.wrapping_add(1 << (PLACES - 1)) >> PLACES) as i64
+        (self.second.wrapping_add(1 << (TakeUpShape::PLACES - 1)) >> TakeUpShape::PLACES) as i64
     }
 
     /// The drive does not follow: what has been put in stays.
@@ -131,10 +74,10 @@ impl TakeUp {
             self.goal = if self.plus {
                 0
             } else {
-                self.play.way.wrapping_neg()
+                self.shape.way.wrapping_neg()
             };
         }
-        let Play { ramp, lag, .. } = self.play;
+        let TakeUpShape { ramp, lag, .. } = self.shape;
         let missing = self.goal.wrapping_sub(self.ramp);
         self.ramp = self
             .ramp
@@ -155,13 +98,14 @@ pub(super) struct Backlash([TakeUp; 2]);
 impl Backlash {
     /// With other parameters, or for the first time. What has been put in stays until the next reversal: parameters move
     /// nothing. `None` where nothing is and nothing will be put in.
-    pub(super) fn of(plays: [Play; 2], before: Option<Self>) -> Option<Self> {
-        let mut now = plays.map(TakeUp::new);
+    pub(super) fn of(shapes: [TakeUpShape; 2], before: Option<Self>) -> Option<Self> {
+        let mut now = shapes.map(TakeUp::new);
         if let Some(Self(before)) = before {
             for (now, before) in now.iter_mut().zip(before) {
+                let is_same = now.shape.way == before.shape.way;
                 *now = TakeUp {
-                    play: now.play,
-                    goal: before.second,
+                    shape: now.shape,
+                    goal: if is_same { before.goal } else { before.second },
                     ..before
                 };
                 now.rest(before.farthest);
@@ -169,7 +113,7 @@ impl Backlash {
         }
         let any = now
             .iter()
-            .any(|axis| axis.play.way != 0 || axis.put_in() != 0);
+            .any(|axis| axis.shape.way != 0 || axis.put_in() != 0);
         any.then_some(Self(now))
     }
 
@@ -187,8 +131,15 @@ impl Backlash {
         if let Some(axis) = self.axis(axis) {
             *axis = TakeUp {
                 farthest: axis.farthest,
-                ..TakeUp::new(axis.play)
+                ..TakeUp::new(axis.shape)
             };
+        }
+    }
+
+    /// The axis rests here, whatever it was told before.
+    pub(super) const fn rest(&mut self, axis: Axis, place: i64) {
+        if let Some(axis) = self.axis(axis) {
+            axis.rest(place);
         }
     }
 
@@ -231,7 +182,7 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
-    use crate::params::Entry;
+    use crate::params::{Entry, Params};
     use leadscrew_seed::{amount, volume};
 
     /// 1 mm = 10⁶ nm.
@@ -247,7 +198,7 @@ mod tests {
     }
 
     fn x_alone(params: &Params) -> TakeUp {
-        TakeUp::new(Play::of_axis(params, Axis::X))
+        TakeUp::new(TakeUpShape::of(params, Axis::X))
     }
 
     /// All that is put in until nothing changes any more.
@@ -339,7 +290,7 @@ mod tests {
                 }
                 let seconds = tick_us as f64 / 1e6;
                 let [_, a, j] = figures(&all);
-                let part = TAKE_UP_PART as f64;
+                let part = crate::params::TAKE_UP_PART as f64;
                 // Three and four roundings to a nanometre.
                 let most = acceleration as f64 * seconds.powi(2) / part + 2.0;
                 assert!(a as f64 <= most, "{a} above {most}: {params:?}");
@@ -352,7 +303,7 @@ mod tests {
     #[test]
     fn other_parameters_move_nothing_until_the_next_reversal() {
         let with =
-            |way| [Axis::X, Axis::Z].map(|axis| Play::of_axis(&params(&[("1851.X", way)]), axis));
+            |way| [Axis::X, Axis::Z].map(|axis| TakeUpShape::of(&params(&[("1851.X", way)]), axis));
         let mut now = Backlash::of(with(20_000), None).unwrap();
         let all = [true; 3];
         for place in [0, -MM] {
@@ -378,7 +329,7 @@ mod tests {
     #[test]
     fn what_has_been_put_in_stays_while_the_drive_does_not_follow() {
         let plays =
-            [Axis::X, Axis::Z].map(|axis| Play::of_axis(&params(&[("1851.Z", 20_000)]), axis));
+            [Axis::X, Axis::Z].map(|axis| TakeUpShape::of(&params(&[("1851.Z", 20_000)]), axis));
         let mut now = Backlash::of(plays, None).unwrap();
         now.places([0; 3], [true; 3]);
         for _ in 0..60 {

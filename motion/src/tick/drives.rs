@@ -9,7 +9,7 @@ use home::Mark;
 
 use heapless::Vec;
 
-use super::backlash::{Backlash, Play};
+use super::backlash::Backlash;
 use super::gear::Gears;
 use super::lag::{Lag, Lags};
 use super::nodes::DriveNodes;
@@ -21,7 +21,7 @@ use crate::bus::{
 };
 use crate::bus::{Phase, Service, Setpoints, Step};
 use crate::call::{Position, TapSpindle};
-use crate::params::Params;
+use crate::params::{Params, TakeUpShape};
 use crate::units::{Angle, Axes, Axis, Length};
 
 /// The most frames that a board sends in one period: SYNC, and a start, an RPDO1 and an RPDO2 for each of three axes and
@@ -60,7 +60,7 @@ pub(super) struct Figures {
     /// What is taken off the lag of the axes.
     lags: [Option<Lag>; 3],
     /// The backlash of X and Z.
-    plays: [Play; 2],
+    shapes: [TakeUpShape; 2],
     spindle_lag: Option<Lag>,
 }
 
@@ -107,7 +107,7 @@ impl Figures {
             nodes,
             together: params.setpoint_frame() == 1,
             lags: Axis::ALL.map(|axis| Lag::of_axis(params, axis)),
-            plays: [Axis::X, Axis::Z].map(|axis| Play::of_axis(params, axis)),
+            shapes: [Axis::X, Axis::Z].map(|axis| TakeUpShape::of(params, axis)),
             spindle_lag: Lag::of_spindle(params),
         })
     }
@@ -180,7 +180,7 @@ impl Drives {
             homed: figures.homed,
             marks: figures.marks,
             last: [x.scale.find(0), z.scale.find(0), c.scale.find(0)],
-            backlash: Backlash::of(figures.plays, None),
+            backlash: Backlash::of(figures.shapes, None),
             lags: Lags::of(figures.lags),
             spindles: Spindles::new(
                 &figures.spindle,
@@ -203,7 +203,7 @@ impl Drives {
         let changed = home::changed(self, figures);
         let lost = self.axes.each_ref().map(DriveMaster::has_lost);
         let (offsets, homed, sync) = (self.offsets, self.homed, self.sync);
-        let backlash = Backlash::of(figures.plays, self.backlash);
+        let backlash = Backlash::of(figures.shapes, self.backlash);
         // Error codes by node number.
         let mut told = [None; DRIVES];
         for (place, drive) in told.iter_mut().zip(self.all()) {
@@ -411,6 +411,22 @@ impl Drives {
             }
         }
         true
+    }
+
+    /// The axes rest here, whatever they were told before: what is made up for begins anew.
+    pub(super) fn rest_at(&mut self, position: Position) {
+        let put_in = self.put_in();
+        for (axis, (place, put_in)) in Axis::ALL
+            .into_iter()
+            .zip(figures(position).into_iter().zip(put_in))
+        {
+            if let Some(backlash) = &mut self.backlash {
+                backlash.rest(axis, place);
+            }
+            if let Some(lags) = &mut self.lags {
+                lags.rest(axis, place.wrapping_add(put_in));
+            }
+        }
     }
 
     /// The drives' own positions count again. True where they did not count before.

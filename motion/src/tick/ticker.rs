@@ -481,6 +481,7 @@ impl Ticker {
         emit(&mut ends.events, Event::Ready);
         let mut position = self.drives.position(self.remembered.take());
         self.place_tap(&mut position, ends);
+        self.drives.rest_at(position);
         self.transition_to_ready(position);
         self.tell_found(ends);
     }

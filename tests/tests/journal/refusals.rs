@@ -154,6 +154,46 @@ fn a_dropped_entry_frees_the_machine() {
     assert!(!sim.board().tap_record().expect("an entry").in_hole);
 }
 
+/// On an alarm the drives may go on following: what the entry said of the axis ends without a motion, and so does what makes
+/// up for lag and backlash.
+#[test]
+fn an_entry_that_is_dropped_on_an_alarm_or_behind_it_moves_nothing() {
+    for on_alarm in [true, false] {
+        let params = with(&[("9070.Z", 300), ("1851.Z", 40_000)]);
+        let mut sim = in_the_hole(&params);
+        sim.cut_power();
+        let options = PlantOptions::default();
+        let mut sim = Sim::with_flash(&params, &options, sim.flash().clone()).expect("it starts");
+        assert_eq!(position(&sim).z, Length::from_nm(-4_000_000));
+        if on_alarm {
+            refused(&mut sim, "G0 X20\n", &params);
+        }
+        let stands = sim.plant().truth().positions;
+        assert!(sim.discard_tap());
+        for _ in 0..500 {
+            sim.step();
+            assert_eq!(sim.plant().truth().positions, stands);
+        }
+        if on_alarm {
+            sim.command(Command::Reset);
+            for _ in 0..500 {
+                sim.step();
+            }
+        }
+        assert_eq!(sim.plant().truth().positions, stands);
+        assert_eq!(position(&sim), options.at);
+        let mut told = Told::default();
+        go(
+            &mut sim,
+            &calls("G0 X20 Z7\nM30\n", &params),
+            &mut told,
+            |_, _| {},
+        );
+        assert_eq!(told.alarm(), None);
+        assert_eq!(position(&sim).z, Length::from_nm(7_000_000));
+    }
+}
+
 #[test]
 fn nothing_to_return_from() {
     let params = with(&[]);

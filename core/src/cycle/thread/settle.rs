@@ -1,4 +1,4 @@
-//! From where on an axis is on the helix behind the inverse of its drive's lag (9070).
+//! From where on an axis is on the helix behind the inverse of its drive's lag (9070) and the reversal of its screw (1851).
 //!
 //! The inverse takes off the lag of the position loop. What it leaves is the speed loop's: while the axis joins the helix
 //! it falls behind, and gets over that as slowly as the position loop is weak. So the drive is stepped through the join,
@@ -133,8 +133,18 @@ fn at_speed(plan: &ThreadPlan, params: &Params, speed: u64) -> Length {
     [(long, straight), (short, plan.taper())]
         .into_iter()
         .filter(|(_, slope)| *slope != 0)
-        .map(|(axis, slope)| settled(plan, params, speed, axis, slope))
+        .map(|(axis, slope)| {
+            let settled = settled(plan, params, speed, axis, slope);
+            settled.max(taken_up(params, speed, axis))
+        })
         .fold(plan.lead_in(), Length::max)
+}
+
+/// The way of the helix while the backlash of an axis is put in: a stroke begins with a reversal where the axis has come
+/// back from the one before.
+fn taken_up(params: &Params, speed: u64, axis: Axis) -> Length {
+    let way = mul_div(speed, params.take_up_us(axis), 1_000_000);
+    Length::from_nm(signed(way))
 }
 
 /// The same of one axis, which moves by `slope` (2⁻⁴⁰) for each way of the long one.

@@ -162,7 +162,9 @@ impl Ticker {
     pub fn discard_tap(&mut self) -> bool {
         let stands = matches!(self.state, State::Starting | State::Idle | State::Alarm(_));
         let record = self.journal.record.as_ref();
-        if !stands || !record.is_some_and(|record| record.in_hole) {
+        // What the axes are told has to change with what their drives count.
+        let can_move_over = !matches!(self.state, State::Alarm(_)) || self.executor.is_free();
+        if !stands || !can_move_over || !record.is_some_and(|record| record.in_hole) {
             return false;
         }
         let stand = self.stand();
@@ -170,18 +172,25 @@ impl Ticker {
         self.journal.begun = false;
         self.journal.assumed = false;
         let moved = self.drives.forget_places();
+        let position = if moved {
+            self.drives.position(None)
+        } else {
+            self.executor.position()
+        };
         match self.state {
             State::Idle => {
-                let position = if moved {
-                    self.drives.position(None)
-                } else {
-                    self.executor.position()
-                };
                 self.executor.set_position(position);
                 self.restart(position);
             }
-            State::Alarm(_) if moved => self.remembered = Some(self.drives.position(None)),
+            // The drives may still follow: what they are told from now on is where they are.
+            State::Alarm(_) if moved => {
+                self.executor.set_position(position);
+                self.remembered = Some(position);
+            }
             _ => {}
+        }
+        if moved {
+            self.drives.rest_at(position);
         }
         true
     }
