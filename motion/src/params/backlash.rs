@@ -22,8 +22,8 @@ const LEAST: u64 = 20_000 << TakeUpShape::PLACES;
 /// How the backlash of an axis is put in: a ramp of r a tick, and two lags of τ ticks behind it.
 ///
 /// From |ramp| ≤ r follow: speed within r, acceleration within 2·r/τ, jerk within 4·r/τ². r and τ are those of which these
-/// are within the [part](TAKE_UP_PART) of the axis' limits that its motion [leaves](Params::motion_acceleration), and the way
-/// is made soonest.
+/// are within the [part](TAKE_UP_PART) of the axis' limits that its motion [leaves](Params::motion_acceleration), and the
+/// way is made soonest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TakeUpShape {
     /// The backlash in nanometres, with [`PLACES`](Self::PLACES).

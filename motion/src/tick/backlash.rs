@@ -252,6 +252,9 @@ mod tests {
         let all = settle(&mut axis, -MM);
         let ticks = all.iter().position(|value| *value <= -19_900).unwrap();
         assert!(ticks < 150, "{ticks}");
+        // The last micrometre of a millimetre takes a little longer.
+        assert_eq!(params.take_up_us(Axis::X), 156_000);
+        assert_eq!(params.take_up_us(Axis::Z), 0, "it has none");
     }
 
     /// Whatever the axis does, and whatever its limits are: what is put in uses no more than its part of them.

@@ -154,8 +154,8 @@ fn a_dropped_entry_frees_the_machine() {
     assert!(!sim.board().tap_record().expect("an entry").in_hole);
 }
 
-/// On an alarm the drives may go on following: what the entry said of the axis ends without a motion, and so does what makes
-/// up for lag and backlash.
+/// On an alarm the drives may go on following: what the entry said of the axis ends without a motion, and so does what
+/// makes up for lag and backlash.
 #[test]
 fn an_entry_that_is_dropped_on_an_alarm_or_behind_it_moves_nothing() {
     for on_alarm in [true, false] {

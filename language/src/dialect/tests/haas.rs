@@ -163,7 +163,7 @@ fn i_and_k_of_roughing_are_lengths_off_the_last_pass() {
             kinds(control, &two("I.5 K.2")),
             kinds(control, &format!("G0;{}", two("K.2 I.5")))
         );
-        // A sign that leads into the part would cut below the finished contour, also where its end is higher than the start.
+        // A sign that leads into the part would cut below the finished contour, also where that ends above the start.
         for (words, letter) in [("I-.5 K.2", b'I'), ("I.5 K-.2", b'K')] {
             for text in [
                 one(&format!("{words} D2.")),
