@@ -120,7 +120,14 @@ fn what_ends_or_stops_a_program_does_so_in_a_line() {
     let line = line.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     user.wait_for("hold");
     good(&user.does(&["resume"]));
-    good(&line.unwrap().wait_with_output().unwrap());
+    let line = line.unwrap().wait_with_output().unwrap();
+    good(&line);
+    // Nobody has pressed feed hold.
+    let told = String::from_utf8_lossy(&line.stderr);
+    assert!(
+        told.contains("M00 stops the program (line 1)") && !told.contains("feed hold"),
+        "{told}"
+    );
     assert_eq!(user.json(&["status"])["mx"], 1);
     // At the machine that lives in one command nobody could resume it.
     let program = user.program("G0 X1\nM0\nG0 X2\nM30\n");

@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
-use leadscrew_core::call::Position;
+use leadscrew_core::call::{Aux, Position};
 use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
 use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::program::Carried;
@@ -105,6 +105,7 @@ pub fn carry_out(
         checked: status,
         by_wheel,
         held: false,
+        stopped_by: None,
         bar,
     };
     let outcome = runner.all();
@@ -171,6 +172,8 @@ struct Runner<'a> {
     by_wheel: bool,
     /// The hold has been reported.
     held: bool,
+    /// M00 or M01, of which no block behind it has begun.
+    stopped_by: Option<u16>,
     /// Times of reading the certificates of threads.
     pace: Pace,
     /// When the spindle was looked at first.
@@ -299,7 +302,7 @@ impl Runner<'_> {
         let own = self.link.step_aside(drives)?;
         self.tell_number(own);
         self.look();
-        self.tell_hold();
+        self.tell_hold(feeder)?;
         let status = self.link.seen.status.unwrap_or_default();
         let rests = *started && !status.flags.program && status.state != BoardState::Run;
         let alarm = status.state == BoardState::Alarm;
@@ -476,22 +479,32 @@ impl Runner<'_> {
     }
 
     /// Reports once that the machine waits for the operator.
-    fn tell_hold(&mut self) {
+    fn tell_hold(&mut self, feeder: &Feeder) -> Outcome {
         let hold = self
             .link
             .seen
             .status
             .is_some_and(|status| status.state == BoardState::Hold);
         if hold && !self.held {
-            let told = both!(
-                "the machine is in feed hold (line {line}): `leadscrew resume` goes on\n",
-                "机床处于进给保持（第 {line} 行）：`leadscrew resume` 可继续\n",
-                line = SourceLine(self.ran.line)
-            );
+            // Whether it is the program that has asked for it.
+            self.read_log(feeder)?;
+            let line = SourceLine(self.ran.line);
+            let told = if let Some(code) = self.stopped_by {
+                both!(
+                    "M{code:02} stops the program (line {line}): `leadscrew resume` goes on\n",
+                    "M{code:02} 使程序停止（第 {line} 行）：`leadscrew resume` 可继续\n"
+                )
+            } else {
+                both!(
+                    "the machine is in feed hold (line {line}): `leadscrew resume` goes on\n",
+                    "机床处于进给保持（第 {line} 行）：`leadscrew resume` 可继续\n"
+                )
+            };
             self.bar
                 .suspend(|| diagnostics::say(told.get(self.setup.lang)));
         }
         self.held = hold;
+        Ok(())
     }
 
     /// Takes the values of the statuses.
@@ -537,6 +550,7 @@ impl Runner<'_> {
         match entry.event {
             Event::Started { number, line } => {
                 self.ran.begun = true;
+                self.stopped_by = None;
                 self.ran.moves = self.ran.moves.max(self.before + u64::from(number));
                 self.ran.line = line;
             }
@@ -561,6 +575,7 @@ impl Runner<'_> {
                     self.ran.warnings.push(feeder.words(&warning));
                 }
             }
+            Event::Aux(Aux::M(code @ (0 | 1))) => self.stopped_by = Some(code),
             Event::Finished => self.ran.finished = true,
             Event::Reset => {
                 self.ran.reset = true;
