@@ -5,7 +5,7 @@ use crate::units::{Acceleration, Axis, Jerk, mul_div};
 
 /// Where an axis has backlash, putting it in may use one part in so many of the axis' acceleration and jerk, and the
 /// motion of the axis uses the others.
-pub const TAKE_UP_PART: u64 = 4;
+pub(crate) const TAKE_UP_PART: u64 = 4;
 
 /// The speed of putting it in is at most one part in so many of the rapid rate.
 const SPEED_PART: u64 = 16;
@@ -13,7 +13,7 @@ const SPEED_PART: u64 = 16;
 /// The largest τ, as a power of two, in ticks.
 const LONGEST: u32 = 6;
 
-/// Ticks until two lags of one tick have come close: to a quarter of a per cent of 20 µm, to 1 µm of 1 mm.
+/// So many τ after the ramp an eighth of a per cent is left: 25 nm of 20 µm, 1.2 µm of 1 mm.
 const SETTLED: u64 = 9;
 
 /// What is left of an earlier parameter is put in like this, with the places of a shape: 20 µm.
@@ -83,7 +83,7 @@ impl Params {
         self.backlash(axis).is_some_and(|way| way != 0)
     }
 
-    /// Time in microseconds from a reversal of an axis until its backlash is put in to 1 µm.
+    /// Time in microseconds from a reversal of an axis until its backlash is put in, to an eighth of a per cent.
     #[must_use]
     pub fn take_up_us(&self, axis: Axis) -> u64 {
         if !self.has_backlash(axis) {
@@ -100,27 +100,22 @@ impl Params {
     /// The largest acceleration of the motion of an axis: 1620, less what is kept for its backlash.
     #[must_use]
     pub fn motion_acceleration(&self, axis: Axis) -> Acceleration {
-        let highest = self.acceleration(axis);
-        if self.has_backlash(axis) {
-            Acceleration::from_nm_per_s2(left(highest.nm_per_s2()))
-        } else {
-            highest
-        }
+        let highest = self.acceleration(axis).nm_per_s2();
+        Acceleration::from_nm_per_s2(self.left_of(axis, highest))
     }
 
     /// The largest jerk of the motion of an axis: 1622, less what is kept for its backlash.
     #[must_use]
     pub fn motion_jerk(&self, axis: Axis) -> Jerk {
-        let highest = self.jerk(axis);
-        if self.has_backlash(axis) {
-            Jerk::from_nm_per_s3(left(highest.nm_per_s3()))
-        } else {
-            highest
-        }
+        let highest = self.jerk(axis).nm_per_s3();
+        Jerk::from_nm_per_s3(self.left_of(axis, highest))
     }
-}
 
-fn left(limit: i64) -> i64 {
-    let kept = limit.unsigned_abs().checked_div(TAKE_UP_PART).unwrap_or(0);
-    limit.saturating_sub_unsigned(kept)
+    fn left_of(&self, axis: Axis, limit: i64) -> i64 {
+        if !self.has_backlash(axis) {
+            return limit;
+        }
+        let kept = limit.unsigned_abs().checked_div(TAKE_UP_PART).unwrap_or(0);
+        limit.saturating_sub_unsigned(kept)
+    }
 }

@@ -22,7 +22,8 @@ mod tests;
 mod turret;
 pub mod unit;
 
-pub use backlash::TAKE_UP_PART;
+#[cfg(test)]
+pub(crate) use backlash::TAKE_UP_PART;
 pub(crate) use backlash::TakeUpShape;
 pub use check::{BY_DRIVE, BY_SWITCH, PROFILE_TICKS, metres};
 pub use entry::{Entry, FindError, Part, Text};

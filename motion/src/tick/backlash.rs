@@ -126,7 +126,8 @@ impl Backlash {
         }
     }
 
-    /// The axis has just got its reference: from here on nothing is put in.
+    /// The axis has just got its reference: from here on nothing is put in. Its place comes by [`rest`](Self::rest), or
+    /// with the next one while its drive does not follow.
     pub(super) const fn refer(&mut self, axis: Axis) {
         if let Some(axis) = self.axis(axis) {
             *axis = TakeUp {
@@ -136,18 +137,13 @@ impl Backlash {
         }
     }
 
-    /// The axis rests here, whatever it was told before.
-    pub(super) const fn rest(&mut self, axis: Axis, place: i64) {
-        if let Some(axis) = self.axis(axis) {
-            axis.rest(place);
-        }
-    }
-
-    /// The place of an axis that rests has another name from now on.
-    pub(super) const fn rename(&mut self, axis: Axis, from: i64, to: i64) {
-        if let Some(axis) = self.axis(axis) {
-            axis.farthest = axis.farthest.wrapping_add(to.wrapping_sub(from));
-        }
+    /// The axis rests here, whatever it was told before. Gives what has been put in, in nanometres.
+    pub(super) const fn rest(&mut self, axis: Axis, place: i64) -> i64 {
+        let Some(axis) = self.axis(axis) else {
+            return 0;
+        };
+        axis.rest(place);
+        axis.put_in()
     }
 
     /// What has been put in, in nanometres, for X, Z and C.
@@ -252,7 +248,7 @@ mod tests {
         let all = settle(&mut axis, -MM);
         let ticks = all.iter().position(|value| *value <= -19_900).unwrap();
         assert!(ticks < 150, "{ticks}");
-        // The last micrometre of a millimetre takes a little longer.
+        // Until 25 nm are left.
         assert_eq!(params.take_up_us(Axis::X), 156_000);
         assert_eq!(params.take_up_us(Axis::Z), 0, "it has none");
     }

@@ -385,14 +385,14 @@ impl Drives {
     }
 
     /// Declares that the machine stands at `to`, although its drives say `from`: the references of the axes that differ
-    /// were lost. Returns false and changes nothing where a drive cannot count that far.
+    /// were lost. Returns false and changes nothing where a drive cannot count that far. Whoever calls this says
+    /// where the axes [rest](Self::rest_at).
     pub(super) fn place(&mut self, from: Position, to: Position) -> bool {
-        let there = self.demands(figures(from));
-        self.place_at(there, from, to)
+        self.place_at(self.demands(figures(from)), to)
     }
 
-    /// As [`place`](Self::place); `there`: what the drives count at `from`.
-    fn place_at(&mut self, there: [Option<Increments>; 3], from: Position, to: Position) -> bool {
+    /// As [`place`](Self::place); `there`: what the drives count where the machine stands.
+    fn place_at(&mut self, there: [Option<Increments>; 3], to: Position) -> bool {
         let mut offsets = self.offsets;
         let here = self.demands(figures(to));
         for (offset, (from, to)) in offsets.iter_mut().zip(there.iter().zip(&here)) {
@@ -402,30 +402,22 @@ impl Drives {
             *offset = offset.wrapping_add(there.get().wrapping_sub(here.get()));
         }
         self.offsets = offsets;
-        if let Some(backlash) = &mut self.backlash {
-            for (axis, (from, to)) in Axis::ALL
-                .into_iter()
-                .zip(figures(from).into_iter().zip(figures(to)))
-            {
-                backlash.rename(axis, from, to);
-            }
-        }
         true
     }
 
     /// The axes rest here, whatever they were told before: what is made up for begins anew.
     pub(super) fn rest_at(&mut self, position: Position) {
-        let put_in = self.put_in();
-        for (axis, (place, put_in)) in Axis::ALL
-            .into_iter()
-            .zip(figures(position).into_iter().zip(put_in))
-        {
-            if let Some(backlash) = &mut self.backlash {
-                backlash.rest(axis, place);
-            }
-            if let Some(lags) = &mut self.lags {
-                lags.rest(axis, place.wrapping_add(put_in));
-            }
+        for (axis, place) in Axis::ALL.into_iter().zip(figures(position)) {
+            self.rest_axis(axis, place);
+        }
+    }
+
+    /// The same of one axis.
+    fn rest_axis(&mut self, axis: Axis, place: i64) {
+        let backlash = self.backlash.as_mut();
+        let put_in = backlash.map_or(0, |backlash| backlash.rest(axis, place));
+        if let Some(lags) = &mut self.lags {
+            lags.rest(axis, place.wrapping_add(put_in));
         }
     }
 

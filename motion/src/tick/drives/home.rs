@@ -139,14 +139,12 @@ impl Drives {
         if let Some(backlash) = &mut self.backlash {
             backlash.refer(axis);
         }
-        if !self.place_at(there, at, to) {
+        if !self.place_at(there, to) {
             self.backlash = before;
             return None;
         }
         *of_mut(&mut self.homed, axis) = *of(&self.offsets, axis);
-        if let Some(lags) = &mut self.lags {
-            lags.rest(axis, place);
-        }
+        self.rest_axis(axis, place);
         Some(to)
     }
 
