@@ -193,6 +193,12 @@ impl Profile {
         (self.has_first && first.to.h < first.from.h).then_some(first)
     }
 
+    /// True where the move of `ns` has a wall of its own: at rapid it would go through what stands beside it.
+    pub fn is_slanted(&self) -> bool {
+        let first = self.first();
+        first.is_some_and(|first| first.from.l != first.to.l)
+    }
+
     /// True with a pocket: the contour comes down again behind its first block.
     pub fn sinks(&self) -> bool {
         let mut pieces = self.pieces.iter().filter(|piece| piece.element > 0);

@@ -84,11 +84,7 @@ impl<'a> Rough<'a> {
             let alarm = Alarm::new(Code::RoughLeftInside, words.span).word(letter);
             return Err(alarm.with([Arg::Length(length)]));
         }
-        // A first block at a slant is a wall, too.
-        let is_slanted = profile
-            .first()
-            .is_some_and(|first| first.from.l != first.to.l);
-        let has_wall = profile.sinks() || is_slanted;
+        let has_wall = profile.sinks() || profile.is_slanted();
         if words.left.along(along) != Length::ZERO && has_wall {
             return Err(
                 Alarm::new(Code::PocketAllowance, words.span).word(match along {
@@ -157,15 +153,9 @@ impl<'a> Rough<'a> {
     fn back_to_first(&mut self, h: i64) {
         let l = self.profile.begin(h, self.start);
         self.go(Local { h, l }, true);
-        if h > self.start.h && self.is_slanted() {
+        if h > self.start.h && self.profile.is_slanted() {
             self.go(self.start, true);
         }
-    }
-
-    /// True where the move of `ns` has a wall of its own: at rapid it would go through what stands beside it.
-    fn is_slanted(&self) -> bool {
-        let first = self.profile.first();
-        first.is_some_and(|first| first.from.l != first.to.l)
     }
 
     /// Decides on the next stroke; false where there is none.
@@ -254,7 +244,7 @@ impl<'a> Rough<'a> {
     /// From where the strokes begin to where the last pass does: that lies nearer to the contour.
     fn approach_pass(&mut self) {
         let begin = self.shifted(self.contour.start);
-        if !self.is_slanted() {
+        if !self.profile.is_slanted() {
             // Down to the contour where it begins, and not in front of it.
             self.go(
                 Local {
@@ -303,7 +293,7 @@ impl<'a> Rough<'a> {
             }
             Step::First(to) => {
                 let elements = &self.contour.elements;
-                let shape = if self.is_slanted() {
+                let shape = if self.profile.is_slanted() {
                     Shape::Line
                 } else {
                     elements.first()?.shape
