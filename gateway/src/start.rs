@@ -37,6 +37,12 @@ pub enum Unfound {
     Because(Failure),
 }
 
+impl From<Failure> for Unfound {
+    fn from(failure: Failure) -> Self {
+        Self::Because(failure)
+    }
+}
+
 /// Finds the line, shows what would happen, and lets the operator agree.
 ///
 /// # Errors
@@ -69,29 +75,23 @@ pub fn agree(setup: &Setup, source: &SourceFile, line: u32, agreed: bool) -> Out
 /// # Errors
 /// The line is no start.
 pub fn find(setup: &Setup, source: &SourceFile, line: u32) -> Result<Start, Unfound> {
-    found(setup, source, line).map_err(Unfound::Because)?
-}
-
-fn found(setup: &Setup, source: &SourceFile, line: u32) -> Outcome<Result<Start, Unfound>> {
     if setup.tap.is_some_and(|record| record.in_hole) {
-        return Err(refusal(
-            line,
-            &both!("a tap is in its hole", "丝锥仍在孔中"),
-        ));
+        return Err(refusal(line, &both!("a tap is in its hole", "丝锥仍在孔中")).into());
     }
     let cannot = |error: io::Error| Failure::file(Doing::Read, source.name(), &error);
     let mut program = Program::open(source, &setup.params, setup.begin()).map_err(cannot)?;
     match program.start_at(line).map_err(cannot)? {
-        Ok(start) => Ok(Ok(start)),
+        Ok(start) => Ok(start),
         Err(Unfit::Wrong(alarm)) => {
             let told = Diagnostic::new(&alarm, source, setup.lang, program.is_inch());
-            Ok(Err(Unfound::Wrong(Box::new(told))))
+            Err(Unfound::Wrong(Box::new(told)))
         }
         Err(Unfit::NotReached) if source.line(line).is_none() => Err(refusal(
             line,
             &both!("the file has fewer lines", "程序文件没有这么多行"),
-        )),
-        Err(unfit) => Err(refusal(line, &why(&unfit))),
+        )
+        .into()),
+        Err(unfit) => Err(refusal(line, &why(&unfit)).into()),
     }
 }
 

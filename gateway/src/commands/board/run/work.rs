@@ -56,12 +56,8 @@ pub struct Ran {
     pub threads: Threads,
     pub line: u32,
     finished: bool,
-    /// Something of it has been done.
-    begun: bool,
     /// The board has refused to begin it.
     pub refused: bool,
-    /// Why it has just refused something.
-    refusal: Option<Diagnostic>,
     /// Another client has reset the board.
     pub reset: bool,
     /// The drives have been enabled again.
@@ -106,6 +102,8 @@ pub fn carry_out(
         by_wheel,
         held: false,
         stopped_by: None,
+        begun: false,
+        refusal: None,
         bar,
     };
     let outcome = runner.all();
@@ -174,6 +172,10 @@ struct Runner<'a> {
     held: bool,
     /// M00 or M01, of which no block behind it has begun.
     stopped_by: Option<u16>,
+    /// Something of the program has been done.
+    begun: bool,
+    /// What the board has just refused.
+    refusal: Option<Diagnostic>,
     /// Times of reading the certificates of threads.
     pace: Pace,
     /// When the spindle was looked at first.
@@ -546,10 +548,10 @@ impl Runner<'_> {
     }
 
     fn note(&mut self, entry: &Logged, feeder: &Feeder) {
-        let refusal = self.ran.refusal.take();
+        let refusal = self.refusal.take();
         match entry.event {
             Event::Started { number, line } => {
-                self.ran.begun = true;
+                self.begun = true;
                 self.stopped_by = None;
                 self.ran.moves = self.ran.moves.max(self.before + u64::from(number));
                 self.ran.line = line;
@@ -567,7 +569,7 @@ impl Runner<'_> {
             }
             // What an operator was refused is told where it was asked, unless this is what was asked.
             Event::Warning(warning) if BY_MODE.contains(&warning.number()) => {
-                self.ran.refusal = Some(feeder.words(&warning));
+                self.refusal = Some(feeder.words(&warning));
             }
             Event::Warning(warning) => {
                 let known = |w: &Diagnostic| w.number == warning.number();
@@ -580,7 +582,7 @@ impl Runner<'_> {
             Event::Reset => {
                 self.ran.reset = true;
                 if let Some(words) = refusal
-                    && !self.ran.begun
+                    && !self.begun
                 {
                     self.ran.refused = true;
                     self.ran.alarms.push(words);
