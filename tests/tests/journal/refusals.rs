@@ -31,6 +31,26 @@ fn in_the_hole(params: &Params) -> Sim {
     stopped(HIGH_SPEED, params, |sim| sim.command(Command::Reset), 1_100).0
 }
 
+/// The same machine after a cut of its power.
+fn powered_anew(mut sim: Sim, params: &Params) -> Sim {
+    sim.cut_power();
+    let flash = sim.flash().clone();
+    Sim::with_flash(params, &PlantOptions::default(), flash).expect("it starts")
+}
+
+/// A machine whose tap is out does what it is asked to.
+fn goes_on(sim: &mut Sim, params: &Params) {
+    let mut told = Told::default();
+    go(
+        sim,
+        &calls("G0 X20 Z7\nM30\n", params),
+        &mut told,
+        |_, _| {},
+    );
+    assert_eq!(told.alarm(), None);
+    assert_eq!(position(sim).z, Length::from_nm(7_000_000));
+}
+
 /// The alarm of a program on a machine, which must not move for it.
 fn refused(sim: &mut Sim, text: &str, params: &Params) -> Code {
     let before = (position(sim), sim.plant().truth().angle);
@@ -98,11 +118,7 @@ fn nothing_moves_while_a_tap_is_in_its_hole() {
         let mut sim = in_the_hole(&params);
         assert_eq!(refused(&mut sim, text, &params), Code::TapInHole, "{text}");
         // After power-up.
-        let mut sim = in_the_hole(&params);
-        sim.cut_power();
-        let flash = sim.flash().clone();
-        let options = PlantOptions::default();
-        let mut sim = Sim::with_flash(&params, &options, flash).expect("it starts");
+        let mut sim = powered_anew(in_the_hole(&params), &params);
         assert_eq!(refused(&mut sim, text, &params), Code::TapInHole, "{text}");
     }
     // What moves nothing is let in.
@@ -132,23 +148,13 @@ fn a_dropped_entry_frees_the_machine() {
     );
 
     // After power-up the drive's own position counts again.
-    let mut sim = in_the_hole(&params);
-    sim.cut_power();
     let options = PlantOptions::default();
-    let mut sim = Sim::with_flash(&params, &options, sim.flash().clone()).expect("it starts");
+    let mut sim = powered_anew(in_the_hole(&params), &params);
     assert_eq!(position(&sim).z, Length::from_nm(-4_000_000));
     assert!(sim.discard_tap());
     sim.step();
     assert_eq!(position(&sim), options.at);
-    let mut told = Told::default();
-    go(
-        &mut sim,
-        &calls("G0 X20 Z7\nM30\n", &params),
-        &mut told,
-        |_, _| {},
-    );
-    assert_eq!(told.alarm(), None);
-    assert_eq!(position(&sim).z, Length::from_nm(7_000_000));
+    goes_on(&mut sim, &params);
     // And it stays dropped.
     let sim = Sim::with_flash(&params, &options, sim.flash().clone()).expect("it starts");
     assert!(!sim.board().tap_record().expect("an entry").in_hole);
@@ -160,10 +166,8 @@ fn a_dropped_entry_frees_the_machine() {
 fn an_entry_that_is_dropped_on_an_alarm_or_behind_it_moves_nothing() {
     for on_alarm in [true, false] {
         let params = with(&[("9070.Z", 300), ("1851.Z", 40_000)]);
-        let mut sim = in_the_hole(&params);
-        sim.cut_power();
         let options = PlantOptions::default();
-        let mut sim = Sim::with_flash(&params, &options, sim.flash().clone()).expect("it starts");
+        let mut sim = powered_anew(in_the_hole(&params), &params);
         assert_eq!(position(&sim).z, Length::from_nm(-4_000_000));
         if on_alarm {
             refused(&mut sim, "G0 X20\n", &params);
@@ -182,15 +186,7 @@ fn an_entry_that_is_dropped_on_an_alarm_or_behind_it_moves_nothing() {
         }
         assert_eq!(sim.plant().truth().positions, stands);
         assert_eq!(position(&sim), options.at);
-        let mut told = Told::default();
-        go(
-            &mut sim,
-            &calls("G0 X20 Z7\nM30\n", &params),
-            &mut told,
-            |_, _| {},
-        );
-        assert_eq!(told.alarm(), None);
-        assert_eq!(position(&sim).z, Length::from_nm(7_000_000));
+        goes_on(&mut sim, &params);
     }
 }
 

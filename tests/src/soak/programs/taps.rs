@@ -11,6 +11,15 @@ impl Writer<'_> {
         (self.random.within(400, (3_500_000 / rpm).min(2_500)), rpm)
     }
 
+    /// Goes in front of a hole in the face: lead and speed of its tap, and X and Z of where it stands.
+    fn in_front(&mut self) -> ((i64, i64), (i64, i64)) {
+        let tap = self.tap();
+        let initial = self.random.within(3_000, 8_000);
+        let x = self.random.within(20_000, 60_000) / 2 * 2;
+        self.to((x, initial));
+        (tap, (x, initial))
+    }
+
     /// What a hole may have beside its depth.
     fn notes(&mut self, depth: i64) -> String {
         let mut words = String::new();
@@ -31,10 +40,7 @@ impl Writer<'_> {
     }
 
     pub(super) fn face_tap(&mut self) {
-        let (lead, rpm) = self.tap();
-        let initial = self.random.within(3_000, 8_000);
-        let x = self.random.within(20_000, 60_000) / 2 * 2;
-        self.to((x, initial));
+        let ((lead, rpm), (x, initial)) = self.in_front();
         self.rigid(rpm);
         let level = self.random.within(1_000, 3_000);
         let depth = self.random.within(1_000, 8_000);
@@ -84,10 +90,7 @@ impl Writer<'_> {
 
     /// Stays at the bottom, and goes deeper.
     pub(super) fn deeper_tap(&mut self) {
-        let (lead, rpm) = self.tap();
-        let initial = self.random.within(3_000, 8_000);
-        let x = self.random.within(20_000, 60_000) / 2 * 2;
-        self.to((x, initial));
+        let ((lead, rpm), (_, initial)) = self.in_front();
         self.rigid(rpm);
         let level = self.random.within(1_000, 3_000);
         let depth = self.random.within(1_000, 5_000);
@@ -108,10 +111,7 @@ impl Writer<'_> {
     }
 
     pub(super) fn ordinary_tap(&mut self) {
-        let (lead, rpm) = self.tap();
-        let initial = self.random.within(3_000, 8_000);
-        let x = self.random.within(20_000, 60_000) / 2 * 2;
-        self.to((x, initial));
+        let ((lead, rpm), (_, initial)) = self.in_front();
         self.turn(rpm);
         let level = self.random.within(2_000, 5_000);
         let depth = self.random.within(3_000, 12_000);
