@@ -340,7 +340,7 @@ impl Model {
                 What::Reset => {
                     self.memory.ended.get_or_insert(false);
                 }
-                What::Warning(_) | What::Held | What::Ready => {}
+                What::Warning(_) | What::Refused(_) | What::Held | What::Ready => {}
             }
             told.push(Body::Event(Event {
                 start,

@@ -209,6 +209,8 @@ pub enum What {
     Alarm(Trouble),
     /// Something stops nothing.
     Warning(Trouble),
+    /// A line that was typed is not carried out, and nothing of it was done.
+    Refused(Trouble),
     /// The program has come to its end.
     Finished,
     /// A reset is done.
@@ -226,6 +228,7 @@ impl What {
         match self {
             Self::Alarm(_) => "alarm",
             Self::Warning(_) => "warning",
+            Self::Refused(_) => "refused",
             Self::Finished => "finished",
             Self::Reset => "reset",
             Self::Held => "held",
@@ -237,7 +240,7 @@ impl What {
     #[must_use]
     pub const fn trouble(&self) -> Option<&Trouble> {
         match self {
-            Self::Alarm(trouble) | Self::Warning(trouble) => Some(trouble),
+            Self::Alarm(trouble) | Self::Warning(trouble) | Self::Refused(trouble) => Some(trouble),
             Self::Finished | Self::Reset | Self::Held | Self::Ready => None,
         }
     }

@@ -14,6 +14,7 @@ use crate::program::{Begin, Program};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::start;
+use crate::words::both;
 
 /// The end of the text.
 const OVER: Call = Call {
@@ -45,7 +46,7 @@ impl<'a> Feeder<'a> {
     /// Opens the program.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// A file that cannot be read, or that has changed since its start at a line was found.
     pub fn new(setup: &'a Setup, source: &'a SourceFile) -> Outcome<Self> {
         let begin = Begin {
             passes: setup.passes,
@@ -55,8 +56,14 @@ impl<'a> Feeder<'a> {
         let mut program = Program::open(source, &setup.params, begin).map_err(cannot)?;
         let mut lead = VecDeque::new();
         if let Some(start) = &setup.from {
-            // It has been found before.
-            let _ = program.start_at(start.line).map_err(cannot)?;
+            // It has been found before, in a file that another program may have written since.
+            let found = program.start_at(start.line).map_err(cannot)?;
+            if !found.is_ok_and(|found| found == *start) {
+                return Err(Failure::WrongBecause(both!(
+                    "not begun: the program has changed since this start was found: look at it again; nothing has moved",
+                    "未开始：找到此起点之后程序已改变：请重新查看；机床未移动"
+                )));
+            }
             lead = start::lead(start, setup);
         }
         Ok(Self {

@@ -6,6 +6,8 @@
 //!
 //! Must not know boards or the simulated machine: it makes calls for either.
 
+mod shown;
+
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal as _};
@@ -24,6 +26,7 @@ use crate::program::{Program, Start, Unfit};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::words::{Both, both};
+pub use shown::Shown;
 
 /// The approach goes at this part of rapid: at no feed override more than a quarter of it.
 const PART: i64 = 6;
@@ -43,18 +46,44 @@ impl From<Failure> for Unfound {
     }
 }
 
-/// Finds the line, shows what would happen, and lets the operator agree.
+/// A line that is a start.
+#[derive(Debug)]
+pub struct Found<'p> {
+    /// What the lines before leave.
+    pub start: Start,
+    /// What comes next of it are the events of the line.
+    program: Program<'p>,
+}
+
+/// How whoever starts it agrees to what would happen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Consent {
+    /// It is shown now, and the number of the line has to be typed.
+    Asked,
+    /// In advance, whatever it is.
+    Given,
+    /// It was shown before, and what would happen now has to be just that [D499].
+    To(Shown),
+}
+
+/// Finds the line, shows what would happen, and lets the operator agree. This alone decides whether what was shown is what
+/// starts.
 ///
 /// # Errors
-/// 4590; the operator does not agree.
-pub fn agree(setup: &Setup, source: &SourceFile, line: u32, agreed: bool) -> Outcome<Start> {
-    let start = find(setup, source, line).map_err(|unfound| match unfound {
+/// 4590; the operator does not agree; it is not what was shown.
+pub fn agree(setup: &Setup, source: &SourceFile, line: u32, consent: Consent) -> Outcome<Start> {
+    let found = find(setup, source, line).map_err(|unfound| match unfound {
         Unfound::Wrong(told) => {
             diagnostics::print(&told, setup.colour);
             Failure::Wrong
         }
         Unfound::Because(failure) => failure,
     })?;
+    if let Consent::To(shown) = consent {
+        let (start, now) = Shown::of(found, setup, source)?;
+        return shown.has_to_be(now).map(|()| start);
+    }
+    let start = found.start;
     let rows = shown(&start, setup);
     let text = both!(
         "{name}: start at line {line}\n{en}",
@@ -64,7 +93,7 @@ pub fn agree(setup: &Setup, source: &SourceFile, line: u32, agreed: bool) -> Out
         zh = rows.zh
     );
     diagnostics::say(text.get(setup.lang));
-    if !agreed {
+    if consent == Consent::Asked {
         confirm(line, setup.lang)?;
     }
     Ok(start)
@@ -74,14 +103,14 @@ pub fn agree(setup: &Setup, source: &SourceFile, line: u32, agreed: bool) -> Out
 ///
 /// # Errors
 /// The line is no start.
-pub fn find(setup: &Setup, source: &SourceFile, line: u32) -> Result<Start, Unfound> {
+pub fn find<'p>(setup: &'p Setup, source: &SourceFile, line: u32) -> Result<Found<'p>, Unfound> {
     if setup.tap.is_some_and(|record| record.in_hole) {
         return Err(refusal(line, &both!("a tap is in its hole", "丝锥仍在孔中")).into());
     }
     let cannot = |error: io::Error| Failure::file(Doing::Read, source.name(), &error);
     let mut program = Program::open(source, &setup.params, setup.begin()).map_err(cannot)?;
     match program.start_at(line).map_err(cannot)? {
-        Ok(start) => Ok(start),
+        Ok(start) => Ok(Found { start, program }),
         Err(Unfit::Wrong(alarm)) => {
             let told = Diagnostic::new(&alarm, source, setup.lang, program.is_inch());
             Err(Unfound::Wrong(Box::new(told)))
@@ -327,3 +356,6 @@ pub fn has_arrived(speed: Rpm, command: Rpm, params: &Params) -> bool {
     let off = (speed - command).abs() * 100;
     off <= command.abs() * i64::from(params.spindle_tolerance_percent())
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,6 +20,14 @@ pub struct Definition {
     pub values: Vec<Value>,
 }
 
+/// Where a value is kept in a set.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Slot {
+    pub place: usize,
+    /// Which quarter of the place it has, from 1 on; 0 where it has all of it.
+    pub quarter: u8,
+}
+
 /// One value of a definition.
 pub struct Value {
     pub part: Part,
@@ -27,7 +35,7 @@ pub struct Value {
     pub min: i64,
     pub max: i64,
     pub none: Option<i64>,
-    pub slot: usize,
+    pub slot: Slot,
     pub default: Option<i64>,
 }
 
@@ -44,7 +52,7 @@ pub struct Accessor {
     pub kind: String,
     pub doc: String,
     /// For each member of the family (one where there is no family) the slots of its values.
-    pub members: Vec<(String, Vec<(Part, usize)>)>,
+    pub members: Vec<(String, Vec<(Part, Slot)>)>,
     pub family: bool,
 }
 
@@ -54,6 +62,8 @@ pub struct Tables {
     pub accessors: Vec<Accessor>,
     /// Slot of each number that has bits.
     pub bytes: BTreeMap<u16, usize>,
+    /// The last quarter that is taken, of each axis.
+    pub quarters: BTreeMap<Part, Slot>,
     pub slots: usize,
 }
 
@@ -290,6 +300,7 @@ impl Record {
         let widest = match self.kind.as_str() {
             "bit" | "flag" => 0..=1,
             "u8" => 0..=i64::from(u8::MAX),
+            "i16" => i64::from(i16::MIN)..=i64::from(i16::MAX),
             "u32" => 0..=i64::from(u32::MAX),
             _ => i64::MIN..=i64::MAX,
         };
@@ -304,21 +315,35 @@ impl Record {
             min,
             max,
             none: self.rotary_none.filter(|_| part == Part::Axis('C')),
-            slot: tables.slot(no, part),
+            slot: tables.slot(no, part, self.kind == "i16"),
             default,
         }
     }
 }
 
 impl Tables {
-    /// The place of a value in the set.
-    fn slot(&mut self, no: u16, part: Part) -> usize {
+    /// The place of a value in the set. Four values of 16 bits of one axis share a place.
+    fn slot(&mut self, no: u16, part: Part, short: bool) -> Slot {
         let next = self.slots;
-        let slot = match part {
-            Part::Bit(_) => *self.bytes.entry(no).or_insert(next),
-            Part::Whole | Part::Axis(_) => next,
+        let whole = |place| Slot { place, quarter: 0 };
+        let slot = match (part, short) {
+            (_, true) => match self.quarters.get(&part) {
+                Some(Slot { place, quarter }) if *quarter < 4 => Slot {
+                    place: *place,
+                    quarter: quarter + 1,
+                },
+                _ => Slot {
+                    place: next,
+                    quarter: 1,
+                },
+            },
+            (Part::Bit(_), _) => whole(*self.bytes.entry(no).or_insert(next)),
+            (Part::Whole | Part::Axis(_), _) => whole(next),
         };
-        if slot == next {
+        if short {
+            self.quarters.insert(part, slot);
+        }
+        if slot.place == next {
             self.slots += 1;
         }
         slot
@@ -338,6 +363,7 @@ fn unit_named(name: &str) -> Option<Unit> {
         "rpm" => Unit::Rpm,
         "ms" => Unit::Millisecond,
         "µs" => Unit::Microsecond,
+        "µm" => Unit::Micrometre,
         "mm" => Unit::Millimetre,
         "mm diameter" => Unit::DiameterMillimetre,
         "mm/min" => Unit::MillimetrePerMinute,

@@ -6,6 +6,7 @@
 //! printed in the sheets, in the unit), `default` (absent where the value belongs to a machine) and `sheet` (where it
 //! comes from). `axes` makes one value an axis; `x_unit`, `rotary_unit` and `rotary_range` are those of X and C where
 //! they differ. `rotary_none` ("max" or "min") allows C the value `none`, kept as the largest or smallest integer.
+//! Values of the type `i16` share a place of the set, four of an axis.
 //! `members` makes one parameter of each, with consecutive numbers; `{}` in the texts is the member.
 // At build time a panic is the error message.
 #![allow(

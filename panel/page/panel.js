@@ -157,6 +157,8 @@ function keys(start) {
       return;
     }
     if (event.repeat) {
+      // A key that is kept down presses a button once: START AT LINE gives the keys to another one.
+      if (event.key === "Enter" && event.target instanceof HTMLButtonElement) event.preventDefault();
       if (event.key in ARROWS && !inField(event.target)) event.preventDefault();
       return;
     }

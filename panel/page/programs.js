@@ -1,14 +1,14 @@
 // The programs of the panel's folder: opened, changed, checked, drawn, and begun. It must not know how the machine is told.
 
 import { Path } from "./path.js";
-import { Text } from "./text.js";
+import { Text, unified } from "./text.js";
 import { program, programs, view, write } from "./transport.js";
 import { isChinese, word } from "./words.js";
 
 const at = (id) => document.getElementById(id);
 const text = new Text({ area: at("source"), numbers: at("numbers"), bar: at("here"), changed });
 const path = new Path(at("plot"));
-// The open program: name, tag, line ends, whether it may be changed, whether it was, by what it was looked at.
+// The open program: name, tag, line end, whether it may be changed, whether it was, by what it was looked at.
 let open = null;
 // The one that the machine runs from here.
 let runs = null;
@@ -20,6 +20,8 @@ let tell = () => {};
 // The start at a line that was shown, and may be ordered.
 let start = null;
 
+// A program follows the handwheel.
+const by_wheel = () => at("by_wheel").getAttribute("aria-pressed") === "true";
 const both = (key) => ({ en: word(key), zh: word(key) });
 // What is drawn begins where the program has begun, by the same tables.
 const fits = (one) => path.path.by === one.by && path.path.from === one.from;
@@ -38,7 +40,7 @@ function note() {
     open && text.is_long && word("too_long")];
   if (runs) parts.push(`▶ ${runs.name}`);
   at("text_note").textContent = parts.filter(Boolean).join(" · ");
-  at("save").disabled = text.is_long || document.body.classList.contains("looks");
+  at("save").disabled = open?.bare || text.is_long || document.body.classList.contains("looks");
   at("source").readOnly = open?.bare || text.is_long || is_open(runs) || document.body.classList.contains("looks");
 }
 
@@ -86,8 +88,9 @@ async function show(name) {
   if (!answer || own !== turn) return;
   doomed = null;
   const decoded = read(answer.bytes);
-  open = { name, tag: answer.tag, ends: decoded.text.includes("\r\n") ? "\r\n" : "\n", bare: decoded.bare, changed: false };
-  text.value = decoded.text;
+  const lines = unified(decoded.text);
+  open = { name, tag: answer.tag, end: lines.end, bare: decoded.bare, changed: false };
+  text.value = lines.text;
   at("name").value = name;
   at("programs").value = name;
   path.show(null);
@@ -157,13 +160,16 @@ function found(check) {
 async function save() {
   const name = at("name").value.trim();
   const own = open?.name === name ? open : null;
-  const sent = own?.ends === "\r\n" ? text.value.replaceAll("\n", "\r\n") : text.value;
+  const sent = text.value.replaceAll("\n", own?.end ?? "\n");
   const answer = await asked(write(name, sent, own?.tag ?? null));
   if (!answer) return;
   turn += 1;
-  open = { name, tag: answer.tag, ends: own?.ends ?? "\n", bare: false, changed: false };
+  const now = turn;
+  open = { name, tag: answer.tag, end: own?.end ?? "\n", bare: false, changed: false };
   tell(both("saved"));
   await list();
+  // Another one was opened meanwhile: what is found is its own.
+  if (now !== turn) return;
   note();
   await look();
 }
@@ -176,14 +182,16 @@ async function look_at_start() {
   const [own, one, line] = [turn, open, text.cursor];
   const answer = await asked(view(one.name, `start/${line}`, isChinese()));
   if (!answer || own !== turn || one.changed) return;
-  start = { line, by: answer.by, from: answer.from };
+  start = { line, by: answer.by, shown: answer.shown };
   at("start_told").textContent = answer.text;
   at("start_line").textContent = line;
   at("start_at").hidden = false;
 }
 
+// A button that goes does not take the keys with it. They are in no field then: there Space would be no hold.
 function drop() {
   start = null;
+  if (at("start_at").contains(document.activeElement)) at("start_look").focus();
   at("start_at").hidden = true;
 }
 
@@ -200,11 +208,12 @@ export function begin({ order, said: told, held, has_folder }) {
   held(at("run"), () => {
     if (!open) return tell(both("none_open"));
     if (open.changed) return tell(both("save_first"));
-    order("program", { name: open.name, tag: open.tag, zh: isChinese() });
+    order("program", { name: open.name, tag: open.tag, wheel: by_wheel(), zh: isChinese() });
   });
+  at("by_wheel").onclick = () => at("by_wheel").setAttribute("aria-pressed", !by_wheel());
   at("start_look").onclick = look_at_start;
   held(at("start_go"), () => {
-    if (open && start) order("program", { name: open.name, tag: open.tag, start, zh: isChinese() });
+    if (open && start) order("program", { name: open.name, tag: open.tag, start, wheel: by_wheel(), zh: isChinese() });
     drop();
   });
   list();
@@ -232,6 +241,10 @@ export function under_way(one) {
 
 // Gives the way to go.
 export function state(s) {
+  if (start && s.by && s.by !== start.by) {
+    drop();
+    tell(both("start_gone"));
+  }
   const own = is_open(runs) && s.line !== null;
   text.here(own ? Number(s.line) || null : null);
   // What was started at a line counts its moves from there on: none of them is a piece's.

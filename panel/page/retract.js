@@ -7,6 +7,8 @@ const at = (id) => document.getElementById(id);
 let told = null;
 
 function show() {
+  // A button that goes does not take the keys with it.
+  if (!told?.ok && document.activeElement === at("retract_go")) at("retract_look").focus();
   at("retract_go").hidden = !told?.ok;
   at("retract_told").textContent = told ? `${told.ok ? "" : "▲ "}${said(told)}` : "";
 }

@@ -40,9 +40,18 @@ export function state(s) {
   put("modal", s.modal === null ? word("not_said") : s.modal);
   put("sync", s.sync_um === null ? "–" : `${fixed(s.sync_um, 3)} µm`);
   put("late", fixed(s.late, 0));
+  at("left").hidden = s.left === null;
+  put("left", s.left === null ? "" : told_left(s));
   const alarm = at("alarm");
   alarm.hidden = s.alarm === null;
   if (s.alarm) put("alarm", `▲ ${both(s.alarm.text)} — ${word("remedy")}: ${both(s.alarm.help)}`);
+}
+
+// Where a held program was left, and what RESUME does then.
+function told_left({ left, mx, mz }) {
+  const there = left.mx === mx && left.mz === mz;
+  const place = `${word("left_at")} X ${fixed(left.mx, 4)}  Z ${fixed(left.mz, 4)}`;
+  return `${place} — ${there ? word("left_on") : word("left_back")}`;
 }
 
 // The way to the end of the move that is under way: X as a diameter, Z; null where that is not known.

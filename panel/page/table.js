@@ -1,9 +1,12 @@
 // A table of the board: read when it is opened and where the board has other values, changed as a whole against what was read.
-// What differs is found on the panel's side, looked at, and written as one transaction. What was typed stays until it is
+// A reading that fails is done again. What differs is found on the panel's side, looked at, and written as one transaction. What was typed stays until it is
 // written or given up. It must not know what the table is about.
 
 import { sheet } from "./transport.js";
 import { isChinese, said, word } from "./words.js";
+
+// Between two readings, where the first has failed.
+const AGAIN = 1000;
 
 // A line of what is told.
 export function item(tone, text) {
@@ -52,7 +55,13 @@ export class Table {
       answer = { error: word("no_panel") };
     }
     if (own !== this.turn) return;
-    if (answer.error || answer.refused) return this.#note(answer.error ?? said(answer));
+    if (answer.error || answer.refused) {
+      this.failed = true;
+      setTimeout(() => { if (own === this.turn) this.asked = null; }, AGAIN);
+      return this.#note(answer.error ?? said(answer));
+    }
+    if (this.failed) this.#count();
+    this.failed = false;
     // The other table has changed: a review of this one stays.
     if (answer.seen === this.seen && this.zh === isChinese()) return;
     this.zh = isChinese();
@@ -143,6 +152,10 @@ export class Table {
     this.list.replaceChildren(...(this.written ?? []).map((note) => item("care", `! ${said(note)}`)));
     this.#button("write").hidden = true;
     for (const name of ["check", "drop"]) this.#button(name).hidden = this.typed.size === 0;
+    this.#count();
+  }
+
+  #count() {
     this.#note(this.typed.size ? `${this.typed.size} ${word("changed_values")}` : this.written ? `✓ ${word("written")}` : "");
   }
 

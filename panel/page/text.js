@@ -9,6 +9,15 @@ const SHOWN = 5000;
 // Whoever scrolls looks at what he wants for so long.
 const LOOKS = 4000;
 
+// The lines of a text as the machine counts them: its first line end tells which one all of it has. They end with line feeds
+// here; and that line end.
+export function unified(text) {
+  const end = text.match(/\r\n|\n\r|\r|\n/)?.[0] ?? "\n";
+  const ends = { "\r": /\r\n?/g, "\n\r": /\n\r?/g }[end] ?? /\r*\n/g;
+  // The machine refuses a carriage return that is left, and a field would end a line there: a space is in its place.
+  return { text: text.replace(ends, "\n").replaceAll("\r", " "), end };
+}
+
 export class Text {
   constructor({ area, numbers, bar, changed }) {
     Object.assign(this, { area, numbers, bar, found: new Map(), line: null, scrolled: -Infinity, lines: [""], base: 0 });

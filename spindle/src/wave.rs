@@ -104,6 +104,18 @@ impl Wave {
     /// No swing.
     pub const NONE: Self = Self { a: 0, b: 0 };
 
+    /// This swing, or none.
+    pub const fn where_told(&self, is_told: bool) -> Self {
+        if is_told { *self } else { Self::NONE }
+    }
+
+    /// How large it is, up to an eighth too large: turns, 2⁻⁴⁸.
+    pub const fn size(&self) -> u64 {
+        let (a, b) = (self.a.unsigned_abs(), self.b.unsigned_abs());
+        let (most, least) = if a > b { (a, b) } else { (b, a) };
+        most.saturating_add(least >> 1)
+    }
+
     /// The angle by which `after` is turned against this swing, radians in 2⁻³²; 0 where it is hardly there. A change
     /// of more than an eighth counts as an eighth.
     pub fn turned(self, after: &Self) -> i64 {

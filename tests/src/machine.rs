@@ -94,7 +94,7 @@ pub fn run_calls_on(mut sim: Sim, calls: Vec<Call>, mut operate: impl FnMut(&mut
             if let Event::Alarm(alarm) = event {
                 ran.alarm = Some(alarm);
             }
-            if event == Event::Reset {
+            if let Event::Reset | Event::Refused(_) = event {
                 waiting = Vec::new().into_iter().peekable();
             }
             ran.events.push(event);

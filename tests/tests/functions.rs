@@ -267,6 +267,7 @@ struct Bench {
     sim: Sim,
     gateway: Gateway,
     codes: Vec<(Code, Arg)>,
+    events: Vec<Event>,
 }
 
 impl Bench {
@@ -278,6 +279,7 @@ impl Bench {
             sim,
             gateway,
             codes: Vec::new(),
+            events: Vec::new(),
         };
         for _ in 0..2_000 {
             if bench.gateway.status.state == BoardState::Idle {
@@ -292,9 +294,10 @@ impl Bench {
         for _ in 0..ticks {
             self.sim.step();
             while let Some(event) = self.sim.event() {
-                if let Event::Warning(alarm) | Event::Alarm(alarm) = event {
+                if let Event::Warning(alarm) | Event::Alarm(alarm) | Event::Refused(alarm) = event {
                     self.codes.push((alarm.code, alarm.args[0]));
                 }
+                self.events.push(event);
             }
             self.gateway.listen(&mut self.sim);
         }
@@ -417,6 +420,27 @@ fn a_typed_line_that_cannot_begin_is_refused_and_the_machine_stays_ready() {
         assert_eq!(done, (State::Idle, vec![4506]));
         assert_eq!(bench.sim.board().ticker().spindle_command().get(), 300);
     }
+}
+
+#[test]
+fn a_refused_line_is_told_as_that_and_as_no_reset() {
+    let params = guarded();
+    let mut bench = Bench::new(&params, WELL & !PINS[0].1);
+    assert_eq!(bench.order(Order::Mode(OperatingMode::Mdi)), 0);
+    // By the tick, and by the planner: there is no way to where this goes.
+    for (line, number) in [("M3 S300\n", 4506), ("G98 G1 Z-99999 F600\n", 4258)] {
+        bench.events.clear();
+        let done = typed(&mut bench, line, &params);
+        assert_eq!(done, (State::Idle, vec![number]));
+        let [Event::Refused(alarm)] = bench.events[..] else {
+            panic!("{line}: {:?}", bench.events);
+        };
+        assert_eq!((alarm.number(), alarm.span.line), (number, 1));
+    }
+    // Behind a block that was carried out the planner's refusal is an alarm.
+    let (state, told) = typed(&mut bench, "M60\nG98 G1 Z-99999 F600\n", &params);
+    assert_eq!(told, [4258]);
+    assert!(matches!(state, State::Alarm(_)), "{state:?}");
 }
 
 #[test]

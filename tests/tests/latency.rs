@@ -1,7 +1,10 @@
 //! Drives of X and Z with unequal latency: each axis is at its place at the instant at which its own drive carries out the
 //! setpoint, and within its limits. A pass is judged by the axis that is held to the spindle.
 
+use leadscrew_board_sim::Row;
 use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_core::board::Command;
+use leadscrew_core::units::Axis;
 use leadscrew_tests::limits::first_excess;
 use leadscrew_tests::machine::run;
 use leadscrew_tests::params::with;
@@ -25,6 +28,58 @@ fn unequal_latencies_break_no_limit_and_no_certificate() {
                 worst.is_some_and(|nm| nm <= 10),
                 "{x} {z}: {worst:?} nm\n{program}"
             );
+        }
+    }
+}
+
+fn along(row: &Row, axis: Axis) -> i64 {
+    match axis {
+        Axis::X => row.position.x.nm(),
+        _ => row.position.z.nm(),
+    }
+}
+
+/// In a stop the axis with the other latency goes on from where it is ahead or behind: it leapt by the way of the
+/// difference before, 0.3 mm and more.
+#[test]
+fn a_stop_anywhere_breaks_no_limit_with_unequal_latencies() {
+    for program in [RUN_IN_TAPER_RUN_OUT, LONG_X] {
+        for (x, z) in [(0, 9_000), (9_000, 0), (875, 3_500)] {
+            let params = with(&[("9003.X", x), ("9003.Z", z)]);
+            let calm = run(program, &params, &PlantOptions::default(), |_, _| {});
+            let led: Vec<u64> = calm
+                .rows
+                .iter()
+                .filter(|row| row.error.is_some())
+                .map(|row| row.tick)
+                .collect();
+            let step = leadscrew_seed::amount(led.len() / 40, led.len() / 400).max(1);
+            for tick in led.iter().step_by(step) {
+                let ran = run(program, &params, &PlantOptions::default(), |sim, ticks| {
+                    if ticks == *tick {
+                        sim.command(Command::Stop);
+                    }
+                });
+                assert!(ran.alarm.is_some(), "{x} {z} {tick}");
+                for axis in [Axis::X, Axis::Z] {
+                    let most = params.acceleration(axis).nm_per_s2() as f64 * 1e-6;
+                    let places = ran.rows.iter().map(|row| (row.tick, along(row, axis)));
+                    let places: Vec<(u64, i64)> = places.collect();
+                    for three in places.windows(3) {
+                        let [(_, a), (_, b), (at, c)] = [three[0], three[1], three[2]];
+                        let size = (c - 2 * b + a).abs();
+                        assert!(
+                            at < *tick || size as f64 <= 1.2 * most + 2.0,
+                            "{x} {z}, stop at {tick}: {axis:?} {size} nm at {at}, limit {most}\n{program}"
+                        );
+                    }
+                }
+                let last = ran.rows.last().expect("rows").position;
+                let [.., before, _] = ran.rows.as_slice() else {
+                    panic!()
+                };
+                assert_eq!(before.position, last, "it rests");
+            }
         }
     }
 }

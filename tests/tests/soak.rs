@@ -97,6 +97,13 @@ fn whatever_happens_nothing_happens_that_must_not() {
         synchronous.iter().all(|rows| *rows > ticks() / 100),
         "{soaked}"
     );
+    // Machines with any encoder and with drives that lag: fewer of each.
+    let grooves = [judged.grooves, judged.tools.iter().sum()];
+    let classes = judged.threads.into_iter().chain(grooves);
+    assert!(
+        classes.into_iter().all(|rows| rows > ticks() / 2_000),
+        "{soaked}"
+    );
 }
 
 #[test]

@@ -20,7 +20,7 @@ const CHANGES: [&str; 2] = [
     "<nucleo_g474re::flash::Bank as leadscrew_parts::flash::WordDevice>::erase",
 ];
 /// The most RAM that an image may take, its stack included, in bytes, of the chip's 128 KiB.
-const RAM_LIMIT: u64 = 104 * 1024;
+const RAM_LIMIT: u64 = 108 * 1024;
 /// A figure may grow by this much, in percent, before the table has to be renewed on purpose.
 const GROWTH_PERCENT: u64 = 5;
 /// The users of the stack of the NUCLEO-G474RE's image: the start, while interrupts are masked, and after it the rest

@@ -34,7 +34,7 @@ impl Of<'_> {
             Body::Event(event) => match &event.what {
                 What::Alarm(trouble) => self.count(&all.alarms, "number", trouble.number, 1),
                 What::Warning(trouble) => self.count(&all.warnings, "number", trouble.number, 1),
-                What::Finished | What::Reset | What::Held | What::Ready => {}
+                What::Refused(_) | What::Finished | What::Reset | What::Held | What::Ready => {}
             },
             Body::Thread(thread) => self.thread(thread),
             Body::Run(run) => {

@@ -352,6 +352,7 @@ impl Machine {
             let (kind, alarm) = match &event {
                 Event::Alarm(alarm) => (both!("alarm", "报警"), alarm),
                 Event::Warning(alarm) => (both!("warning", "警告"), alarm),
+                Event::Refused(alarm) => (both!("refused", "已拒绝"), alarm),
                 _ => continue,
             };
             let words = alarm_words(alarm);

@@ -600,6 +600,7 @@ impl Machine {
                 say(&format!("alarm: {}", words(alarm, source)));
             }
             Event::Warning(alarm) => say(&format!("warning: {}", words(alarm, source))),
+            Event::Refused(alarm) => say(&format!("refused: {}", words(alarm, source))),
             Event::Reset => {
                 self.alarm = false;
                 say("reset");

@@ -260,6 +260,7 @@ impl Drive {
     pub fn load(&self) -> Option<Length> {
         let servo = self.servo.as_ref()?;
         let fine = servo.load().wrapping_sub(servo.places(self.shift));
+        let fine = fine.wrapping_add(servo.beside(fine));
         Some(Length::from_nm(fine.wrapping_add(1 << 15) >> 16))
     }
 

@@ -48,7 +48,7 @@ pub use flash::{Flash, FlashError, ImageError, Order, Tear};
 pub use follower::Follower;
 pub use homing::HomingOptions;
 pub use power::Power;
-pub use servo::{Following, Interpolation, Late, Servo, ServoOptions};
+pub use servo::{Following, Interpolation, Late, ScrewErrors, Servo, ServoOptions};
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};
 pub use tapper::Tapper;
 

@@ -113,7 +113,7 @@ const OF_MODE: [(&str, Kind); 9] = [
 ];
 
 /// Figures of loops and mechanics. The last decimal is the unit of the simulation's options.
-const OF_FIGURES: [(&str, Kind); 14] = [
+const OF_FIGURES: [(&str, Kind); 17] = [
     ("kv_per_s", Kind::Number(3, 1, 500_000)),
     ("feed_forward", Kind::Number(3, 0, 1_500)),
     ("speed_loop_rad_s", Kind::Number(3, 1, 3_000_000)),
@@ -125,6 +125,9 @@ const OF_FIGURES: [(&str, Kind); 14] = [
     ("sliding_m_s2", Kind::Number(9, 0, 10_000_000_000)),
     ("viscous_per_s", Kind::Number(3, 0, 100_000)),
     ("backlash_um", Kind::Number(3, 0, 1_000_000)),
+    ("pitch_um_per_m", Kind::Number(3, -5_000_000, 5_000_000)),
+    ("pitch_wave_um", Kind::Number(3, 0, 1_000_000)),
+    ("pitch_wave_mm", Kind::Number(6, 0, 10_000_000_000)),
     ("count_um", Kind::Number(3, 0, 1_000_000)),
     ("following_mm", Kind::Number(6, 1, 1_000_000_000)),
     ("following_ms", Kind::Number(0, 0, 65_535)),

@@ -1,6 +1,6 @@
 //! From a profile to the figures of the simulated drive.
 
-use leadscrew_board_sim::plant::{Interpolation, Late, ServoOptions};
+use leadscrew_board_sim::plant::{Interpolation, Late, ScrewErrors, ServoOptions};
 use leadscrew_core::bus::Mode;
 use leadscrew_core::units::{Acceleration, Axis, Feed, Length};
 
@@ -49,6 +49,11 @@ impl Profile {
             sliding: acceleration("sliding_m_s2"),
             viscous_milli: small("viscous_per_s"),
             play: Length::from_nm(figure("backlash_um")),
+            screw: ScrewErrors {
+                nm_per_m: i32::try_from(figure("pitch_um_per_m")).unwrap_or(0),
+                wave: Length::from_nm(figure("pitch_wave_um")),
+                wave_length: Length::from_nm(figure("pitch_wave_mm")),
+            },
             count: Length::from_nm(figure("count_um")),
             following: (following > 0)
                 .then_some((Length::from_nm(following), figure("following_ms") as u16)),

@@ -14,7 +14,7 @@ use leadscrew_language::flow::Trouble;
 use super::Program;
 
 /// What the lines before a start leave.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// The line.
     pub line: u32,

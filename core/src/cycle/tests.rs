@@ -246,8 +246,13 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
     ];
     let refused = Err((Code::LeadForEncoder, Some(b'F'), figures));
     assert_eq!(told(&o0013(300), &coarse).map(drop), refused);
-    assert!(told(&g78(3_694_000, 300), &coarse).is_ok());
-    assert!(told(&g78(3_695_000, 300), &coarse).is_err());
+    // A run-out asks more of X.
+    let straight = |lead| ThreadCall {
+        run_out: None,
+        ..g78(lead, 300)
+    };
+    assert!(told(&straight(3_694_000), &coarse).is_ok());
+    assert!(told(&straight(3_695_000), &coarse).is_err());
     // 700 counts a second: 41.02 rpm.
     let figures = [
         Arg::Rpm(Rpm::new(41)),
@@ -270,6 +275,40 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
     ];
     let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
     assert_eq!(told(&g78(MM, 47), &with(100, 1)).map(drop), refused);
+}
+
+/// The short axis follows at the slope of its run-out, 0.75 here, and has an acceleration of its own.
+#[test]
+fn an_encoder_does_not_shake_the_short_axis_either() {
+    // 2.436 m/s² along Z, of its 3, and 1.827 along X.
+    let told = |x: i64, call: &ThreadCall| {
+        let mut params = Params::sheets();
+        let x_acceleration = (1620, Part::Axis(Axis::X), x);
+        let coarse = [(3720, Part::Whole, 1024), (9006, Part::Bit(0), 0)];
+        for (no, part, value) in coarse.into_iter().chain([x_acceleration]) {
+            let entry = Entry::all().iter().find(|e| e.no == no && e.part == part);
+            params.set(entry.unwrap(), value).unwrap();
+        }
+        let report = thread_report(call, Span::default(), &params);
+        report.map(drop).map_err(|alarm| (alarm.code, alarm.args))
+    };
+    let call = g78(3 * MM, 300);
+    assert_eq!(told(1_830_000_000, &call), Ok(()));
+    let figures = [
+        Arg::Length(nm(3 * MM)),
+        Arg::Decimal(182, 2),
+        Arg::Decimal(180, 2),
+        Arg::Length(nm(2_955_000)),
+    ];
+    assert_eq!(
+        told(1_800_000_000, &call),
+        Err((Code::LeadForEncoder, figures))
+    );
+    let straight = ThreadCall {
+        run_out: None,
+        ..call
+    };
+    assert_eq!(told(1_800_000_000, &straight), Ok(()));
 }
 
 #[test]

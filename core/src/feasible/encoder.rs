@@ -54,22 +54,38 @@ fn quiet_enough(
     }
 }
 
-/// Checks the lead of a pass, which `axis` follows at `rpm`. The cycle's G word stands at `span`.
+/// A pass as its encoder sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OnLead {
+    /// The largest lead.
+    pub lead: At<Lead>,
+    /// The long axis, which follows the spindle.
+    pub long: Axis,
+    /// The short axis, and its steepest way beside the long one: rise and run.
+    pub short: Axis,
+    pub steepest: [Length; 2],
+    pub rpm: Rpm,
+}
+
+/// Checks the lead of a pass. The cycle's G word stands at `span`.
 ///
 /// # Errors
 /// The counts of the encoder come too seldom ([`Code::SpeedForEncoder`]), or leave too large an error along the lead where
 /// the angle is learned ([`Code::EncoderUncertain`]); else as [`can_tap`].
-pub(crate) fn can_thread(
-    lead: At<Lead>,
-    axis: Axis,
-    rpm: Rpm,
-    span: Span,
-    params: &Params,
-) -> Result<(), Alarm> {
+pub(crate) fn can_thread(pass: &OnLead, span: Span, params: &Params) -> Result<(), Alarm> {
+    let &OnLead { lead, rpm, .. } = pass;
     let encoder = params.resolution();
     if !encoder.is_learned() {
         fast_enough(encoder.slowest(), encoder.counts, rpm, span)?;
-        return quiet_enough(lead, axis, params.count_noise(lead.value, axis), params);
+        let noise = |axis| params.count_noise(lead.value, axis);
+        quiet_enough(lead, pass.long, noise(pass.long), params)?;
+        // In a run-out it follows the long one at a slope.
+        let [rise, run] = pass.steepest.map(|part| part.nm().unsigned_abs());
+        let beside = noise(pass.short).map(|noise| {
+            let along = noise.nm_per_s2().unsigned_abs();
+            Acceleration::from_nm_per_s2(signed(mul_div(along, rise, run.max(1))))
+        });
+        return quiet_enough(lead, pass.short, beside, params);
     }
     fast_enough(encoder.slowest_learned(), encoder.counts, rpm, span)?;
     let most = params.encoder_error();

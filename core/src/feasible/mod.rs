@@ -11,7 +11,7 @@ mod time;
 mod way;
 mod zones;
 
-pub(crate) use encoder::{can_tap, can_thread};
+pub(crate) use encoder::{OnLead, can_tap, can_thread};
 pub(crate) use limits::{each_within_limits, inside};
 pub(crate) use pass::{Gather, Pass};
 pub(crate) use time::time_of_each;

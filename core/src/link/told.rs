@@ -157,6 +157,7 @@ impl Put for Event {
             Self::Held => writer.byte(7),
             Self::Reset => writer.byte(8),
             Self::Finished => writer.byte(9),
+            Self::Refused(alarm) => one(writer, 10, alarm),
         }
     }
 }
@@ -259,6 +260,7 @@ mod tests {
                 Event::Held,
                 Event::Reset,
                 Event::Finished,
+                Event::Refused(alarm),
             ] {
                 same(&event);
             }

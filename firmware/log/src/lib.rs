@@ -24,6 +24,7 @@ pub fn event(event: &Event) {
         Event::Ready => defmt::info!("ready"),
         Event::Alarm(alarm) => defmt::error!("alarm {=u16}", alarm.number()),
         Event::Warning(alarm) => defmt::warn!("warning {=u16}", alarm.number()),
+        Event::Refused(alarm) => defmt::info!("refused {=u16}", alarm.number()),
         Event::Held => defmt::info!("held"),
         Event::Reset => defmt::info!("reset"),
         Event::Finished => defmt::info!("finished"),

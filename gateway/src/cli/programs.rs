@@ -9,6 +9,7 @@ use leadscrew_inspection::Edge;
 use crate::features::Width;
 use crate::inspection::edge::{Millimetres, edge};
 use crate::profiles::Choice;
+use crate::start::{Consent, Shown};
 use crate::values::{Ripple, Tolerance};
 
 /// `check`.
@@ -163,6 +164,9 @@ pub struct Run {
     /// With `--from`: begin without asking
     #[arg(long, requires = "from")]
     pub yes: bool,
+    /// With `--from`: begin without asking what was shown before, and nothing else
+    #[arg(long, hide = true, requires = "from", conflicts_with = "yes")]
+    pub shown: Option<Shown>,
     /// End after this many passes of a main program that M99 begins again [default: no end]
     #[arg(long, value_name = "N")]
     pub passes: Option<NonZeroU32>,
@@ -181,4 +185,16 @@ pub struct Run {
     /// Fail (exit 1) when the worst synchronism error of a thread or a hole is above this many micrometres
     #[arg(long, value_name = "UM", allow_negative_numbers = true)]
     pub tolerance: Option<Tolerance>,
+}
+
+impl Run {
+    /// How whoever has typed it agrees to a start at a line.
+    pub fn consent(&self) -> Consent {
+        let given = if self.yes {
+            Consent::Given
+        } else {
+            Consent::Asked
+        };
+        self.shown.map_or(given, Consent::To)
+    }
 }

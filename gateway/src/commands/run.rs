@@ -58,7 +58,7 @@ pub fn carry_out(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let mut setup = Setup::with_drive(global, drive, source)?;
     setup.passes = passes(args);
     if let Some(line) = args.from {
-        setup.from = Some(start::agree(&setup, source, line.get(), args.yes)?);
+        setup.from = Some(start::agree(&setup, source, line.get(), args.consent())?);
     }
     let setup = &setup;
     if let Some(path) = record {

@@ -202,7 +202,11 @@ impl Link {
         let logged = self.events_behind(newest.saturating_sub(REASON_LIES))?;
         let told = logged.iter().rev().find_map(|entry| match entry.event {
             // What has ended it may be an alarm that stands.
-            Event::Warning(alarm) | Event::Alarm(alarm) if alarm.code == code => Some(alarm),
+            Event::Warning(alarm) | Event::Alarm(alarm) | Event::Refused(alarm)
+                if alarm.code == code =>
+            {
+                Some(alarm)
+            }
             _ => None,
         });
         Ok(told.unwrap_or_else(|| Alarm::of(code, &[])))

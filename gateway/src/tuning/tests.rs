@@ -34,6 +34,7 @@ fn drive(kv: u32, ff_percent: u16, buffer: u8, count_nm: i64) -> ServoOptions {
         undelayed: false,
         age_us: 0,
         late: None,
+        ..ServoOptions::LOOPS_ALONE
     }
 }
 

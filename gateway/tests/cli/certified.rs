@@ -19,6 +19,8 @@ struct Case {
     within_us: u32,
     /// The board takes the lag off.
     taken_off: bool,
+    /// What the screw of Z is too long by, which the board takes off.
+    um_per_m: i32,
 }
 
 const CASE: Case = Case {
@@ -29,6 +31,7 @@ const CASE: Case = Case {
     told_us: 0,
     within_us: 20,
     taken_off: true,
+    um_per_m: 0,
 };
 
 fn args(folder: &Folder, case: Case) -> Vec<String> {
@@ -42,8 +45,9 @@ fn args(folder: &Folder, case: Case) -> Vec<String> {
          {{ fact = \"actual\", kind = \"assumed\", ref = \"\", verified = false }},\n  \
          {{ fact = \"mode.8\", kind = \"assumed\", ref = \"\", verified = false }},\n]\n\
          figures.feed_forward = {share}\nfigures.kv_per_s = {kv}\nmode.8.buffer.default = {buffer}\n\
-         figures.following_mm = 100\nfigures.backlash_um = 0\nactual.age_us = {age}\n",
-        age = case.age_us
+         figures.following_mm = 100\nfigures.backlash_um = 0\nfigures.pitch_um_per_m = {screw}\nactual.age_us = {age}\n",
+        age = case.age_us,
+        screw = case.um_per_m,
     );
     std::fs::write(&file, text).unwrap();
     let mut args = vec![
@@ -57,6 +61,20 @@ fn args(folder: &Folder, case: Case) -> Vec<String> {
         set(format!("9070.Z={kv}0"));
         set(format!("9071.Z={}", case.per_mille));
         set(format!("9003.Z={}", (buffer + 1) * 1000 - 125));
+    }
+    if case.um_per_m != 0 {
+        set("1861.Z=-200".to_owned());
+        set("1862.Z=25".to_owned());
+        for point in 0..16 {
+            // In tenths of a micrometre.
+            let error = (25 * point - 200) * case.um_per_m / 100;
+            set(format!(
+                "{}.Z={}.{}",
+                1871 + point,
+                error / 10,
+                (error % 10).abs()
+            ));
+        }
     }
     set(format!("9072.Z={}", case.told_us));
     set(format!("9075.Z={}", case.within_us));
@@ -119,6 +137,16 @@ fn what_the_board_says_of_the_cut_is_true_within_its_uncertainty() {
         Case { kv: 100, ..CASE },
         Case {
             taken_off: false,
+            ..CASE
+        },
+        Case {
+            um_per_m: -800,
+            ..CASE
+        },
+        Case {
+            // The drive is 2 mm behind, where the error is another one.
+            taken_off: false,
+            um_per_m: 1000,
             ..CASE
         },
         Case {

@@ -351,6 +351,77 @@ fn backlash_that_is_put_in_cannot_be_measured() {
     );
 }
 
+/// A screw with a lead that is too long by 0.4 µm a millimetre, and a wave of 3 µm over 160 mm: what it does to a
+/// thread and to a face is gone where the board takes it off.
+#[test]
+fn errors_of_the_pitch_that_are_taken_off_cannot_be_measured() {
+    let folder = Folder::new("measure-pitch");
+    let thread = write(&folder, "thread.nc", GOOD);
+    let text = "G97 G98 M3 S600\nT0202\nG0 X44 Z20\nZ-60\nG1 X30 F200\nG0 X44\nG0 X80 Z20\nM30\n";
+    let face = write(&folder, "face.nc", text);
+    let drive = |name: &str, errors: &str| {
+        let file = folder.file(&format!("{name}.toml"));
+        let text = format!(
+            "name = \"{name}\"\ntitle = \"A screw\"\nsource = [\n  \
+             {{ fact = \"figures\", kind = \"assumed\", ref = \"\", verified = false }},\n]\n\
+             figures.kv_per_s = 100\nfigures.backlash_um = 0\nfigures.following_mm = 100\n{errors}"
+        );
+        std::fs::write(&file, text).unwrap();
+        format!("Z={file}")
+    };
+    let true_one = drive("true", "");
+    let screw = drive(
+        "screw",
+        "figures.pitch_um_per_m = 400\nfigures.pitch_wave_um = 3\nfigures.pitch_wave_mm = 160\n",
+    );
+    let error = |z: f64| 0.4 * z + 3.0 * (z * core::f64::consts::TAU / 160.0).sin();
+    let mut table = vec!["1861.Z=-200".to_owned(), "1862.Z=20".to_owned()];
+    table.extend((0..16).map(|k| {
+        let place = -200.0 + 20.0 * f64::from(k);
+        format!("{}.Z={:.1}", 1871 + k, error(place))
+    }));
+    let told = |program: &str, drive: &str, taken_off: bool| {
+        let mut args = vec![
+            program,
+            "--drive",
+            drive,
+            "--set",
+            "1828.Z=100",
+            "--tool-width",
+            "T2=4",
+        ];
+        if taken_off {
+            args.extend(table.iter().flat_map(|value| ["--set", value.as_str()]));
+        }
+        measured(&args)
+    };
+    let lead = |result: &serde_json::Value| result["threads"][0]["lead_mm"].as_f64().unwrap();
+    let near = |value: f64, asked: f64, most: f64| {
+        assert!((value - asked).abs() <= most, "{value} instead of {asked}");
+    };
+    near(lead(&told(&thread, &true_one, false)), 3.0, 2e-6);
+    // The machine's Z is 20 mm less than the program's (G50).
+    let slope = (error(-20.0) - error(-52.0)) / 32.0;
+    near(
+        lead(&told(&thread, &screw, false)),
+        3.0 * (1.0 + slope / 1e3),
+        5e-5,
+    );
+    near(lead(&told(&thread, &screw, true)), 3.0, 1e-5);
+    let place = |result: &serde_json::Value| {
+        result["contours"][0]["elements"][0]["face_mm"]["mean"]
+            .as_f64()
+            .unwrap()
+    };
+    let asked = place(&told(&face, &true_one, false));
+    near(
+        place(&told(&face, &screw, false)) - asked,
+        error(-60.0) / 1e3,
+        0.000_2,
+    );
+    near(place(&told(&face, &screw, true)), asked, 0.000_2);
+}
+
 /// Passes of one thread are less than a lead apart; at another diameter it is another thread, though it ends alike.
 #[test]
 fn strokes_at_another_diameter_are_another_thread() {

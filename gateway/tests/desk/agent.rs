@@ -267,6 +267,35 @@ fn an_archive_needs_no_broker_and_what_cannot_be_written_waits() {
 const THREAD: &str = "G98\nM3 S600\nG0 X30 Z5\nG92 X29 Z-10 F1.5\nX28.6\nX28.3\nM5\nM30\n";
 
 #[test]
+fn a_typed_line_that_is_refused_is_told_as_that_and_as_no_reset() {
+    let user = User::new();
+    fs::write(user.0.join("door.toml"), "door_input = 1\n").unwrap();
+    good(&user.does(&["up", "--machine", "door.toml"]));
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let broker = format!("mqtt://{}", listener.local_addr().unwrap());
+    let agent = start(&user, &["--broker", &broker, "--machine", "lathe"]);
+    let (stream, _) = listener.accept().unwrap();
+    good(&user.does(&["sim", "door", "open"]));
+    bad(&user.does(&["mdi", "M3 S500"]), 1);
+    good(&user.does(&["sim", "door", "close"]));
+    let program = user.program("M30\n");
+    good(&user.does(&["run", &program]));
+    let mut told = Told::new(stream);
+    told.until(|all| text(all, "Event/Kind").contains(&"finished"));
+    let kinds = text(&told.all, "Event/Kind");
+    assert!(kinds.contains(&"refused"), "{kinds:?}");
+    assert!(
+        !kinds.contains(&"reset") && !kinds.contains(&"warning"),
+        "{kinds:?}"
+    );
+    let number =
+        |(name, value): &(String, Value)| name == "Event/Alarm" && *value == Value::Int(4506);
+    assert!(told.all.iter().any(number), "{:?}", told.all);
+    drop(told);
+    end(agent);
+}
+
+#[test]
 fn the_cut_that_is_told_is_that_of_run() {
     let user = User::with_machine();
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();

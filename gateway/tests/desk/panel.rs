@@ -12,7 +12,7 @@ use nix::pty::{OpenptyResult, Winsize, openpty};
 use nix::sys::termios::{Termios, tcgetattr};
 use serde_json::Value;
 
-use crate::{LIMIT, User, bad};
+use crate::{LIMIT, User, bad, good};
 
 /// What the program asks a terminal: which of kitty's flags it has, and what it is.
 const QUESTION: &[u8] = b"\x1b[?u\x1b[c";
@@ -213,6 +213,20 @@ fn without_a_release_an_arrow_is_a_step_and_the_panel_says_so() {
     let (code, drawn) = terminal.end();
     assert_eq!(code, Some(0));
     assert!(!drawn.contains("\x1b[>3u"));
+}
+
+#[test]
+fn a_line_that_another_has_typed_and_that_is_refused_is_shown_as_that() {
+    let user = User::new();
+    std::fs::write(user.0.join("door.toml"), "door_input = 1\n").unwrap();
+    good(&user.does(&["up", "--machine", "door.toml"]));
+    let mut terminal = Terminal::start(&user, &["--watch"], WITHOUT);
+    good(&user.does(&["sim", "door", "open"]));
+    bad(&user.does(&["mdi", "M3 S500"]), 1);
+    terminal.wait_for("refused: line 1: 4506");
+    terminal.types("q");
+    let (_, drawn) = terminal.end();
+    assert!(!drawn.contains("reset"), "{drawn}");
 }
 
 #[test]

@@ -1375,6 +1375,13 @@ codes! {
     /// M99 as the end of a line that was typed.
     LineRepeats = 4867, "M99 repeats a main program, and a line that was typed has nothing to repeat", "type the line without M99; a program that repeats itself is run from its file (`leadscrew run`)",
         "M99 使主程序重复执行，而键入的单行没有可重复的内容", "请去掉 M99 后重新键入；需要重复执行的程序请存为文件运行（`leadscrew run`）";
+    // -- 4870–4874 pitch errors: `params` ---------------------------------------------------------------------
+    /// Errors of the pitch that no screw has: axis, the point before the step, its slope in µm/mm.
+    PitchErrorSteep = 4870, "the pitch error of {0} changes by {2} µm/mm from point {1} to the next, and no screw does so by more than 5", "correct 1870 + {1} or the next (a value in mm typed as µm, a sign), or the spacing, 1862.{0}",
+        "{0} 轴的螺距误差从第 {1} 点到下一点每毫米变化 {2} µm，丝杠不会超过 5 µm/mm", "请更正 1870 + {1} 或下一点的值（单位或符号有误），或间距 1862.{0}";
+    /// Errors of the pitch that bend too sharply for the rapid rate: axis, point, share in per cent.
+    PitchErrorBent = 4871, "the pitch errors of {0} bend at point {1} so sharply that taking them off takes {2} % of the acceleration or jerk of the axis at its rapid rate, and less than 4 are kept for it", "check the values about 1870 + {1}; set the points farther apart (1862.{0}), or 1420.{0} lower",
+        "{0} 轴的螺距误差在第 {1} 点转折过急：按快速移动速度补偿需占用该轴加速度或加加速度的 {2} %，而只为此保留 4 % 以下", "请检查 1870 + {1} 附近的值；或加大点距（1862.{0}），或降低 1420.{0}";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",

@@ -194,6 +194,21 @@ impl Scale {
         }
     }
 
+    /// As [`position`](Self::position), to half an increment, of an increment value that is near the last target. For the
+    /// tick: a division of 32 bits.
+    pub(crate) fn near(&self, last: &Told, increments: Increments) -> i64 {
+        let way = || {
+            let behind = increments.0.checked_sub(last.increments?.0)?;
+            let denominator = i32::try_from(self.denominator.get()).ok()?;
+            let numerator = i32::try_from(self.numerator.get()).ok()?;
+            behind
+                .checked_mul(denominator)?
+                .checked_div(numerator)
+                .map(|way| last.position.wrapping_add(way.into()))
+        };
+        way().unwrap_or_else(|| self.position(increments))
+    }
+
     /// A distance in increments as nanometres (µ°), rounded to the nearest.
     #[must_use]
     pub const fn length(&self, increments: u32) -> i64 {

@@ -74,8 +74,9 @@ pub struct Corner {
 }
 
 impl Limits {
-    /// The limits of a parameter set: 1420 and 1430 of each axis, what backlash leaves of 1620 and 1622, and the tick. A
-    /// top speed is limited to 16.7 mm (16.7°) a tick; at 1 ms this is 1000 m/min or 2796 rpm of C.
+    /// The limits of a parameter set: 1420 and 1430 of each axis, what backlash and errors of the pitch leave of 1620
+    /// and 1622, and the tick. A top speed is limited to 16.7 mm (16.7°) a tick; at 1 ms this is 1000 m/min or 2796 rpm
+    /// of C.
     #[must_use]
     pub fn from_params(params: &Params) -> Self {
         let tick_us = params.tick_us();

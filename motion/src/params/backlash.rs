@@ -1,6 +1,7 @@
 //! What backlash (1851) leaves of the limits of an axis, and how it is put in within the rest of them.
 
 use super::Params;
+use super::pitch::PITCH_PART;
 use crate::units::{Acceleration, Axis, Jerk, mul_div};
 
 /// Where an axis has backlash, putting it in may use one part in so many of the axis' acceleration and jerk, and the
@@ -97,14 +98,15 @@ impl Params {
             .saturating_mul(self.tick_us().into())
     }
 
-    /// The largest acceleration of the motion of an axis: 1620, less what is kept for its backlash.
+    /// The largest acceleration of the motion of an axis: 1620, less what is kept for its backlash and
+    /// its pitch errors.
     #[must_use]
     pub fn motion_acceleration(&self, axis: Axis) -> Acceleration {
         let highest = self.acceleration(axis).nm_per_s2();
         Acceleration::from_nm_per_s2(self.left_of(axis, highest))
     }
 
-    /// The largest jerk of the motion of an axis: 1622, less what is kept for its backlash.
+    /// The largest jerk of the motion of an axis: 1622, less what is kept for its backlash and its pitch errors.
     #[must_use]
     pub fn motion_jerk(&self, axis: Axis) -> Jerk {
         let highest = self.jerk(axis).nm_per_s3();
@@ -112,10 +114,12 @@ impl Params {
     }
 
     fn left_of(&self, axis: Axis, limit: i64) -> i64 {
-        if !self.has_backlash(axis) {
-            return limit;
-        }
-        let kept = limit.unsigned_abs().checked_div(TAKE_UP_PART).unwrap_or(0);
-        limit.saturating_sub_unsigned(kept)
+        let part = |has, of| match has {
+            true => limit.unsigned_abs().checked_div(of).unwrap_or(0),
+            false => 0,
+        };
+        limit
+            .saturating_sub_unsigned(part(self.has_backlash(axis), TAKE_UP_PART))
+            .saturating_sub_unsigned(part(self.has_pitch_errors(axis), PITCH_PART))
     }
 }

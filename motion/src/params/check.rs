@@ -1,6 +1,7 @@
 //! Cross-checks: a set may fail as a whole although each value is in its range. Every reason is a condition
 //! with the figures and the parameters to change.
 
+use super::pitch::{LARGEST_PITCH_ERROR, Unusable};
 use super::{FunctionRow, Params};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::spindle::{Resolution, Tracker};
@@ -58,6 +59,7 @@ impl Params {
         self.check_fd(&mut reasons);
         self.check_functions(&mut reasons);
         self.check_lags(&mut reasons);
+        self.check_pitch(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -92,8 +94,15 @@ impl Params {
         let denominator = i64::from(self.drive_denominator(axis));
         // An axis without a limit may turn for ever, and its target wraps.
         let most = denominator.wrapping_mul(i64::from(i32::MAX));
-        let beyond =
-            |limit: i64, none| limit != none && limit.wrapping_mul(numerator).wrapping_abs() > most;
+        let beside = if self.has_pitch_errors(axis) {
+            LARGEST_PITCH_ERROR
+        } else {
+            0
+        };
+        let beyond = |limit: i64, none| {
+            let far = limit.saturating_abs().saturating_add(beside);
+            limit != none && far.saturating_mul(numerator) > most
+        };
         blame(
             beyond(plus, i64::MAX)
                 || beyond(minus, i64::MIN)
@@ -282,6 +291,24 @@ impl Params {
         for (number, gain) in axes.into_iter().chain([(9073, self.spindle_drive_gain())]) {
             if (1..LOWEST_GAIN).contains(&gain) {
                 reasons.add(Code::GainTooLow, &[count(number), count(gain)]);
+            }
+        }
+    }
+
+    /// What is taken off for errors of the pitch is small, and within its part of the limits.
+    fn check_pitch<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
+        for axis in [Axis::X, Axis::Z] {
+            let tenths = |number: u64| Arg::Decimal(number as i64, 1);
+            match self.unusable_pitch(axis) {
+                Some(Unusable::Steep { point, slope }) => {
+                    let figures = [letter(axis), count(point.into()), tenths(slope)];
+                    reasons.add(Code::PitchErrorSteep, &figures);
+                }
+                Some(Unusable::Bent { point, share }) => {
+                    let figures = [letter(axis), count(point.into()), tenths(share)];
+                    reasons.add(Code::PitchErrorBent, &figures);
+                }
+                None => {}
             }
         }
     }
@@ -542,6 +569,19 @@ mod tests {
                 Code::GainTooLow,
                 [Arg::Int(9073), Arg::Int(1), none, none],
                 &[("9073", "0")],
+            ),
+            (
+                // 100.1 µm in 20 mm.
+                &[("1874.Z", "-100.1")],
+                Code::PitchErrorSteep,
+                [z, Arg::Int(3), Arg::Decimal(51, 1), none],
+                &[("1874.Z", "-10")],
+            ),
+            (
+                &[("1862.X", "2"), ("1880.X", "5")],
+                Code::PitchErrorBent,
+                [x, Arg::Int(9), Arg::Decimal(2380, 1), none],
+                &[("1862.X", "20"), ("1880.X", "5")],
             ),
             (
                 &[("3772", "2999")],

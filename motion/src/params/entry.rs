@@ -43,6 +43,8 @@ pub struct Entry {
     pub part: Part,
     /// Place in the list of ranges.
     pub(super) range: u8,
+    /// Which 16 bits of its place it has, from 1 on; 0 where it has all of it, or is a bit of it.
+    pub(super) quarter: u8,
     /// Place in the set.
     pub(super) slot: u16,
 }
@@ -52,7 +54,7 @@ pub struct Entry {
 pub(super) struct Meaning {
     pub unit: Unit,
     /// Place in the texts.
-    pub text: u8,
+    pub text: u16,
 }
 
 /// What a person reads about a value.

@@ -15,6 +15,7 @@ mod entry;
 mod gear;
 mod home;
 mod limit;
+mod pitch;
 mod row;
 mod set;
 #[cfg(test)]
@@ -30,6 +31,7 @@ pub use entry::{Entry, FindError, Part, Text};
 use entry::{Meaning, Range};
 pub use gear::{GEARS, Gear, gear_of_code};
 pub use home::HomeSwitch;
+pub(crate) use pitch::PitchCurve;
 pub use row::{
     Action as FunctionAction, Answer, CONTACTS, Contact, FIRST_OF_BLOCK, FunctionRow, ROWS,
 };
@@ -95,7 +97,8 @@ pub const PASSWORD: u16 = 9028;
 /// What a password reads as where there is one, and what keeps it as it is where it is written.
 pub const PASSWORD_KEPT: i64 = 1;
 
-/// Key of the parameter table: numbers, units, ranges and what may be "none", in order. A set belongs to one table.
+/// Key of the parameter table: numbers, units, ranges, what may be "none", and places in a set. A set belongs to one
+/// table.
 pub const TABLE_KEY: u32 = table_key();
 
 const fn table_key() -> u32 {
@@ -112,6 +115,7 @@ const fn table_key() -> u32 {
         key = hash(key, meaning.unit as i64);
         key = hash(key, entry.min());
         key = hash(key, entry.max());
+        key = hash(key, (entry.slot as i64) << 8 | entry.quarter as i64);
         if let Some(none) = entry.none() {
             key = hash(key, none);
         }

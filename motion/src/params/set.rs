@@ -17,6 +17,12 @@ impl Entry {
         self.slot as usize
     }
 
+    /// Where its 16 bits begin in its place; `None` where it has all of the place, or is a bit of it.
+    fn shift(&self) -> Option<u32> {
+        let quarter = self.quarter.checked_sub(1)?;
+        Some(u32::from(quarter).wrapping_mul(16))
+    }
+
     /// The bits of this number that mean something.
     pub fn byte_mask(&self) -> i64 {
         let same = Self::all().iter().filter(|entry| entry.slot == self.slot);
@@ -71,6 +77,24 @@ impl Params {
         Some(raw)
     }
 
+    /// What may be told of a value: of a number with bits all of it, of a password only whether there is one.
+    #[must_use]
+    pub fn told(&self, entry: &Entry) -> i64 {
+        match entry.shift() {
+            Some(_) => self.get(entry),
+            None => self.told_slot(entry.place()).unwrap_or(0),
+        }
+    }
+
+    /// The number that an entry is, or is a bit of.
+    #[must_use]
+    pub fn number(&self, entry: &Entry) -> i64 {
+        match entry.part {
+            Part::Bit(_) => self.whole(entry),
+            Part::Whole | Part::Axis(_) => self.get(entry),
+        }
+    }
+
     /// Puts any value into a place of the set. Whoever does so asks [`first_out_of_range`](Self::first_out_of_range)
     /// before the set is used.
     pub fn put_slot(&mut self, place: usize, raw: i64) {
@@ -99,7 +123,10 @@ impl Params {
         let raw = self.raw.get(usize::from(entry.slot)).copied().unwrap_or(0);
         match entry.part {
             Part::Bit(bit) => raw.wrapping_shr(u32::from(bit)) & 1,
-            Part::Whole | Part::Axis(_) => raw,
+            Part::Whole | Part::Axis(_) => match entry.shift() {
+                Some(shift) => i64::from(raw.wrapping_shr(shift) as i16),
+                None => raw,
+            },
         }
     }
 
@@ -121,7 +148,13 @@ impl Params {
                         *place | mask
                     }
                 }
-                Part::Whole | Part::Axis(_) => raw,
+                Part::Whole | Part::Axis(_) => match entry.shift() {
+                    Some(shift) => {
+                        let mask = 0xFFFF_i64.wrapping_shl(shift);
+                        *place & !mask | raw.wrapping_shl(shift) & mask
+                    }
+                    None => raw,
+                },
             };
         }
         Ok(())

@@ -399,6 +399,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x4287_256F),
     // Backlash: 1851.
     (2, 0x1A51_0C78),
+    // Errors of the pitch: 1861, 1862, 1871 to 1886. The key knows the places in a set.
+    (2, 0x4696_6F76),
 ];
 
 #[test]

@@ -32,6 +32,8 @@ pub enum Unit {
     Millisecond,
     /// Microseconds.
     Microsecond,
+    /// Micrometres; raw in tenths of one.
+    Micrometre,
     /// Millimetres; raw in nanometres.
     Millimetre,
     /// Millimetres on the diameter; raw in nanometres on the radius.
@@ -98,6 +100,7 @@ impl Unit {
             Self::Rpm => "rpm",
             Self::Millisecond => "ms",
             Self::Microsecond => "µs",
+            Self::Micrometre => "µm",
             Self::Millimetre | Self::DiameterMillimetre => "mm",
             Self::MillimetrePerMinute => "mm/min",
             Self::MetrePerSecond2 => "m/s²",
@@ -143,6 +146,7 @@ impl Unit {
             Self::Millisecond => &[("ms", 1), ("s", 1_000)],
             // The second µ is the Greek letter, the first the micro sign; both come out of keyboards.
             Self::Microsecond => &[("µs", 1), ("μs", 1), ("us", 1), ("ms", 1_000)],
+            Self::Micrometre => &[("µm", 10), ("μm", 10), ("um", 10), ("mm", 10_000)],
             Self::Millimetre => &[
                 ("mm", MM),
                 ("µm", 1_000),
@@ -215,6 +219,7 @@ impl Unit {
             | Self::DegreePerMinute
             | Self::DegreePerSecond2
             | Self::DegreePerSecond3 => (1, 6),
+            Self::Micrometre => (1, 1),
             Self::DiameterMillimetre => (2, 6),
             Self::MetrePerSecond2 | Self::MetrePerSecond3 => (1, 9),
         }
@@ -368,7 +373,7 @@ mod tests {
     use super::*;
     use std::format;
 
-    const ALL: [Unit; 20] = [
+    const ALL: [Unit; 21] = [
         Unit::Number,
         Unit::TenthLead,
         Unit::TenthRpm,
@@ -380,6 +385,7 @@ mod tests {
         Unit::Rpm,
         Unit::Millisecond,
         Unit::Microsecond,
+        Unit::Micrometre,
         Unit::Millimetre,
         Unit::DiameterMillimetre,
         Unit::MillimetrePerMinute,

@@ -2,6 +2,7 @@
 
 mod few;
 mod learned;
+mod steady;
 mod swinging;
 
 extern crate std;

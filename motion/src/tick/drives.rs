@@ -13,6 +13,7 @@ use super::backlash::Backlash;
 use super::gear::Gears;
 use super::lag::{Lag, Lags};
 use super::nodes::DriveNodes;
+use super::pitch::Pitch;
 use super::spindles::{Spindle, Spindles};
 use crate::alarm::Alarm;
 use crate::bus::{
@@ -61,6 +62,7 @@ pub(super) struct Figures {
     lags: [Option<Lag>; 3],
     /// The backlash of X and Z.
     shapes: [TakeUpShape; 2],
+    pitch: Pitch,
     spindle_lag: Option<Lag>,
 }
 
@@ -94,7 +96,8 @@ impl Figures {
             mode: Mode::Position,
             ..*c
         };
-        let homed = |axis, config: &DriveConfig| home::offset(params, axis, &config.scale);
+        let pitch = Pitch::of(params);
+        let homed = |axis, config: &DriveConfig| home::offset(params, axis, &config.scale, &pitch);
         let [x, z, c] = &axes;
         let homed = [homed(Axis::X, x), homed(Axis::Z, z), homed(Axis::C, c)];
         Some(Self {
@@ -108,6 +111,7 @@ impl Figures {
             together: params.setpoint_frame() == 1,
             lags: Axis::ALL.map(|axis| Lag::of_axis(params, axis)),
             shapes: [Axis::X, Axis::Z].map(|axis| TakeUpShape::of(params, axis)),
+            pitch,
             spindle_lag: Lag::of_spindle(params),
         })
     }
@@ -156,6 +160,8 @@ pub(super) struct Drives {
     last: [Told; 3],
     /// What is put in at reversals, where an axis has backlash.
     backlash: Option<Backlash>,
+    /// The errors of the screws' pitch.
+    pitch: Pitch,
     /// What makes the axes follow their setpoints, where the lag of a drive is known.
     lags: Option<Lags>,
     spindles: Spindles,
@@ -181,6 +187,7 @@ impl Drives {
             marks: figures.marks,
             last: [x.scale.find(0), z.scale.find(0), c.scale.find(0)],
             backlash: Backlash::of(figures.shapes, None),
+            pitch: figures.pitch,
             lags: Lags::of(figures.lags),
             spindles: Spindles::new(
                 &figures.spindle,
@@ -353,30 +360,44 @@ impl Drives {
     }
 
     /// The target of each axis' drive for a position ([`figures`]).
+    // Places of the slides: their drives are told what the backlash and the errors of the pitch make of them.
     #[inline(never)]
     fn demands(&self, places: [i64; 3]) -> [Option<Increments>; 3] {
         let mut demands = [None; 3];
         let drives = self.axes.iter().zip(self.offsets);
-        let places = places.into_iter().zip(self.put_in());
-        for ((drive, offset), (demand, (place, put_in))) in
+        let errors = self.pitch.errors(places);
+        let places = places.into_iter().zip(errors).zip(self.put_in());
+        for ((drive, offset), (demand, ((place, error), put_in))) in
             drives.zip(demands.iter_mut().zip(places))
         {
-            let place = place.wrapping_add(put_in);
+            let place = place.wrapping_add(put_in).wrapping_sub(error);
             *demand = told(drive.config().scale.increments(place), offset);
         }
         demands
     }
 
-    /// The position of the drive of X or Z, without what it counts in addition, if a status came for this tick; and what
-    /// of it has been put in at reversals, in nanometres. Call this after [`send`](Self::send).
+    /// The position of the drive of X or Z, without what it counts in addition, if a status came for this tick; and how
+    /// much of it is not the slide's, for backlash and errors of the pitch, in nanometres. Call this after
+    /// [`send`](Self::send).
     pub(super) fn has_told(&self, on_x: bool) -> Option<(Increments, i64)> {
         let [x, z, _] = &self.axes;
         let [off_x, off_z, _] = self.offsets;
-        let (drive, offset) = if on_x { (x, off_x) } else { (z, off_z) };
+        let [last_x, last_z, _] = &self.last;
+        let (drive, offset, last, axis) = if on_x {
+            (x, off_x, last_x, Axis::X)
+        } else {
+            (z, off_z, last_z, Axis::Z)
+        };
         let actual = drive.fresh()?;
+        let actual = Increments::new(actual.get().wrapping_sub(offset));
         let [in_x, in_z, _] = self.put_in();
         let put_in = if on_x { in_x } else { in_z };
-        Some((Increments::new(actual.get().wrapping_sub(offset)), put_in))
+        let Some(curve) = self.pitch.curve(axis) else {
+            return Some((actual, put_in));
+        };
+        let drive = drive.config().scale.near(last, actual);
+        let at = drive.wrapping_sub(put_in);
+        Some((actual, drive.wrapping_sub(curve.place(at))))
     }
 
     /// The spindles.
@@ -417,7 +438,8 @@ impl Drives {
         let backlash = self.backlash.as_mut();
         let put_in = backlash.map_or(0, |backlash| backlash.rest(axis, place));
         if let Some(lags) = &mut self.lags {
-            lags.rest(axis, place.wrapping_add(put_in));
+            let error = self.pitch.error(axis, place);
+            lags.rest(axis, place.wrapping_add(put_in).wrapping_sub(error));
         }
     }
 
@@ -446,10 +468,18 @@ impl Drives {
             let [off_x, off_z, off_c] = self.offsets;
             let [last_x, last_z, last_c] = &mut self.last;
             let mut targets = figures(position);
-            if self.backlash.is_some() || self.lags.is_some() {
+            let has_pitch = !self.pitch.is_empty();
+            if self.backlash.is_some() || self.lags.is_some() || has_pitch {
                 let follow = [&*x, &*z, &*c].map(DriveMaster::is_following);
+                let places = targets;
                 if let Some(backlash) = &mut self.backlash {
                     targets = backlash.places(targets, follow);
+                }
+                if has_pitch {
+                    let errors = self.pitch.errors(places);
+                    for (target, error) in targets.iter_mut().zip(errors) {
+                        *target = target.wrapping_sub(error);
+                    }
                 }
                 if let Some(lags) = &mut self.lags {
                     targets = lags.targets(targets, follow);

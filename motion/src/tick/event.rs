@@ -33,9 +33,11 @@ pub enum Event {
     Alarm(Alarm),
     /// Feed hold or single block has brought the axes to rest.
     Held,
-    /// A reset is done, or a line that was typed is refused by the warning before: everything handed over before is
-    /// forgotten. The sender of a program stops sending.
+    /// A reset is done: everything handed over before is forgotten. The sender of a program stops sending.
     Reset,
     /// The last call has been carried out.
     Finished,
+    /// A line that was typed is not carried out: nothing of it was done, the rest of it is forgotten, and the machine stays
+    /// ready.
+    Refused(Alarm),
 }

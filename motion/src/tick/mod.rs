@@ -20,6 +20,7 @@ mod machine;
 mod message;
 mod nodes;
 mod operator;
+mod pitch;
 pub mod queue;
 mod queues;
 mod reference;

@@ -55,7 +55,8 @@ pub struct Measured {
 /// Where the drive of an axis in a thread says that it is. It is judged in the background [D380].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Followed {
-    /// 6064h, without what the drive counts in addition to the position. What is put in for backlash is in it.
+    /// 6064h, without what the drive counts in addition to the position. What is put in for backlash
+    /// and for errors of the pitch is in it.
     pub actual: Increments,
     /// X is the long axis.
     pub on_x: bool,
@@ -65,7 +66,7 @@ pub struct Followed {
 
 impl Followed {
     /// `lead`: way of the helix in a turn, with its sign. `off`: the setpoint of the tick before, less the helix at the
-    /// angle of this tick, and less what is put in for backlash. Each within ±2 m.
+    /// angle of this tick, and less what is put in for backlash and for errors of the pitch. Each within ±2 m.
     #[must_use]
     pub const fn new(actual: Increments, on_x: bool, lead: Length, off: Length) -> Self {
         Self {
@@ -82,7 +83,8 @@ impl Followed {
         Length::from_nm(self.lead_nm as i64)
     }
 
-    /// The setpoint of the tick before, less the helix at the angle of this tick, and less what is put in for backlash.
+    /// The setpoint of the tick before, less the helix at the angle of this tick, and less what is put in for backlash and
+    /// for errors of the pitch.
     #[must_use]
     pub const fn off(&self) -> Length {
         Length::from_nm(self.off_nm as i64)

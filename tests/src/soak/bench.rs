@@ -341,7 +341,8 @@ impl Bench {
         let row = self.sim.step();
         let well = self.operator.is_well();
         self.watch.set_assumed(self.assumed != [false; 3]);
-        self.watch.tick(&self.sim, well);
+        self.watch
+            .tick(&self.sim, well, self.operator.is_spindle_well());
         if let Some(row) = row {
             self.watch.row(&row);
         }

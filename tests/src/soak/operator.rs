@@ -43,7 +43,9 @@ impl Default for Mood {
 
 /// Room for all causes at once: those of drives, spindle and bus, and what else is named one by one.
 const CAUSES: usize = 64;
-const _: () = assert!(OF_DRIVES.len() + OF_SPINDLE.len() + OF_BUS.len() + 16 <= CAUSES);
+const _: () = assert!(
+    OF_DRIVES.len() + OF_SPINDLE.len() + OF_FAST_SPINDLE.len() + OF_BUS.len() + 16 <= CAUSES
+);
 
 /// The operator, and what is broken.
 #[derive(Debug, Default)]
@@ -61,12 +63,14 @@ pub struct Operator {
     now: u64,
     /// Drives, spindle, encoder or wire are not as they should be.
     pub(super) broken: bool,
+    /// What turns the spindle or tells of it is not as it should be.
+    spindle_broken: bool,
     /// Until this tick of the machine its wire is bad; 0: by chance, until somebody mends it.
     pub(super) spoilt: Option<u64>,
 }
 
 /// Alarms of a spindle that does not turn as the program tells it.
-pub(super) const OF_SPINDLE: [Code; 17] = [
+pub(super) const OF_SPINDLE: [Code; 11] = [
     Code::EncoderUncertain,
     Code::LeadForEncoder,
     Code::SpeedForEncoder,
@@ -78,6 +82,10 @@ pub(super) const OF_SPINDLE: [Code; 17] = [
     Code::SpindleTooFast,
     Code::FloatSpindleRuns,
     Code::NoIndex,
+];
+
+/// Alarms of a spindle that turns faster than the program tells it: what fits at its S may not at more.
+pub(super) const OF_FAST_SPINDLE: [Code; 6] = [
     Code::LeadTooFast,
     Code::RunOutTooFast,
     Code::RunInTooFast,
@@ -129,6 +137,18 @@ impl Operator {
     /// Nothing is broken.
     pub fn is_well(&self) -> bool {
         !self.broken
+    }
+
+    /// The spindle turns as it is told, and its encoder tells how.
+    pub fn is_spindle_well(&self) -> bool {
+        !self.spindle_broken
+    }
+
+    /// From now on the spindle may turn in any way, for what turns it or tells of it is broken.
+    pub fn break_spindle(&mut self) {
+        self.spindle_broken = true;
+        self.cause(&OF_SPINDLE);
+        self.cause(&OF_FAST_SPINDLE);
     }
 
     /// Perhaps something is done now.
@@ -215,6 +235,7 @@ impl Operator {
     /// What was wrong is over, and its alarms too; but for what shows only when the spindle turns again.
     pub fn forget_causes(&mut self, but: &[Code]) {
         self.broken = false;
+        self.spindle_broken = false;
         self.causes.retain(|code| but.contains(code));
     }
 }
@@ -224,11 +245,12 @@ fn overrides(bench: &mut Bench) {
     let feed = r.of(&[0, 10, 50, 90, 100, 120, 150, 200]);
     let rapid = r.of(&[0, 25, 50, 100, 120]);
     let spindle = r.of(&[0, 50, 80, 100, 120, 150]);
-    // What fits at the S of the program may not at half as much again.
-    bench.operator.cause(&OF_SPINDLE);
-    let r = &mut bench.random;
     let mut chosen = |value| r.chance(50).then_some(value);
     let levels = [chosen(feed), chosen(rapid), chosen(spindle)];
+    bench.operator.cause(&OF_SPINDLE);
+    if levels[2].is_some_and(|percent| percent > 100) {
+        bench.operator.cause(&OF_FAST_SPINDLE);
+    }
     bench.levels(BoardCommand {
         feed: levels[0],
         rapid: levels[1],

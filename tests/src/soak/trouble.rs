@@ -7,7 +7,6 @@ use leadscrew_core::bus::NodeId;
 use leadscrew_core::units::Axis;
 
 use super::bench::Bench;
-use super::operator::OF_SPINDLE;
 
 /// Alarms of a faulty drive.
 pub(super) const OF_DRIVES: [Code; 14] = [
@@ -56,7 +55,7 @@ pub(super) fn break_something(bench: &mut Bench) {
         }
         4 => {
             bench.operator.cause(&OF_DRIVES);
-            bench.operator.cause(&OF_SPINDLE);
+            bench.operator.break_spindle();
             bench
                 .random
                 .act(|| format!("drive of the spindle: {trouble:?}"));
@@ -69,7 +68,7 @@ pub(super) fn break_something(bench: &mut Bench) {
         }
         6 => {
             bench.operator.cause(&[Code::IndexSlipped, Code::NoIndex]);
-            bench.operator.cause(&OF_SPINDLE);
+            bench.operator.break_spindle();
             let counts = bench.random.within(1, 400) * bench.random.sign();
             bench
                 .random
@@ -84,7 +83,7 @@ pub(super) fn break_something(bench: &mut Bench) {
             bench.sim.plant().encoder().break_index(true);
         }
         8 => {
-            bench.operator.cause(&OF_SPINDLE);
+            bench.operator.break_spindle();
             let percent = bench.random.of(&[0, 40, 80, 130]);
             bench
                 .random
@@ -106,7 +105,8 @@ fn spoil(bench: &mut Bench) {
     if bench.operator.spoilt.is_some() {
         return;
     }
-    for causes in [&OF_DRIVES[..], &OF_SPINDLE, &OF_BUS, &[Code::GatewayLost]] {
+    bench.operator.break_spindle();
+    for causes in [&OF_DRIVES[..], &OF_BUS, &[Code::GatewayLost]] {
         bench.operator.cause(causes);
     }
     let from = bench.watch.tick_to_come();

@@ -112,6 +112,8 @@ pub struct Watch {
     lags: bool,
     /// Until this tick the drives do not follow their commands, because something is broken.
     broken_until: usize,
+    /// Until this tick the spindle may turn in any way, or its encoder tell something else.
+    spindle_broken_until: usize,
     /// The axes may be declared to stand elsewhere.
     replaces: bool,
     /// The drives count from a place that is taken for theirs, so where the tool truly is says nothing.
@@ -151,6 +153,7 @@ impl Watch {
             stopping: false,
             lags: options.drives.lag != 0,
             broken_until: 0,
+            spindle_broken_until: 0,
             replaces: false,
             judged: Judged::default(),
         }
@@ -188,6 +191,7 @@ impl Watch {
         self.led[0] = false;
         self.came_up[0] = false;
         self.broken_until = 0;
+        self.spindle_broken_until = 0;
     }
 
     /// The next tick of the machine.
@@ -205,8 +209,8 @@ impl Watch {
         self.assumed = assumed;
     }
 
-    /// A tick is over. `well`: nothing is broken.
-    pub fn tick(&mut self, sim: &Sim, well: bool) {
+    /// A tick is over. `well`: nothing is broken; `spindle_well`: nothing that turns the spindle or tells of it.
+    pub fn tick(&mut self, sim: &Sim, well: bool, spindle_well: bool) {
         let ticker = sim.board().ticker();
         let executor = ticker.executor();
         let place = self.ticks % LATE;
@@ -216,6 +220,9 @@ impl Watch {
         self.ticks += 1;
         if !well {
             self.broken_until = self.ticks + LATE;
+        }
+        if !spindle_well {
+            self.spindle_broken_until = self.ticks + LATE;
         }
     }
 
@@ -328,7 +335,7 @@ impl Watch {
                 let worst = &mut self.judged.thread_nm[class];
                 *worst = (*worst).max(nm);
                 // Few counts learn a spindle that is broken no better than one whose swing nobody has told.
-                let broken = (row.tick as usize) < self.broken_until;
+                let broken = (row.tick as usize) < self.spindle_broken_until;
                 let most = match self.class {
                     Class::FewTimed | Class::Few if broken => self.beside.max(encoder::UNKNOWN_NM),
                     _ => self.beside,
@@ -441,6 +448,11 @@ fn told(row: Row) -> String {
 /// Checks that the setpoint lies in the groove of the program's text, at the true angle of the spindle.
 fn in_groove(row: &Row, groove: &Groove, beside: i64) {
     let lead = groove.lead as f64;
+    // Farther than half a lead no place is from a groove.
+    let beside = beside as f64;
+    if beside >= lead / 2.0 {
+        return;
+    }
     // Of a large number of turns only the fraction counts.
     let turns = (row.spindle.raw() & ((1_i128 << 64) - 1)) as f64 / 2f64.powi(64);
     let at = match groove.on_x {
@@ -450,7 +462,7 @@ fn in_groove(row: &Row, groove: &Groove, beside: i64) {
     let way = (at.nm() - groove.start) as f64 - groove.sign as f64 * turns * lead;
     let off = (way + lead / 2.0).rem_euclid(lead) - lead / 2.0;
     assert!(
-        off.abs() <= beside as f64,
+        off.abs() <= beside,
         "{off} nm beside the groove of {groove:?}: {row:?}"
     );
 }

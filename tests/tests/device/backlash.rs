@@ -10,9 +10,9 @@ use leadscrew_tests::random::Random;
 use super::by_hand::{BRAKING, Hand, WINDOW};
 
 /// Ticks after which all of it has been put in.
-const PUT_IN: u64 = 300;
+pub(super) const PUT_IN: u64 = 300;
 /// An increment of the drives, in nanometres.
-const INCREMENT: i64 = 100;
+pub(super) const INCREMENT: i64 = 100;
 /// A motion back by less is no reversal yet.
 const SURE: i64 = 2_000;
 
@@ -55,11 +55,16 @@ impl Seen {
         if self.way.abs() >= SURE {
             assert!(apart.abs() <= INCREMENT, "{what}: {apart} nm");
         }
-        let most = params.acceleration(self.axis).nm_per_s2() / 1_000_000 + 2 * INCREMENT;
-        for three in self.drive.windows(3) {
-            let acceleration = three[2] - 2 * three[1] + three[0];
-            assert!(acceleration.abs() <= most, "{what}: {acceleration} nm/ms²");
-        }
+        keeps_acceleration(&self.drive, self.axis, params, what);
+    }
+}
+
+/// The places of a drive in each tick keep to the acceleration of its axis, within the rounding of three.
+pub(super) fn keeps_acceleration(drive: &[i64], axis: Axis, params: &Params, what: &str) {
+    let most = params.acceleration(axis).nm_per_s2() / 1_000_000 + 2 * INCREMENT;
+    for three in drive.windows(3) {
+        let acceleration = three[2] - 2 * three[1] + three[0];
+        assert!(acceleration.abs() <= most, "{what}: {acceleration} nm/ms²");
     }
 }
 

@@ -11,6 +11,7 @@ mod objects;
 mod offsets;
 mod own_wheel;
 mod parameters;
+mod pitch;
 mod position;
 mod programs;
 mod protection;

@@ -7,5 +7,6 @@ mod limits;
 mod methods;
 mod options;
 mod orders;
+mod pitch;
 mod references;
 mod switches;

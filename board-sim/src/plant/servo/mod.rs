@@ -3,7 +3,7 @@
 //! The drive interpolates between the targets that SYNC has latched ([`Path`]), in [`STEPS`] inner steps a period. In
 //! each step the position loop with its feed-forward wants a speed, the speed loop (PI) wants an acceleration, and the
 //! current follows that within its limit. Friction, mass and the play of the screw come behind. The position loop sees the
-//! encoder, which counts; the load is behind the play, and nobody on the bus sees it.
+//! encoder, which counts; the load is behind the play, and beside by the errors of the pitch; nobody on the bus sees it.
 //!
 //! It is all integers with one rounding shift a product, so a machine moves alike on every computer. Positions are
 //! nanometres in 2⁻¹⁶, speeds nanometres a step in 2⁻³², accelerations nanometres a step² in 2⁻⁴⁰.
@@ -16,7 +16,7 @@ mod path;
 #[cfg(test)]
 mod tests;
 
-pub use options::{Following, Interpolation, Late, ServoOptions};
+pub use options::{Following, Interpolation, Late, ScrewErrors, ServoOptions};
 
 use self::options::Constants;
 use self::path::Path;
@@ -238,10 +238,16 @@ impl Servo {
         Increments::new(count.clamp(i32::MIN.into(), i32::MAX.into()) as i32)
     }
 
-    /// Where the tool is, in 2⁻¹⁶ nanometres of the drive's count.
+    /// Where the tool is if the pitch of the screw has no errors, in 2⁻¹⁶ nanometres of the drive's count.
     #[must_use]
     pub const fn load(&self) -> i64 {
         self.load
+    }
+
+    /// How far the tool is beside this place for the errors of the screw's pitch, both in 2⁻¹⁶ nanometres.
+    #[must_use]
+    pub fn beside(&self, place: i64) -> i64 {
+        self.constants.screw.at(place)
     }
 
     /// Nanometres in 2⁻¹⁶ of a number of increments.

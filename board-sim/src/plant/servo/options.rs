@@ -1,6 +1,7 @@
 //! The figures of a drive as they are stated, and as the steps need them.
 
 use super::grid::Grid;
+use crate::plant::sine::{PLACES as SINE, sin_cos};
 use leadscrew_core::units::{Acceleration, Feed, Length};
 
 /// How a drive moves between two targets.
@@ -36,6 +37,31 @@ impl Following {
     pub const OFF: u32 = u32::MAX;
 }
 
+/// Errors of a screw's pitch: how far the slide is beside the place that its drive has turned to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ScrewErrors {
+    /// Nanometres a metre, towards plus: a lead that is too long by so much.
+    pub nm_per_m: i32,
+    /// Height of a sine over the travel.
+    pub wave: Length,
+    /// Its length; zero for none.
+    pub wave_length: Length,
+}
+
+impl ScrewErrors {
+    /// The error at a place, both in 2⁻¹⁶ nanometres.
+    pub(super) fn at(&self, place: i64) -> i64 {
+        let lead = i128::from(place).wrapping_mul(self.nm_per_m.into()) / 1_000_000_000;
+        // In 2⁻⁶⁴ turns, of which whole ones are dropped.
+        let turns = i128::from(place)
+            .wrapping_shl(48)
+            .checked_div(self.wave_length.nm().into());
+        let (sine, _) = sin_cos(turns.unwrap_or(0) as u64);
+        let wave = i128::from(sine).wrapping_mul(self.wave.nm().into()) >> (SINE - 16);
+        lead.wrapping_add(wave) as i64
+    }
+}
+
 /// The figures of a drive with its axis. Figures that are factors of time are a thousandth of their unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ServoOptions {
@@ -65,6 +91,8 @@ pub struct ServoOptions {
     pub viscous_milli: u32,
     /// Play between motor and tool.
     pub play: Length,
+    /// Errors of the screw's pitch.
+    pub screw: ScrewErrors,
     /// A count of the encoder; zero for one increment of the drive.
     pub count: Length,
     /// Supervision of the following error: 6065h as a length, `None` for none, and 6066h in milliseconds.
@@ -99,6 +127,11 @@ impl ServoOptions {
         sliding: Acceleration::from_nm_per_s2(0),
         viscous_milli: 0,
         play: Length::ZERO,
+        screw: ScrewErrors {
+            nm_per_m: 0,
+            wave: Length::ZERO,
+            wave_length: Length::ZERO,
+        },
         count: Length::ZERO,
         following: None,
         undelayed: false,
@@ -149,6 +182,7 @@ pub(super) struct Constants {
     pub(super) viscous: i64,
     /// In 2⁻¹⁶ nanometres.
     pub(super) half_play: i64,
+    pub(super) screw: ScrewErrors,
     pub(super) undelayed: bool,
     /// Inner steps of the age of 6064h, in 2⁻¹⁶.
     pub(super) age: i64,
@@ -238,6 +272,7 @@ impl Constants {
             half_play: (0..1_000_000_000)
                 .contains(&play)
                 .then_some(play.wrapping_shl(15))?,
+            screw: options.screw,
             undelayed: options.undelayed,
             age: i64::from(options.age_us)
                 .wrapping_mul(super::STEPS << 16)

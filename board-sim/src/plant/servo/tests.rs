@@ -408,6 +408,7 @@ fn nothing_overflows_whatever_comes() {
                 following: None,
                 undelayed: false,
                 age_us: 0,
+                screw: ScrewErrors::default(),
                 late: None,
             };
             let increments = (1 + draw(1000) as u32, 1 + draw(1_000_000) as u32);

@@ -35,8 +35,8 @@ impl ObjectValues {
     ) -> Result<i64, Abort> {
         let row = match place {
             ObjectSource::Parameter(entry) => {
-                let told = self.current(params).told_slot(entry.place());
-                return Ok(dictionary::told(entry, told.unwrap_or(0)));
+                let told = self.current(params).told(entry);
+                return Ok(dictionary::told(entry, told));
             }
             ObjectSource::Highest(highest) => return Ok(highest.into()),
             ObjectSource::Row(row) => row,

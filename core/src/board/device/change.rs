@@ -79,7 +79,7 @@ impl ObjectValues {
         number: i64,
         params: &Params,
     ) -> Result<(), Abort> {
-        if self.repeats(entry.place(), number, params) {
+        if self.repeats(entry, number, params) {
             return Ok(());
         }
         let change = if entry.no == PARAMETER_WRITE_ENABLE {
@@ -102,7 +102,7 @@ impl ObjectValues {
             }
         }
         self.look_and_stage(params)?;
-        self.wrote = Some(entry.place());
+        self.wrote = Some(entry);
         Ok(())
     }
 
@@ -110,8 +110,8 @@ impl ObjectValues {
     /// its frame came twice. Its request is done or under way. This is checked before the question who may change
     /// parameters, because this very value may protect the board now. A password cannot be found by trial this way: another
     /// password is another change [D184].
-    fn repeats(&mut self, place: usize, number: i64, params: &Params) -> bool {
-        if self.wrote != Some(place) || self.draft.slot(place) != Some(number) {
+    fn repeats(&mut self, entry: &Entry, number: i64, params: &Params) -> bool {
+        if self.wrote != Some(entry) || self.draft.number(entry) != number {
             return false;
         }
         if self.is_changing() {

@@ -344,7 +344,7 @@ impl Device {
         if let Event::Aux(Aux::T(code)) = event {
             self.values.in_place = self.values.in_place.after(*code);
         }
-        if let Event::Reset | Event::Finished | Event::Alarm(_) = event {
+        if let Event::Reset | Event::Finished | Event::Alarm(_) | Event::Refused(_) = event {
             self.values.program_buffer.close();
             self.values.operating.end_by_wheel();
         }

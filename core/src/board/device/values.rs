@@ -24,7 +24,7 @@ use crate::bus::{
 use crate::link::Event;
 use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
 use crate::offsets::InPlace;
-use crate::params::Params;
+use crate::params::{Entry, Params};
 use crate::signals::Signals;
 use crate::tick::{Command, Measured, Snapshot};
 use crate::units::{Axes, Length, TurnRate};
@@ -52,9 +52,9 @@ pub struct ObjectValues {
     pub(super) staged: bool,
     /// The last commit named the draft with its password.
     pub(super) named: bool,
-    /// Place of the single value that the last change wrote into the draft; `None` where the change was larger or was
+    /// The single value that the last change wrote into the draft; `None` where the change was larger or was
     /// refused.
-    pub(super) wrote: Option<usize>,
+    pub(super) wrote: Option<&'static Entry>,
     /// The inputs, if they were set over the bus and the owner has not read them yet.
     pub signals: Option<Signals>,
     /// Setpoints that came late for their SYNC.

@@ -5,7 +5,7 @@ use super::settle;
 use super::shape::long_way;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::call::{ChainPart, ThreadCall};
-use crate::feasible::{Gather, Pass, can_thread};
+use crate::feasible::{Gather, OnLead, Pass, can_thread};
 use crate::motion::{Chain, ThreadPlan};
 use crate::moves::{Move, MoveKind};
 use crate::params::Params;
@@ -124,9 +124,8 @@ fn examine(
         let args = [Arg::Rpm(positive(rpm)), Arg::Rpm(Rpm::new(most))];
         wrong(&Alarm::new(Code::SpeedAboveSpindle, span).with(args));
     }
-    let long = if summary.long_x { Axis::X } else { Axis::Z };
     if speed != 0
-        && let Err(alarm) = &can_thread(largest(call), long, rpm, span, params)
+        && let Err(alarm) = &can_thread(&on_lead(call, &summary, rpm), span, params)
     {
         wrong(alarm);
     }
@@ -445,6 +444,42 @@ fn largest(call: &ThreadCall) -> At<Lead> {
         At::new(last(call), span)
     } else {
         call.lead
+    }
+}
+
+/// The passes of a call as their encoder sees them.
+fn on_lead(call: &ThreadCall, summary: &ThreadSummary, rpm: Rpm) -> OnLead {
+    // A stroke goes from where it begins to its end; a cycle's line is as long as Z, and as wide as its taper.
+    let x = if call.cycle.is_stroke() {
+        call.end_x.value - call.start.x
+    } else {
+        call.taper.value
+    };
+    let z = call.end_z.value - call.start.z;
+    let (long, short, line) = if summary.long_x {
+        (Axis::X, Axis::Z, [z, x])
+    } else {
+        (Axis::Z, Axis::X, [x, z])
+    };
+    // A run-in is at 45°.
+    let equal = Length::from_nm(1);
+    let run_in = (call.run_in.value > Length::ZERO).then_some([equal, equal]);
+    let run_out = call.run_out.map(|out| [out.short.value, out.long.value]);
+    let steeper = |one: [Length; 2], other: [Length; 2]| {
+        let [[a, b], [c, d]] = [one, other].map(|slope| slope.map(|part| part.nm().unsigned_abs()));
+        let product = |one: u64, other: u64| u128::from(one).saturating_mul(other.into());
+        if product(c, b) > product(a, d) {
+            other
+        } else {
+            one
+        }
+    };
+    OnLead {
+        lead: largest(call),
+        long,
+        short,
+        steepest: [run_in, run_out].into_iter().flatten().fold(line, steeper),
+        rpm,
     }
 }
 

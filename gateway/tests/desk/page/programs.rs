@@ -6,7 +6,8 @@ use super::{Client, Page, wait};
 use crate::{LONG, SHORT, User, good};
 
 /// A panel with a folder of programs.
-fn with_programs(user: &User, programs: &[(&str, &str)]) -> Page {
+/// A page with these programs, in a folder of this user.
+pub fn with_programs(user: &User, programs: &[(&str, &str)]) -> Page {
     let folder = user.0.join("parts");
     std::fs::create_dir_all(&folder).unwrap();
     for (name, text) in programs {
@@ -197,7 +198,15 @@ pub const PART: &str = "O1\nG98 G97 S500 M3\nT0101\nM8\nG0 X-30 Z-5\nG1 X-40 F20
 #[test]
 fn a_program_is_started_at_a_line_as_its_page_was_shown() {
     let user = User::with_machine();
-    let page = with_programs(&user, &[("part.nc", PART), ("wrong.nc", "G1 Q\nG0 X1\n")]);
+    let page = with_programs(
+        &user,
+        &[
+            ("part.nc", PART),
+            ("wrong.nc", "G1 Q\nG0 X1\n"),
+            ("outer.nc", "M98 P79\nG0 X1\nM30\n"),
+            ("O0079.nc", "O79\nG1 Q\nM99\n"),
+        ],
+    );
     let mut one = page.client("one");
     let shown = one.seen("/programs/part.nc/start/7");
     let text = shown["text"].as_str().unwrap();
@@ -214,24 +223,23 @@ fn a_program_is_started_at_a_line_as_its_page_was_shown() {
         ("part.nc/start/11", "the line is an arc"),
         ("part.nc/start/99", "fewer lines"),
         ("wrong.nc/start/2", "1: 4"),
+        ("outer.nc/start/2", "O0079.nc:2: 4"),
     ] {
         let (_, _, body) = one.get(&format!("/programs/{path}"));
         let seen: Value = serde_json::from_str(&body).unwrap();
-        assert!(seen["error"].as_str().unwrap().contains(why), "{seen}");
+        let told = seen["error"].as_str().unwrap();
+        assert!(told.contains(why), "{seen}");
+        assert_eq!(told.contains(".nc"), path.starts_with("outer"), "{seen}");
     }
     let (_, tag, _) = one.get("/programs/part.nc");
-    let start = json!({"line": 7, "by": shown["by"], "from": shown["from"]});
+    let start = json!({"line": 7, "shown": shown["shown"]});
     let args = json!({"name": "part.nc", "tag": tag, "start": start});
     one.take();
     one.does("mode", &json!({"mode": "automatic"}));
-    // What was shown of another place, or by other tables, begins nothing.
-    for (key, value) in [("from", "1000 0"), ("by", "0-0")] {
-        let mut other = args.clone();
-        other["start"][key] = json!(value);
-        let (_, refused) = one.orders("program", &other);
-        let why = refused["en"].as_str().unwrap();
-        assert!(why.contains("look at it again"), "{why}");
-    }
+    // Nothing is started at a line that was not shown.
+    let mut other = args.clone();
+    other["start"]["shown"] = Value::Null;
+    assert_eq!(one.orders("program", &other).0, 400);
     assert_eq!(user.json(&["status"])["state"], "idle");
     let mut told = page.watch();
     wait(&mut told, "s", |s| s["by"].is_string());
@@ -247,6 +255,73 @@ fn a_program_is_started_at_a_line_as_its_page_was_shown() {
     assert_eq!(end["end"]["ok"], true, "{end}");
     let status = user.json(&["status"]);
     assert_eq!((&status["mx"], &status["mz"]), (&json!(-10), &json!(-7)));
+}
+
+/// Somebody else changes what decides what runs, in the moment between the look at a start and its order.
+#[test]
+fn a_start_is_refused_where_anything_that_decides_what_runs_was_changed_since_it_was_shown() {
+    let user = User::with_machine();
+    let text = "G98\nG0 X-4 Z-2\nG1 X-6 F3000\nM98 P77\nG1 Z#500\nM30\n";
+    let sub = |way: &str| format!("O77\nG1 {way}\nM99\n");
+    let page = with_programs(&user, &[("part.nc", text), ("O0077.nc", &sub("X-8"))]);
+    let folder = user.0.join("state/leadscrew");
+    std::fs::create_dir_all(&folder).unwrap();
+    let keep = |value: &str| {
+        let text = format!("#500 = {value}\n");
+        std::fs::write(folder.join("leadscrew.variables"), text).unwrap();
+    };
+    keep("-5.0");
+    let mut one = page.client("one");
+    one.take();
+    one.does("mode", &json!({"mode": "automatic"}));
+    let (_, tag, _) = one.get("/programs/part.nc");
+    let mut told = page.watch();
+    let mut end = |one: &mut Client<'_>, change: &dyn Fn()| {
+        let shown = one.seen("/programs/part.nc/start/3");
+        change();
+        let start = json!({"line": 3, "shown": shown["shown"]});
+        one.does(
+            "program",
+            &json!({"name": "part.nc", "tag": tag, "start": start}),
+        );
+        let mut end = wait(&mut told, "program", |one| !one["end"].is_null());
+        end["end"].take()
+    };
+    let other_sub = || std::fs::write(user.0.join("parts/O0077.nc"), sub("X-7")).unwrap();
+    let other_place = || {
+        good(&user.does(&["mdi", "G0 X-1"]));
+        good(&user.does(&["mode", "automatic"]));
+    };
+    let offset = || drop(good(&user.does(&["offsets", "set", "G54.Z=-1"])));
+    let changes: [(&str, &dyn Fn()); 4] = [
+        ("variables", &|| keep("-6.0")),
+        ("the program, a subprogram", &other_sub),
+        ("the axes", &other_place),
+        ("work offsets or tools", &offset),
+    ];
+    let by = one.seen("/programs/part.nc/start/3")["by"].clone();
+    for (what, change) in changes {
+        let before = user.json(&["status"]);
+        let end = end(&mut one, change);
+        let why = end["en"].as_str().unwrap();
+        assert!(
+            why.contains(what) && why.contains("look at it again"),
+            "{what}: {end}"
+        );
+        let after = user.json(&["status"]);
+        assert_eq!(
+            (&before["mz"], &after["state"]),
+            (&after["mz"], &json!("idle"))
+        );
+    }
+    // Looked at again it runs, as it was shown, once the panel has read the table.
+    wait(&mut page.watch(), "s", |s| {
+        s["by"].is_string() && s["by"] != by
+    });
+    let end = end(&mut one, &|| {});
+    assert_eq!(end["ok"], true, "{end}");
+    let status = user.json(&["status"]);
+    assert_eq!((&status["mx"], &status["mz"]), (&json!(-7), &json!(-7)));
 }
 
 #[test]

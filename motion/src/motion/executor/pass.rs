@@ -133,7 +133,7 @@ impl Executor {
         } else if let Some(learner) = now.learner
             && self.followers.is_none()
         {
-            // A tick of its own, for its divisions.
+            // A tick of its own, for its divisions; and swings are told in the tick after the one that is ready.
             self.followers = Some(Followers::new(&pass.plan, learner));
         } else if now.more {
             // Both axes must be in time, so the axis with the slower drive decides when the pass leaves.

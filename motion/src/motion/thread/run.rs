@@ -83,6 +83,10 @@ pub struct ThreadRun {
     way: Fine,
     /// In the corner to the stroke before: distance of the short axis from the line.
     aside: Option<Fine>,
+    /// Where the drives of both axes differ in delay: by how much the short axis was ahead of the long one in the last tick
+    /// in which the spindle led, as an angle and as a way.
+    lead: i64,
+    lead_way: Fine,
     phase: Phase,
     /// The plan has just taken over: the angle before may be that of another axis.
     is_fresh: bool,
@@ -117,6 +121,8 @@ impl ThreadRun {
             step: 0,
             way: 0,
             aside: None,
+            lead: 0,
+            lead_way: 0,
             phase: Phase::Waiting,
             is_fresh: false,
         })
@@ -183,12 +189,23 @@ impl ThreadRun {
 
     /// The next setpoint if the drives of the short and the long axis differ in delay: each coordinate belongs to its
     /// own instant. `angle` and `short` are the predicted spindle angles at the instants of the long and of the short
-    /// axis. The pass is done when both axes have arrived.
+    /// axis. The pass is done when both axes have arrived. In a stop the short axis stays ahead by as much time, so its way
+    /// ahead goes with the pace.
     pub fn tick_apart(&mut self, plan: &ThreadPlan, angle: Turns, short: Turns) -> ThreadPoint {
         let master = self.master;
+        let before = self.way;
         let mut beside = *self;
         let mut point = self.tick(plan, angle);
-        let other = beside.tick(plan, short);
+        let other = if master == Master::Spindle {
+            let other = beside.tick(plan, short);
+            self.lead = (beside.angle - self.angle).raw();
+            self.lead_way = beside.way.wrapping_sub(self.way);
+            other
+        } else {
+            beside.angle = self.angle;
+            beside.way = self.way;
+            beside.stop_ahead(plan, before)
+        };
         if plan.long_x {
             point.position.z = other.position.z;
         } else {
@@ -200,6 +217,37 @@ impl ThreadRun {
             point.phase = Phase::Braking;
         }
         point
+    }
+
+    /// The setpoint of the short axis in a stop, where the long axis has just gone from the way `before` to this one.
+    // Rare.
+    #[inline(never)]
+    fn stop_ahead(&mut self, plan: &ThreadPlan, before: Fine) -> ThreadPoint {
+        let at = |lead| self.angle + Turns::from_raw(lead);
+        // It comes to rest with the long axis, but where the angle runs on and each axis ends by itself.
+        (self.way, self.phase) = match self.master {
+            Master::Coasting(_) => self.law(plan, at(self.lead)),
+            Master::Slowing { ticks, .. } => {
+                let (left, ends) = left_of_pace(ticks.saturating_add(1), plan.link.stop);
+                let (way, phase) = self.law(plan, at(scaled(self.lead, left)));
+                (way, if ends { Phase::Done } else { phase })
+            }
+            Master::Stopping { share, .. } => {
+                let pace = self.way.wrapping_sub(before).max(0);
+                let pace = plan.of_speed.share(pace, plan.speed) as u32;
+                // Of the pace at the beginning, 2⁻¹⁶.
+                let part = pace.checked_div((share >> 16) as u32).unwrap_or(0);
+                let part = i64::from(part.min(1 << 16));
+                let ahead = self.lead_way.wrapping_mul(part) >> 16;
+                (self.way.wrapping_add(ahead), Phase::Done)
+            }
+            Master::Spindle | Master::Rest(_) => (self.way, Phase::Done),
+        };
+        ThreadPoint {
+            position: plan.position(self.way, self.aside, self.out),
+            phase: self.phase,
+            move_index: 0,
+        }
     }
 
     /// Takes the tool out of the thread now. The short axis ramps out with the run-out's slope (45° if there is no
@@ -342,7 +390,11 @@ impl ThreadRun {
     pub fn is_over(&self, plan: &ThreadPlan, ahead: Turns) -> bool {
         let relative = match self.master {
             Master::Spindle => plan.turned(ahead) - self.base,
-            Master::Coasting(_) | Master::Slowing { .. } => self.angle,
+            Master::Coasting(_) => self.angle + Turns::from_raw(self.lead.max(0)),
+            Master::Slowing { ticks, .. } => {
+                let (left, _) = left_of_pace(ticks, plan.link.stop);
+                self.angle + Turns::from_raw(scaled(self.lead, left).max(0))
+            }
             Master::Stopping { .. } | Master::Rest(_) => return false,
         };
         plan.goes_on() && relative >= plan.link.over
@@ -428,13 +480,19 @@ impl ThreadRun {
 /// The step of an angle that slows down from `step`, after `ticks` of which each is this `part` (2⁻³¹) of the stop; and
 /// whether it is at rest.
 fn slowed(step: i64, ticks: u32, part: u32) -> (i64, bool) {
+    let (left, is_over) = left_of_pace(ticks, part);
+    (scaled(step, left), is_over)
+}
+
+/// What is left of a pace that slows down (2⁻³¹) after `ticks` of which each is this `part` (2⁻³¹) of the stop; and whether
+/// that is nothing.
+fn left_of_pace(ticks: u32, part: u32) -> (i64, bool) {
     const WHOLE: u64 = 1 << 31;
     let u = u64::from(ticks).wrapping_mul(u64::from(part)).min(WHOLE);
     // u²·(3 − 2·u)
     let square = u.wrapping_mul(u) >> 31;
     let lost = square.wrapping_mul((3 * WHOLE).wrapping_sub(u << 1)) >> 31;
-    let left = WHOLE.wrapping_sub(lost) as i64;
-    (scaled(step, left), u == WHOLE)
+    (WHOLE.wrapping_sub(lost) as i64, u == WHOLE)
 }
 
 /// `fine` · `share` (2⁻³¹).

@@ -3,7 +3,7 @@
 //! An axis stands at what its drive counts, less an offset. For an axis whose drive homes, zero of that count is the mark,
 //! so the offset is known beforehand: `machine = position of the mark + 6064h` [D296].
 
-use super::Drives;
+use super::{Drives, Pitch};
 use crate::bus::{DriveMaster, HomeEnd, HomeLimits, Increments, Inputs, Periods, Scale};
 use crate::call::Position;
 use crate::params::{BY_DRIVE, Params};
@@ -56,11 +56,12 @@ impl Mark {
 
 /// The increments that the drive of an axis counts in addition to its position after homing. A position of the mark that
 /// the drive cannot count is refused by the checks of a parameter set.
-pub(super) fn offset(params: &Params, axis: Axis, scale: &Scale) -> i32 {
+pub(super) fn offset(params: &Params, axis: Axis, scale: &Scale, pitch: &Pitch) -> i32 {
     if params.home_method(axis) != BY_DRIVE {
         return 0;
     }
-    let mark = scale.increments(params.home_position(axis));
+    let mark = params.home_position(axis);
+    let mark = scale.increments(mark.wrapping_sub(pitch.error(axis, mark)));
     mark.map_or(0, |mark| mark.get().wrapping_neg())
 }
 
@@ -119,7 +120,8 @@ impl Drives {
         let offset = *of(&self.offsets, axis);
         let own = drive.target().get().wrapping_sub(offset);
         let place = drive.config().scale.position(Increments::new(own));
-        place.wrapping_sub(*of(&self.put_in(), axis))
+        let drive = place.wrapping_sub(*of(&self.put_in(), axis));
+        self.pitch.place(axis, drive)
     }
 
     /// The mark of an axis was passed at `seen`, by what counted before; the machine stands at `at`. Gives its position by
@@ -133,7 +135,10 @@ impl Drives {
         let [x, z, _] = super::figures(at);
         let here = if axis == Axis::X { x } else { z };
         let mark = of(&self.marks, axis).place;
-        let place = here.wrapping_add(mark.wrapping_sub(seen.nm()));
+        // The way beyond the mark is one of the drive: the errors of the pitch were those of another place before.
+        let drive = |place: i64| place.wrapping_sub(self.pitch.error(axis, place));
+        let way = drive(here).wrapping_sub(drive(seen.nm()));
+        let place = self.pitch.place(axis, drive(mark).wrapping_add(way));
         let to = super::with(axis, at, place);
         let (there, before) = (self.demands(super::figures(at)), self.backlash);
         if let Some(backlash) = &mut self.backlash {
@@ -208,14 +213,18 @@ pub(super) const fn copy(to: &mut [i32; 3], from: &[i32; 3], axis: Axis) {
     *of_mut(to, axis) = *of(from, axis);
 }
 
-/// The axes whose drives count in other units with the second set of figures than with the first.
+/// The axes whose drives count otherwise, by units, mark or errors of the pitch, with the second set of figures than
+/// with the first.
 pub(super) fn changed(before: &Drives, after: &super::Figures) -> Axes {
     let mut changed = Axes::NONE;
     let drives = before.axes.iter().zip(&after.axes);
     let marks = before.marks.iter().zip(&after.marks);
-    for (axis, ((drive, config), (old, new))) in Axis::ALL.into_iter().zip(drives.zip(marks)) {
+    let curves = Axis::ALL.map(|axis| before.pitch.curve(axis) == after.pitch.curve(axis));
+    for ((axis, as_before), ((drive, config), (old, new))) in
+        Axis::ALL.into_iter().zip(curves).zip(drives.zip(marks))
+    {
         let own = drive.config();
-        let same = own.scale == config.scale && own.node == config.node && old == new;
+        let same = own.scale == config.scale && own.node == config.node && old == new && as_before;
         if !same {
             changed = changed.with(axis);
         }

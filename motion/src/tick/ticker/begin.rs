@@ -150,11 +150,8 @@ impl Ticker {
                 }
                 Event::Aux(aux)
             }
-            Action::Alarm(alarm) => {
-                ends.segments.take();
-                self.raise(&alarm, ends);
-                return None;
-            }
+            // Not admitted.
+            Action::Alarm(_) => return None,
             Action::End | Action::LineEnd => {
                 if matches!(segment.action, Action::End) {
                     self.spindle.stop();

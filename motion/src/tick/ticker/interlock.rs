@@ -18,7 +18,7 @@ pub(super) enum Admitted {
     Yes,
     Waits,
     Refused(Interlock),
-    /// By the gear or the tool that is in, or by that none is known.
+    /// By the gear or the tool that is in, or by that none is known; or it cannot be planned.
     Wrong(Alarm),
 }
 
@@ -113,6 +113,8 @@ impl Ticker {
     /// Whether a segment of the program may begin now.
     pub(super) fn admit(&mut self, segment: &Segment) -> Admitted {
         let refusal = match &segment.action {
+            // What cannot be planned has moved nothing.
+            Action::Alarm(alarm) => return Admitted::Wrong(*alarm),
             // The way out behind a stroke is made whatever holds.
             Action::Timed(_) | Action::Planned if segment.stops.hold_not_before => None,
             Action::Timed(_) | Action::Planned => {
@@ -163,9 +165,8 @@ impl Ticker {
         if !self.course.in_fresh_line() {
             return self.raise(alarm, ends);
         }
-        emit(&mut ends.events, Event::Warning(*alarm));
         self.give_up_function();
-        self.transition_from_refused(&mut ends.events);
+        self.transition_from_refused(alarm, &mut ends.events);
     }
 
     /// An M code that waits until the spindle has stood: it opens the chuck, or selects a gear.

@@ -71,13 +71,12 @@ impl Ticker {
     }
 
     /// A line that was typed is refused before anything of it was done. What turns, and what is switched on, stays so.
-    pub(super) fn transition_from_refused(&mut self, events: &mut EventIn<'_>) {
+    pub(super) fn transition_from_refused(&mut self, alarm: &Alarm, events: &mut EventIn<'_>) {
         self.course.end_program();
         self.handwheel.set(false);
         self.restart(self.executor.position());
         self.state = State::Idle;
-        // Nothing comes of what was handed over.
-        emit(events, Event::Reset);
+        emit(events, Event::Refused(*alarm));
     }
 
     /// A segment begins, or the path goes on.

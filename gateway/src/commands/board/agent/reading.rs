@@ -285,6 +285,7 @@ fn told(entry: &Logged, lang: Lang) -> Entry {
     let what = match &entry.event {
         Event::Alarm(alarm) => Some(What::Alarm(trouble(alarm, lang))),
         Event::Warning(alarm) => Some(What::Warning(trouble(alarm, lang))),
+        Event::Refused(alarm) => Some(What::Refused(trouble(alarm, lang))),
         Event::Finished => Some(What::Finished),
         Event::Reset => Some(What::Reset),
         Event::Held => Some(What::Held),

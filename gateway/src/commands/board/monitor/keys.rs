@@ -258,7 +258,11 @@ pub fn old() -> Both {
 
 /// The same of an arrow.
 fn arrow(now: Situation) -> Option<Both> {
-    if let Some(words) = by_mode(now, &[OperatingMode::Manual, OperatingMode::Step]) {
+    let modes = [OperatingMode::Manual, OperatingMode::Step];
+    // A program in these modes is held and was left: its axes may move.
+    let is_left = now.mode.is_some_and(|mode| modes.contains(&mode));
+    let program = now.program && !is_left;
+    if let Some(words) = by_mode(Situation { program, ..now }, &modes) {
         return Some(words);
     }
     if now.hold {

@@ -35,6 +35,11 @@ pub fn told(entry: &Logged, lang: Lang) -> Option<Told> {
     match &entry.event {
         Event::Alarm(alarm) => Some(of_alarm(alarm, Tone::Bad, lang)),
         Event::Warning(alarm) => Some(of_alarm(alarm, Tone::Care, lang)),
+        Event::Refused(alarm) => {
+            let told = of_alarm(alarm, Tone::Care, lang);
+            let text = format!("{}{}", pick(lang, "refused: ", "已拒绝："), told.text);
+            Some(Told { text, ..told })
+        }
         Event::Finished => plain("program finished", "程序结束"),
         Event::Reset => plain("reset", "复位"),
         Event::Held => plain("feed hold", "进给保持"),

@@ -335,6 +335,7 @@ impl Shared {
                 name,
                 tag,
                 start,
+                wheel,
                 zh,
             } => {
                 let why = keys::no_program(self.situation(now));
@@ -344,6 +345,7 @@ impl Shared {
                         name,
                         tag,
                         start,
+                        wheel,
                         zh,
                     });
                 });

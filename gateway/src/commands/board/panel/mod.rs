@@ -226,6 +226,7 @@ impl<'a> Side<'a> {
             if status.is_due(now) {
                 let read = self.link.status();
                 if let Some(status) = self.tolerate(read)? {
+                    self.views.note_place(status.position);
                     self.record = Some((status, Instant::now()));
                 }
                 self.ask_beat()?;

@@ -154,12 +154,7 @@ pub fn json(setup: &Setup, source: &SourceFile, by: &str) -> Outcome<String> {
 
 /// Where a path begins, in machine coordinates.
 pub fn start(at: &Position, json: &mut Json) {
-    json.text("from", &begins(at));
-}
-
-/// The same as a text.
-pub fn begins(at: &Position) -> String {
-    format!("{} {}", at.x.nm(), at.z.nm())
+    json.text("from", &format!("{} {}", at.x.nm(), at.z.nm()));
 }
 
 fn fields(json: &mut Json, path: &Path) {

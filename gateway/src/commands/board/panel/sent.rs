@@ -47,20 +47,19 @@ impl Sent {
     ) -> Result<Self, Both> {
         let programs = programs.ok_or_else(|| of_refusal(Refusal::NoStore))?;
         let start = program.start.as_ref();
-        let place = from.as_ref().map(path::begins);
-        if let Some(start) = start
-            && (by.as_ref(), place.as_ref()) != (Some(&start.by), Some(&start.from))
-        {
-            return Err(moved());
-        }
         let claim = programs
             .claim(&program.name, &program.tag)
             .map_err(of_refusal)?;
         let lang = if program.zh { Lang::Zh } else { Lang::En };
         let mut typed: Vec<OsString> = Vec::new();
         if let Some(start) = start {
+            // Whether it is still what was shown is found out there, and there alone.
             let line = start.line.to_string();
-            typed.extend(["--from".into(), line.into(), "--yes".into()]);
+            let shown = start.shown.to_string();
+            typed.extend(["--from", &line, "--shown", &shown].map(OsString::from));
+        }
+        if program.wheel {
+            typed.push("--handwheel".into());
         }
         typed.extend(["--".into(), claim.path.clone().into()]);
         let own = Own::begin(global, "run", &typed, lang).map_err(|error| {
@@ -132,14 +131,6 @@ impl Sent {
             }
         })
     }
-}
-
-/// What was shown of a start is not so any more.
-fn moved() -> Both {
-    both!(
-        "the axes stand elsewhere, or parameters or tools were changed, since this start was shown: look at it again",
-        "显示此起点之后，坐标轴位置、参数或刀具已改变：请重新查看"
-    )
 }
 
 /// The end of a command of its own.

@@ -64,6 +64,13 @@ pub fn places(json: &mut Json, record: &Status, zero: Option<[Length; 2]>) {
     json.decimal::<6>("mx", place.x.nm().saturating_mul(2));
     json.decimal::<6>("mz", place.z.nm());
     json.decimal::<6>("mc", place.c.udeg());
+    match record.left {
+        Some(left) => json.object_at("left", |json| {
+            json.decimal::<6>("mx", left.x.nm().saturating_mul(2));
+            json.decimal::<6>("mz", left.z.nm());
+        }),
+        None => json.null("left"),
+    }
     json.text("referenced", &names(record.referenced));
     json.text("unreferenced", &names(record.unreferenced));
 }

@@ -21,8 +21,8 @@ use crate::cli::{Global, LangName};
 use crate::failure::{Failure, Outcome};
 use crate::setup::{Answer, Setup};
 use crate::source::SourceFile;
-use crate::start;
-use crate::words::{Both, both, pick};
+use crate::start::{self, Shown, Unfound};
+use crate::words::{self, Both, both, pick};
 
 /// What a board has.
 #[derive(Debug)]
@@ -85,7 +85,14 @@ impl Views {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes what the board has; `None` where that is not known.
+    /// Takes where the axes stand. A program is looked at from there at once, not from where they stood a second ago.
+    pub fn note_place(&self, position: Position) {
+        if let Some(known) = &mut *self.known() {
+            known.position = position;
+        }
+    }
+
+    /// Takes what the board has; `None` where that is not known. Nothing is renewed where it has the same as before.
     pub fn note(&self, read: Option<(&Params, Option<&Offsets>)>, status: &Status) {
         let mut known = self.known();
         let Some((params, table)) = read else {
@@ -94,21 +101,17 @@ impl Views {
         };
         let revision = table.map_or(0, |table| table.revision.0);
         let tag = format!("{revision}-{:08x}", status.parameters);
-        match &mut *known {
-            Some(known) if known.tag == tag => known.position = status.position,
-            _ => {
-                let base = Base {
-                    params: params.clone(),
-                    offsets: Table::Board(table.copied().map(Box::new)),
-                };
-                let position = status.position;
-                *known = Some(Known {
-                    base,
-                    tag,
-                    position,
-                });
-            }
+        if known.as_ref().is_some_and(|known| known.tag == tag) {
+            return;
         }
+        *known = Some(Known {
+            base: Base {
+                params: params.clone(),
+                offsets: Table::Board(table.copied().map(Box::new)),
+            },
+            tag,
+            position: status.position,
+        });
     }
 
     /// A program begins where the axes stand, or has ended: while it runs, paths begin where it has begun.
@@ -149,18 +152,14 @@ impl Views {
         let mut setup = Setup::over(&global, Some(base), Some(program), Answer::Check)?;
         if let View::Start(line) = view {
             setup.position = Some(position);
-            setup.gear = self.gear.load(Ordering::Relaxed);
-            let start = start::find(&setup, &source, line).map_err(|unfound| match unfound {
-                start::Unfound::Wrong(told) => {
-                    let (number, place) = (told.number, told.line);
-                    let words = format!("{place}: {number:04} {}; {}", told.message, told.help);
-                    Failure::WrongBecause(Both::same(words))
-                }
-                start::Unfound::Because(failure) => failure,
-            })?;
+            if setup.params.has_gears() {
+                setup.gear = self.gear.load(Ordering::Relaxed);
+            }
+            let found = start::find(&setup, &source, line).map_err(unfound)?;
+            let (start, shown) = Shown::of(found, &setup, &source)?;
             return Ok(object(|json| {
                 json.text("by", &tag);
-                path::start(&position, json);
+                json.text("shown", &shown.to_string());
                 json.text("text", start::shown(&start, &setup).get(setup.lang));
             }));
         }
@@ -190,6 +189,25 @@ impl Views {
             }
         }))
     }
+}
+
+/// Why a line is no start, with the place of what is wrong: of the text itself no file is named.
+fn unfound(unfound: Unfound) -> Failure {
+    let told = match unfound {
+        Unfound::Wrong(told) => told,
+        Unfound::Because(failure) => return failure,
+    };
+    let file = match told.counted == told.line {
+        true => String::new(),
+        false => Path::new(&told.file)
+            .file_name()
+            .map_or_else(String::new, |name| {
+                words::one_line(&name.to_string_lossy()) + ":"
+            }),
+    };
+    let (number, line) = (told.number, told.line);
+    let words = format!("{file}{line}: {number:04} {}; {}", told.message, told.help);
+    Failure::WrongBecause(Both::same(words))
 }
 
 fn unread() -> Both {

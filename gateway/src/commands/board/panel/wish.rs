@@ -43,6 +43,8 @@ pub enum Wish {
         tag: String,
         /// The line that it is started at, as the page was shown it.
         start: Option<StartAt>,
+        /// It follows a handwheel.
+        wheel: bool,
         /// Its answer is to be Chinese.
         zh: bool,
     },
@@ -112,6 +114,11 @@ impl Wish {
                     Value::Null => None,
                     start => Some(start_at(start)?),
                 },
+                // What is no flag is refused: without the wheel it would run at its feed.
+                wheel: match &args["wheel"] {
+                    Value::Null => false,
+                    wheel => wheel.as_bool()?,
+                },
                 zh: args["zh"] == true,
             },
             _ => return None,
@@ -132,8 +139,7 @@ impl Wish {
 fn start_at(start: &Value) -> Option<StartAt> {
     Some(StartAt {
         line: u32::try_from(start["line"].as_u64()?).ok()?,
-        by: start["by"].as_str()?.to_owned(),
-        from: start["from"].as_str()?.to_owned(),
+        shown: start["shown"].as_str()?.parse().ok()?,
     })
 }
 
@@ -182,32 +188,36 @@ mod tests {
 
     #[test]
     fn a_program_is_named_with_the_text_that_is_meant() {
-        let args = json!({"name": "a.nc", "tag": "4-x", "zh": false});
+        let args = json!({"name": "a.nc", "tag": "4-x", "wheel": true, "zh": false});
         let wish = Wish::Program {
             name: "a.nc".into(),
             tag: "4-x".into(),
             start: None,
+            wheel: true,
             zh: false,
         };
         assert!(wish.needs_fresh() && !wish.halts());
         assert_eq!(Wish::of("program", &args), Some(wish));
         assert_eq!(Wish::of("program", &json!({"name": "a.nc"})), None);
         assert_eq!(Wish::of("program", &json!({"tag": "4-x"})), None);
+        let wheel = json!({"name": "a.nc", "tag": "4-x", "wheel": "true"});
+        assert_eq!(Wish::of("program", &wheel), None);
         let at = |start: Value| {
             let args = json!({"name": "a.nc", "tag": "4-x", "start": start});
             Wish::of("program", &args)
         };
+        let shown = "00000001-00000002-00000003-00000004-00000005";
         let start = StartAt {
             line: 7,
-            by: "1-0".into(),
-            from: "0 0".into(),
+            shown: shown.parse().unwrap(),
         };
-        let seen = json!({"line": 7, "by": "1-0", "from": "0 0"});
+        let seen = json!({"line": 7, "shown": shown});
         assert!(matches!(at(seen), Some(Wish::Program { start: Some(at), .. }) if at == start));
         for wrong in [
             json!(7),
             json!({"line": 7}),
-            json!({"line": -7, "by": "1-0", "from": "0 0"}),
+            json!({"line": 7, "shown": "1"}),
+            json!({"line": -7, "shown": shown}),
         ] {
             assert_eq!(at(wrong), None);
         }

@@ -157,7 +157,7 @@ pub fn perform_on<'a>(
         return Err(Failure::Wrong);
     }
     if let Some(line) = args.from {
-        setup.from = Some(start::agree(&setup, source, line.get(), args.yes)?);
+        setup.from = Some(start::agree(&setup, source, line.get(), args.consent())?);
     }
     interrupt::defer(UnderWay::Machine);
     let (_, threads) = link.certificates()?;

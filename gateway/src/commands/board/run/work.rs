@@ -102,8 +102,6 @@ pub fn carry_out(
         by_wheel,
         held: false,
         stopped_by: None,
-        begun: false,
-        refusal: None,
         bar,
     };
     let outcome = runner.all();
@@ -172,10 +170,6 @@ struct Runner<'a> {
     held: bool,
     /// M00 or M01, of which no block behind it has begun.
     stopped_by: Option<u16>,
-    /// Something of the program has been done.
-    begun: bool,
-    /// What the board has just refused.
-    refusal: Option<Diagnostic>,
     /// Times of reading the certificates of threads.
     pace: Pace,
     /// When the spindle was looked at first.
@@ -548,10 +542,8 @@ impl Runner<'_> {
     }
 
     fn note(&mut self, entry: &Logged, feeder: &Feeder) {
-        let refusal = self.refusal.take();
         match entry.event {
             Event::Started { number, line } => {
-                self.begun = true;
                 self.stopped_by = None;
                 self.ran.moves = self.ran.moves.max(self.before + u64::from(number));
                 self.ran.line = line;
@@ -567,10 +559,8 @@ impl Runner<'_> {
                 self.bar
                     .suspend(|| diagnostics::print(&words, self.setup.colour));
             }
-            // What an operator was refused is told where it was asked, unless this is what was asked.
-            Event::Warning(warning) if BY_MODE.contains(&warning.number()) => {
-                self.refusal = Some(feeder.words(&warning));
-            }
+            // What an operator was refused is told where it was asked.
+            Event::Warning(warning) if BY_MODE.contains(&warning.number()) => {}
             Event::Warning(warning) => {
                 let known = |w: &Diagnostic| w.number == warning.number();
                 if !self.ran.warnings.iter().any(known) {
@@ -579,15 +569,11 @@ impl Runner<'_> {
             }
             Event::Aux(Aux::M(code @ (0 | 1))) => self.stopped_by = Some(code),
             Event::Finished => self.ran.finished = true,
-            Event::Reset => {
-                self.ran.reset = true;
-                if let Some(words) = refusal
-                    && !self.begun
-                {
-                    self.ran.refused = true;
-                    self.ran.alarms.push(words);
-                }
+            Event::Refused(alarm) => {
+                self.ran.refused = true;
+                self.ran.alarms.push(feeder.words(&alarm));
             }
+            Event::Reset => self.ran.reset = true,
             Event::Ready => self.ran.ready = true,
             _ => {}
         }

@@ -2,17 +2,14 @@
 
 use serde_json::json;
 
-use super::super::{Page, programs::PART};
-use super::Browser;
-use crate::User;
+use super::super::programs::{PART, with_programs};
+use super::{Browser, Tab};
+use crate::{User, good};
 
 #[test]
 fn somebody_starts_a_program_at_the_line_of_the_cursor() {
     let user = User::with_machine();
-    let folder = user.0.join("parts");
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("part.nc"), PART).unwrap();
-    let page = Page::with(&user, &["--programs", folder.to_str().unwrap()]);
+    let page = with_programs(&user, &[("part.nc", PART)]);
     let mut browser = Browser::start(&user);
     let mut tab = browser.tab(&page.link());
     tab.wait("document.querySelectorAll('#programs option').length === 2");
@@ -71,4 +68,99 @@ fn somebody_starts_a_program_at_the_line_of_the_cursor() {
     tab.wait("document.getElementById('start_at').hidden");
     let status = user.json(&["status"]);
     assert_eq!((&status["mx"], &status["mz"]), (&json!(-10), &json!(-7)));
+}
+
+#[test]
+fn a_start_that_was_shown_goes_where_the_board_has_other_offsets() {
+    let user = User::with_machine();
+    let page = with_programs(&user, &[("part.nc", PART)]);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    open(&mut tab, "part.nc", "moves");
+    line_of_cursor(&mut tab, "G1 X-40");
+    let shown = "!document.getElementById('start_at').hidden";
+    tab.until(shown, |tab| tab.click("#start_look"));
+    tab.says("document.getElementById('start_go').focus()");
+    good(&user.does(&["offsets", "set", "G54.Z=-1"]));
+    tab.wait("document.getElementById('start_at').hidden");
+    tab.wait("document.getElementById('answer').textContent.includes('look at it again')");
+    assert_eq!(tab.says("document.activeElement.id"), "start_look");
+    tab.until(shown, |tab| tab.click("#start_look"));
+    tab.wait("document.getElementById('start_told').textContent.includes('machine X -30  Z -6')");
+}
+
+/// Lines are counted as the machine does, whatever ends them, and a text keeps its ends.
+#[test]
+fn the_line_of_the_cursor_is_that_of_the_program_whatever_ends_its_lines() {
+    let user = User::with_machine();
+    let ends = ["\n", "\r\n", "\r", "\n\r"];
+    // A carriage return alone ends no line where others end with line feeds.
+    let wrong = PART.replace("G97 ", "G97\r");
+    let texts: Vec<String> = ends
+        .iter()
+        .map(|end| PART.replace('\n', end))
+        .chain([wrong])
+        .collect();
+    let names: Vec<String> = (0..texts.len()).map(|n| format!("{n}.nc")).collect();
+    let programs: Vec<(&str, &str)> = names
+        .iter()
+        .zip(&texts)
+        .map(|(name, text)| (&**name, &**text))
+        .collect();
+    let page = with_programs(&user, &programs);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    tab.operate();
+    for n in 0..=ends.len() {
+        let is_wrong = n == ends.len();
+        let found = if is_wrong { "▲ 2: 4001" } else { "moves" };
+        open(&mut tab, &names[n], found);
+        let rows = "document.querySelector('#numbers').lastChild.textContent";
+        tab.says("document.getElementById('source').scrollTop = 10000");
+        let all = PART.lines().count() + 1;
+        tab.wait(&format!("{rows} === '{all}'"));
+        line_of_cursor(&mut tab, "Z-20");
+        if is_wrong {
+            continue;
+        }
+        let shown = "!document.getElementById('start_at').hidden";
+        tab.until(shown, |tab| tab.click("#start_look"));
+        tab.wait("document.getElementById('start_line').textContent === '7'");
+        tab.wait(
+            "document.getElementById('start_told').textContent.includes('begins at  X -40  Z -5')",
+        );
+        let end = ends[n];
+        tab.says("document.getElementById('source').setSelectionRange(0, 0) ?? document.getElementById('source').focus()");
+        tab.asks("Input.insertText", json!({"text": "(B)\n"}));
+        tab.says("(document.getElementById('answer').textContent = '')");
+        tab.click("#save");
+        tab.wait("document.getElementById('answer').textContent === 'saved'");
+        let written = std::fs::read_to_string(user.0.join("parts").join(&names[n])).unwrap();
+        assert_eq!(written, format!("(B)\n{PART}").replace('\n', end));
+    }
+}
+
+/// Puts the cursor to the front of the line that begins so.
+fn line_of_cursor(tab: &mut Tab<'_>, begins: &str) {
+    tab.says(&format!(
+        "(() => {{ const source = document.getElementById('source'); const at = source.value.indexOf('\\n{begins}') + 1; \
+         source.setSelectionRange(at, at); return true; }})()"
+    ));
+}
+
+/// Opens a program, and waits until it was looked at.
+fn open(tab: &mut Tab<'_>, name: &str, found: &str) {
+    tab.wait(&format!(
+        "[...document.querySelectorAll('#programs option')].some((one) => one.value === '{name}')"
+    ));
+    tab.says(&format!(
+        "(() => {{ document.getElementById('found').textContent = ''; const list = document.getElementById('programs'); \
+         list.value = '{name}'; list.dispatchEvent(new Event('change')); return true; }})()"
+    ));
+    tab.wait(&format!(
+        "document.getElementById('found').textContent.includes('{found}')"
+    ));
+    tab.wait(&format!(
+        "document.getElementById('name').value === '{name}'"
+    ));
 }

@@ -1,5 +1,7 @@
 //! What the desk asks of the panel's own thread, which alone waits for the bus and begins processes. Values alone.
 
+use crate::start::Shown;
+
 /// A line to be carried out, or the way out of a hole.
 pub struct Line {
     /// Answers whether it has begun.
@@ -18,15 +20,13 @@ pub enum What {
     Retract(Option<u32>),
 }
 
-/// A line that a program is started at, and by what its page was shown what would happen.
+/// A line that a program is started at, and what its page was shown of that.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StartAt {
     /// The line.
     pub line: u32,
-    /// The tag of parameters and tables.
-    pub by: String,
-    /// Where the axes stood.
-    pub from: String,
+    /// What would happen.
+    pub shown: Shown,
 }
 
 /// A program to be sent and begun.
@@ -39,6 +39,8 @@ pub struct Program {
     pub tag: String,
     /// The line that it is started at, not its first one.
     pub start: Option<StartAt>,
+    /// It follows a handwheel.
+    pub wheel: bool,
     /// The answer is Chinese.
     pub zh: bool,
 }
