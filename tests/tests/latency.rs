@@ -13,6 +13,8 @@ const RUN_IN_TAPER_RUN_OUT: &str = "M3 S300\nG0 X20 Z10\nG78 P010360 Q0.1 R0.05 
     G78 X30 Z-20 R-0.8 P1.2 Q0.8 F2 J1 K2\nM30\n";
 const LONG_X: &str = "M3 S300\nG0 X80 Z10\nG78 P010060 Q0.1 R0.05\n\
     G78 X60 Z0 R-30 P1 Q0.8 F2 J1 K2\nM30\n";
+/// The last stroke has another long axis.
+const CHAIN: &str = "M3 S600\nG0 X40 Z5\nG32 X50 Z-10 F2\nX44 Z-25 F3\nX60 Z-32 F2\nM30\n";
 
 #[test]
 fn unequal_latencies_break_no_limit_and_no_certificate() {
@@ -43,7 +45,7 @@ fn along(row: &Row, axis: Axis) -> i64 {
 /// difference before, 0.3 mm and more.
 #[test]
 fn a_stop_anywhere_breaks_no_limit_with_unequal_latencies() {
-    for program in [RUN_IN_TAPER_RUN_OUT, LONG_X] {
+    for program in [RUN_IN_TAPER_RUN_OUT, LONG_X, CHAIN] {
         for (x, z) in [(0, 9_000), (9_000, 0), (875, 3_500)] {
             let params = with(&[("9003.X", x), ("9003.Z", z)]);
             let calm = run(program, &params, &PlantOptions::default(), |_, _| {});

@@ -87,6 +87,8 @@ pub struct ThreadRun {
     /// in which the spindle led, as an angle and as a way.
     lead: i64,
     lead_way: Fine,
+    /// In a stop: the angle is that of the axis that is short by now, because a stroke with another long axis took over.
+    is_swapped: bool,
     phase: Phase,
     /// The plan has just taken over: the angle before may be that of another axis.
     is_fresh: bool,
@@ -123,6 +125,7 @@ impl ThreadRun {
             aside: None,
             lead: 0,
             lead_way: 0,
+            is_swapped: false,
             phase: Phase::Waiting,
             is_fresh: false,
         })
@@ -148,13 +151,20 @@ impl ThreadRun {
 
     /// The setpoint for the instant at which the spindle is at `angle`.
     pub fn tick(&mut self, plan: &ThreadPlan, angle: Turns) -> ThreadPoint {
+        let ends = self.advance(plan, angle);
+        self.point(plan, self.angle, ends)
+    }
+
+    /// Takes the angle on by a tick; true at the end of a stop that slows it down.
+    fn advance(&mut self, plan: &ThreadPlan, angle: Turns) -> bool {
         let mut ends = false;
         let (relative, step) = match self.master {
             Master::Coasting(step) => (self.angle + Turns::from_raw(step), step),
             Master::Slowing { step, ticks } => {
                 let ticks = ticks.saturating_add(1);
                 self.master = Master::Slowing { step, ticks };
-                let (step, over) = slowed(step, ticks, plan.link.stop);
+                let (left, over) = left_of_pace(ticks, plan.link.stop);
+                let step = scaled(step, left);
                 ends = over;
                 (self.angle + Turns::from_raw(step), step)
             }
@@ -169,6 +179,11 @@ impl ThreadRun {
         };
         self.angle = relative;
         self.step = step;
+        ends
+    }
+
+    /// The setpoint where the helix is at the angle `relative`. `ends`: it is the last one of a stop.
+    fn point(&mut self, plan: &ThreadPlan, relative: Turns, ends: bool) -> ThreadPoint {
         let (way, phase) = self.law(plan, relative);
         let phase = if ends { Phase::Done } else { phase };
         self.way = way;
@@ -193,18 +208,22 @@ impl ThreadRun {
     /// ahead goes with the pace.
     pub fn tick_apart(&mut self, plan: &ThreadPlan, angle: Turns, short: Turns) -> ThreadPoint {
         let master = self.master;
-        let before = self.way;
         let mut beside = *self;
-        let mut point = self.tick(plan, angle);
-        let other = if master == Master::Spindle {
-            let other = beside.tick(plan, short);
-            self.lead = (beside.angle - self.angle).raw();
-            self.lead_way = beside.way.wrapping_sub(self.way);
-            other
-        } else {
-            beside.angle = self.angle;
-            beside.way = self.way;
-            beside.stop_ahead(plan, before)
+        let (mut point, other) = match master {
+            Master::Spindle => {
+                let point = self.tick(plan, angle);
+                let other = beside.tick(plan, short);
+                self.lead = (beside.angle - self.angle).raw();
+                self.lead_way = beside.way.wrapping_sub(self.way);
+                self.is_swapped = false;
+                (point, other)
+            }
+            Master::Coasting(_) | Master::Slowing { .. } => self.run_on_apart(plan, &mut beside),
+            Master::Stopping { .. } | Master::Rest(_) => {
+                let before = self.way;
+                let point = self.tick(plan, angle);
+                (point, beside.stop_ahead(plan, self.way, before))
+            }
         };
         if plan.long_x {
             point.position.z = other.position.z;
@@ -219,33 +238,52 @@ impl ThreadRun {
         point
     }
 
-    /// The setpoint of the short axis in a stop, where the long axis has just gone from the way `before` to this one.
+    /// The setpoints of the long axis and, in `beside`, of the short one, in a stop whose angle runs on by itself. Each axis
+    /// ends by itself, and at the end of a stop that slows down both are at the same angle.
     // Rare.
     #[inline(never)]
-    fn stop_ahead(&mut self, plan: &ThreadPlan, before: Fine) -> ThreadPoint {
-        let at = |lead| self.angle + Turns::from_raw(lead);
-        // It comes to rest with the long axis, but where the angle runs on and each axis ends by itself.
-        (self.way, self.phase) = match self.master {
-            Master::Coasting(_) => self.law(plan, at(self.lead)),
+    fn run_on_apart(&mut self, plan: &ThreadPlan, beside: &mut Self) -> (ThreadPoint, ThreadPoint) {
+        let ends = self.advance(plan, Turns::ZERO);
+        let ahead = self.angle + self.left_of_lead(plan);
+        let (long, short) = if self.is_swapped {
+            (ahead, self.angle)
+        } else {
+            (self.angle, ahead)
+        };
+        (
+            self.point(plan, long, ends),
+            beside.point(plan, short, ends),
+        )
+    }
+
+    /// By how much the other axis is ahead of the one whose angle is counted.
+    fn left_of_lead(&self, plan: &ThreadPlan) -> Turns {
+        Turns::from_raw(match self.master {
             Master::Slowing { ticks, .. } => {
-                let (left, ends) = left_of_pace(ticks.saturating_add(1), plan.link.stop);
-                let (way, phase) = self.law(plan, at(scaled(self.lead, left)));
-                (way, if ends { Phase::Done } else { phase })
+                scaled(self.lead, left_of_pace(ticks, plan.link.stop).0)
             }
-            Master::Stopping { share, .. } => {
-                let pace = self.way.wrapping_sub(before).max(0);
-                let pace = plan.of_speed.share(pace, plan.speed) as u32;
-                // Of the pace at the beginning, 2⁻¹⁶.
-                let part = pace.checked_div((share >> 16) as u32).unwrap_or(0);
-                let part = i64::from(part.min(1 << 16));
-                let ahead = self.lead_way.wrapping_mul(part) >> 16;
-                (self.way.wrapping_add(ahead), Phase::Done)
-            }
-            Master::Spindle | Master::Rest(_) => (self.way, Phase::Done),
+            _ => self.lead,
+        })
+    }
+
+    /// The setpoint of the short axis in a stop along the line, where the long axis has just gone from the way `before` to
+    /// `way`. The short one comes to rest with it.
+    // Rare.
+    #[inline(never)]
+    fn stop_ahead(&mut self, plan: &ThreadPlan, way: Fine, before: Fine) -> ThreadPoint {
+        let ahead = if let Master::Stopping { share, .. } = self.master {
+            let pace = way.wrapping_sub(before).max(0);
+            let pace = plan.of_speed.share(pace, plan.speed) as u32;
+            // Of the pace at the beginning, 2⁻¹⁶.
+            let part = pace.checked_div((share >> 16) as u32).unwrap_or(0);
+            let part = i64::from(part.min(1 << 16));
+            self.lead_way.wrapping_mul(part) >> 16
+        } else {
+            0
         };
         ThreadPoint {
-            position: plan.position(self.way, self.aside, self.out),
-            phase: self.phase,
+            position: plan.position(way.wrapping_add(ahead), self.aside, self.out),
+            phase: Phase::Done,
             move_index: 0,
         }
     }
@@ -390,10 +428,8 @@ impl ThreadRun {
     pub fn is_over(&self, plan: &ThreadPlan, ahead: Turns) -> bool {
         let relative = match self.master {
             Master::Spindle => plan.turned(ahead) - self.base,
-            Master::Coasting(_) => self.angle + Turns::from_raw(self.lead.max(0)),
-            Master::Slowing { ticks, .. } => {
-                let (left, _) = left_of_pace(ticks, plan.link.stop);
-                self.angle + Turns::from_raw(scaled(self.lead, left).max(0))
+            Master::Coasting(_) | Master::Slowing { .. } => {
+                self.angle + self.left_of_lead(plan).max(Turns::ZERO)
             }
             Master::Stopping { .. } | Master::Rest(_) => return false,
         };
@@ -404,12 +440,15 @@ impl ThreadRun {
     pub fn leave(&mut self, plan: &ThreadPlan) {
         self.base += plan.link.turns;
         self.angle -= plan.link.turns;
+        self.is_swapped ^= plan.long_x;
     }
 
     /// `plan` takes over, where it is the same straight line as the one that was left.
     pub fn take_over(&mut self, plan: &ThreadPlan) {
         self.length = plan.link.straight;
         self.is_fresh = true;
+        // Together with the stroke that was left: true where the long axis is another one.
+        self.is_swapped ^= plan.long_x;
         // A stop may come before the next tick.
         (self.way, self.phase) = self.law(plan, self.angle);
     }
@@ -475,13 +514,6 @@ impl ThreadRun {
             (self.length, Phase::Done)
         }
     }
-}
-
-/// The step of an angle that slows down from `step`, after `ticks` of which each is this `part` (2⁻³¹) of the stop; and
-/// whether it is at rest.
-fn slowed(step: i64, ticks: u32, part: u32) -> (i64, bool) {
-    let (left, is_over) = left_of_pace(ticks, part);
-    (scaled(step, left), is_over)
 }
 
 /// What is left of a pace that slows down (2⁻³¹) after `ticks` of which each is this `part` (2⁻³¹) of the stop; and whether
