@@ -1382,6 +1382,9 @@ codes! {
     /// Errors of the pitch that bend too sharply for the rapid rate: axis, point, share in per cent.
     PitchErrorBent = 4871, "the pitch errors of {0} bend at point {1} so sharply that taking them off takes {2} % of the acceleration or jerk of the axis at its rapid rate, and less than 4 are kept for it", "check the values about 1870 + {1}; set the points farther apart (1862.{0}), or 1420.{0} lower",
         "{0} 轴的螺距误差在第 {1} 点转折过急：按快速移动速度补偿需占用该轴加速度或加加速度的 {2} %，而只为此保留 4 % 以下", "请检查 1870 + {1} 附近的值；或加大点距（1862.{0}），或降低 1420.{0}";
+    /// A drive takes too little of its targets: axis, what is left of its jerk and of its acceleration in per cent.
+    TargetsTooSlow = 4879, "what the drive of {0} takes of its targets (9077.{0}, 9078.{0}) leaves {1} % of the jerk of the axis and {2} % of its acceleration, and 10 are needed", "write 607Fh and 60C5h of the drive there, in the units of the axis; raise them in the drive, or lower 1420.{0}, 1430.{0} and 1620.{0}",
+        "{0} 轴驱动器允许的目标（9077.{0}、9078.{0}）只剩该轴加加速度的 {1} % 和加速度的 {2} %，至少需 10 %", "请按轴的单位填写驱动器的 607Fh 和 60C5h；请在驱动器中提高，或降低 1420.{0}、1430.{0}、1620.{0}";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",

@@ -2,14 +2,14 @@
 
 use super::Params;
 use super::pitch::PITCH_PART;
-use crate::units::{Acceleration, Axis, Jerk, mul_div};
+use crate::units::{Acceleration, Axis, Jerk, mul_div, signed};
 
 /// Where an axis has backlash, putting it in may use one part in so many of the axis' acceleration and jerk, and the
 /// motion of the axis uses the others.
 pub(crate) const TAKE_UP_PART: u64 = 4;
 
 /// The speed of putting it in is at most one part in so many of the rapid rate.
-const SPEED_PART: u64 = 16;
+pub(super) const SPEED_PART: u64 = 16;
 
 /// The largest τ, as a power of two, in ticks.
 const LONGEST: u32 = 6;
@@ -44,8 +44,9 @@ impl TakeUpShape {
         // The range ends at 1 mm.
         let way = params.backlash(axis).unwrap_or(0) << Self::PLACES;
         let tick = u64::from(params.tick_us());
-        let acceleration = params.acceleration(axis).nm_per_s2().unsigned_abs() / TAKE_UP_PART;
-        let jerk = params.jerk(axis).nm_per_s3().unsigned_abs() / TAKE_UP_PART;
+        let highest = params.highest(axis);
+        let acceleration = highest.acceleration / TAKE_UP_PART;
+        let jerk = highest.jerk / TAKE_UP_PART;
         let rapid = params.rapid(axis).nm_per_min().unsigned_abs() / SPEED_PART;
         let by_speed = mul_div(rapid, tick << Self::PLACES, 60_000_000);
         let mut best = (u64::MAX, 1, 0);
@@ -80,7 +81,7 @@ fn time(way: u64, ramp: u64, ticks: u64) -> u64 {
 }
 
 impl Params {
-    fn has_backlash(&self, axis: Axis) -> bool {
+    pub(super) fn has_backlash(&self, axis: Axis) -> bool {
         self.backlash(axis).is_some_and(|way| way != 0)
     }
 
@@ -98,28 +99,29 @@ impl Params {
             .saturating_mul(self.tick_us().into())
     }
 
-    /// The largest acceleration of the motion of an axis: 1620, less what is kept for its backlash and
-    /// its pitch errors.
+    /// The largest acceleration of the motion of an axis: 1620, or what the targets of its drive leave of it, less what is
+    /// kept for its backlash and its pitch errors.
     #[must_use]
     pub fn motion_acceleration(&self, axis: Axis) -> Acceleration {
-        let highest = self.acceleration(axis).nm_per_s2();
-        Acceleration::from_nm_per_s2(self.left_of(axis, highest))
+        let left = self.left_of(axis, self.highest(axis).acceleration);
+        Acceleration::from_nm_per_s2(signed(left))
     }
 
-    /// The largest jerk of the motion of an axis: 1622, less what is kept for its backlash and its pitch errors.
+    /// The largest jerk of the motion of an axis: 1622, or what the targets of its drive leave of it, less what is kept for
+    /// its backlash and its pitch errors.
     #[must_use]
     pub fn motion_jerk(&self, axis: Axis) -> Jerk {
-        let highest = self.jerk(axis).nm_per_s3();
-        Jerk::from_nm_per_s3(self.left_of(axis, highest))
+        let left = self.left_of(axis, self.highest(axis).jerk);
+        Jerk::from_nm_per_s3(signed(left))
     }
 
-    fn left_of(&self, axis: Axis, limit: i64) -> i64 {
+    fn left_of(&self, axis: Axis, limit: u64) -> u64 {
         let part = |has, of| match has {
-            true => limit.unsigned_abs().checked_div(of).unwrap_or(0),
+            true => limit.checked_div(of).unwrap_or(0),
             false => 0,
         };
         limit
-            .saturating_sub_unsigned(part(self.has_backlash(axis), TAKE_UP_PART))
-            .saturating_sub_unsigned(part(self.has_pitch_errors(axis), PITCH_PART))
+            .saturating_sub(part(self.has_backlash(axis), TAKE_UP_PART))
+            .saturating_sub(part(self.has_pitch_errors(axis), PITCH_PART))
     }
 }

@@ -5,7 +5,7 @@ use super::pitch::{LARGEST_PITCH_ERROR, Unusable};
 use super::{FunctionRow, Params};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::spindle::{Resolution, Tracker};
-use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks};
+use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks, signed};
 
 /// Ticks that the two ramps of a motion profile may have together.
 pub const PROFILE_TICKS: i64 = 2048;
@@ -60,6 +60,7 @@ impl Params {
         self.check_functions(&mut reasons);
         self.check_lags(&mut reasons);
         self.check_pitch(&mut reasons);
+        self.check_targets(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -133,7 +134,9 @@ impl Params {
     fn check_ramps<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
         let none = (Axis::X, 0);
         let (mut to_speed, mut to_acceleration) = (none, none);
-        for axis in Axis::ALL {
+        // What is wrong with the others is said of their targets.
+        let usable = |axis: &Axis| self.unusable_target(*axis).is_none();
+        for axis in Axis::ALL.into_iter().filter(usable) {
             let (speed, acceleration) = self.ramps(axis);
             if speed > to_speed.1 {
                 to_speed = (axis, speed);
@@ -291,6 +294,17 @@ impl Params {
         for (number, gain) in axes.into_iter().chain([(9073, self.spindle_drive_gain())]) {
             if (1..LOWEST_GAIN).contains(&gain) {
                 reasons.add(Code::GainTooLow, &[count(number), count(gain)]);
+            }
+        }
+    }
+
+    /// What the drive of an axis takes of its targets leaves enough to move.
+    fn check_targets<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
+        for axis in Axis::ALL {
+            if let Some([jerk, acceleration]) = self.unusable_target(axis) {
+                let share = |share: u64| Arg::Int(signed(share));
+                let figures = [letter(axis), share(jerk), share(acceleration)];
+                reasons.add(Code::TargetsTooSlow, &figures);
             }
         }
     }
@@ -569,6 +583,25 @@ mod tests {
                 Code::GainTooLow,
                 [Arg::Int(9073), Arg::Int(1), none, none],
                 &[("9073", "0")],
+            ),
+            (
+                &[("9077.Z", "16000"), ("9070.Z", "150")],
+                Code::TargetsTooSlow,
+                [z, Arg::Int(0), Arg::Int(100), none],
+                &[("9077.Z", "17000"), ("9070.Z", "150")],
+            ),
+            (
+                // Without a lag to take off.
+                &[("9077.X", "11999")],
+                Code::TargetsTooSlow,
+                [x, Arg::Int(0), Arg::Int(100), none],
+                &[("9077.X", "12000")],
+            ),
+            (
+                &[("9078.Z", "0.2")],
+                Code::TargetsTooSlow,
+                [z, Arg::Int(100), Arg::Int(6), none],
+                &[("9078.Z", "0.3")],
             ),
             (
                 // 100.1 µm in 20 mm.

@@ -18,6 +18,7 @@ mod limit;
 mod pitch;
 mod row;
 mod set;
+mod target;
 #[cfg(test)]
 mod tests;
 mod turret;

@@ -21,6 +21,7 @@
 use core::num::NonZeroU32;
 
 use super::Params;
+use super::target::Highest;
 use crate::units::{Axis, mul_div};
 
 /// Place of the last value.
@@ -34,7 +35,7 @@ const POINTS: u8 = 16;
 pub(super) const PITCH_PART: u64 = 25;
 
 /// The largest change of the error from point to point is one part in so many of the spacing: 5 µm a millimetre.
-const STEEPEST: u64 = 200;
+pub(super) const STEEPEST: u64 = 200;
 
 /// Nanometres of a micrometre: a table begins at a whole one.
 const MICROMETRE: i64 = 1_000;
@@ -201,8 +202,7 @@ impl Params {
         // Spacings in 2²⁰ seconds at the rapid rate, the acceleration and the jerk of the axis.
         let rapid = self.rapid(axis).nm_per_min().unsigned_abs();
         let pace = mul_div(rapid, 1 << 20, spacing.saturating_mul(60));
-        let acceleration = self.acceleration(axis).nm_per_s2().unsigned_abs();
-        let jerk = self.jerk(axis).nm_per_s3().unsigned_abs();
+        let Highest { acceleration, jerk } = self.highest(axis);
         let paced = |amount: u64| mul_div(amount, pace, 1 << 20);
         for point in 0..=POINTS {
             let (here, next) = (bend(point), bend(point.saturating_add(1)));

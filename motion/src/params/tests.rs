@@ -401,6 +401,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x1A51_0C78),
     // Errors of the pitch: 1861, 1862, 1871 to 1886. The key knows the places in a set.
     (2, 0x4696_6F76),
+    // What a drive takes of its targets: 9077, 9078.
+    (2, 0x8799_7FAA),
 ];
 
 #[test]

@@ -4,4 +4,5 @@ mod contours;
 mod machine;
 mod operator;
 mod random;
+mod targets;
 mod volume;

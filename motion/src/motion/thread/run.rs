@@ -238,8 +238,8 @@ impl ThreadRun {
         point
     }
 
-    /// The setpoints of the long axis and, in `beside`, of the short one, in a stop whose angle runs on by itself. Each axis
-    /// ends by itself, and at the end of a stop that slows down both are at the same angle.
+    /// The setpoints of the long axis and, in `beside`, of the short one, in a stop whose angle runs on by itself.
+    /// Each axis ends by itself, and at the end of a stop that slows down both are at the same angle.
     // Rare.
     #[inline(never)]
     fn run_on_apart(&mut self, plan: &ThreadPlan, beside: &mut Self) -> (ThreadPoint, ThreadPoint) {
