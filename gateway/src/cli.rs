@@ -153,10 +153,22 @@ pub struct Global {
     /// Stop at M01 (with `sim` it passes at once)
     #[arg(long, global = true)]
     pub optional_stop: bool,
-    /// Stop after every block and every pass (with `sim` it passes at once)
-    #[arg(long, global = true)]
-    pub single_block: bool,
+    /// Stop after every block and every pass: `=on`, which may be left out, or `=off` (with `sim` it passes at once)
+    ///
+    /// It sets the switch of the machine, which stays so. Without it that is left as somebody has set it.
+    #[arg(
+        long,
+        global = true,
+        value_name = "on|off",
+        value_parser = on_or_off,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "on"
+    )]
+    pub single_block: Option<bool>,
     /// Use the dry-run feed for every feed; thread strokes keep their lead
+    ///
+    /// A program or line is read so where this is given, and never otherwise: no switch of the machine makes it so.
     #[arg(long, global = true)]
     pub dry_run: bool,
     /// Language of messages
@@ -198,6 +210,15 @@ pub struct Global {
     /// Takes the simulated board's power away at this tick (with `--state`)
     #[arg(long, global = true, value_name = "TICK")]
     pub cut_power: Option<u64>,
+}
+
+/// A switch that is set.
+fn on_or_off(text: &str) -> Result<bool, Mistake> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(mistake!("it is `on` or `off`", "只能是 `on` 或 `off`")),
+    }
 }
 
 /// A bit rate that a Lawicel adapter can be set to.

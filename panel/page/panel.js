@@ -31,6 +31,8 @@ let refused = null;
 const holds = { own: null, now: null, notice: null, looks: false, takes: false };
 // What was told before this page has watched is over.
 let fresh = false;
+// How often something was said.
+let said = 0;
 let step = "0.1";
 let rapid = false;
 
@@ -73,8 +75,13 @@ function whose() {
   show.lease(who, holds.looks, who === "own" || holds.takes ? holds.notice : null);
 }
 
+function say(what) {
+  said += 1;
+  show.answer(what);
+}
+
 // Says what an order has come to, and takes back what was said before.
-const tell = (answer) => show.answer(answer?.ok ? null : answer ?? words("no_answer"));
+const tell = (answer) => say(answer?.ok ? null : answer ?? words("no_answer"));
 
 function words(key) {
   const text = word(key);
@@ -84,9 +91,11 @@ function words(key) {
 async function give(op, args = {}) {
   if (!ALWAYS.includes(op) && age() > OLD) return tell(words("stale"));
   if (op !== "hold" && op !== "stop" && press.isDown()) press.up();
+  const before = said;
   try {
     const answer = await order(op, args, last?.beat);
-    tell(answer);
+    // What was said meanwhile is news: the end of a line comes by another connection than the answer that it has begun.
+    if (!answer.ok || said === before) tell(answer);
     return answer;
   } catch {
     return tell(null);
@@ -227,6 +236,12 @@ function buttons(start) {
     const line = at("typed").value.trim();
     if (line) give("mdi", { line, zh: isChinese() });
   };
+  // The field would make one line of what is pasted, with another way.
+  at("typed").addEventListener("beforeinput", (event) => {
+    if (!/[\r\n]/.test(event.data?.trim() ?? "")) return;
+    event.preventDefault();
+    tell(words("several"));
+  });
   at("take").onclick = () => ask(owns() ? "give" : "take");
   at("language").onclick = () => languages(!isChinese());
 }
@@ -269,9 +284,9 @@ try {
     lease: ({ number, notice_s }) => { holds.now = number; holds.notice = notice_s; whose(); },
     program: (one) => {
       programs.under_way(one);
-      if (fresh) show.answer(one.end ?? words("sending"));
+      if (fresh) say(one.end ?? words("sending"));
     },
-    line: (end) => { if (fresh) show.answer(end.ok ? words("done") : end); },
+    line: (end) => { if (fresh) say(end.ok ? words("done") : end); },
   }, () => { refused = () => word("login"); grow(); });
 } catch (error) {
   refused = () => (error.refused ? error[isChinese() ? "zh" : "en"] : word("lost"));

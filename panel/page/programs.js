@@ -1,14 +1,14 @@
 // The programs of the panel's folder: opened, changed, checked, drawn, and begun. It must not know how the machine is told.
 
 import { Path } from "./path.js";
-import { Text, unified } from "./text.js";
+import { ended, Text, unified } from "./text.js";
 import { program, programs, view, write } from "./transport.js";
 import { isChinese, word } from "./words.js";
 
 const at = (id) => document.getElementById(id);
 const text = new Text({ area: at("source"), numbers: at("numbers"), bar: at("here"), changed });
 const path = new Path(at("plot"));
-// The open program: name, tag, line end, whether it may be changed, whether it was, by what it was looked at.
+// The open program: name, tag, line end, whether it would come back as another, whether it was changed, by what it was looked at.
 let open = null;
 // The one that the machine runs from here.
 let runs = null;
@@ -89,7 +89,7 @@ async function show(name) {
   doomed = null;
   const decoded = read(answer.bytes);
   const lines = unified(decoded.text);
-  open = { name, tag: answer.tag, end: lines.end, bare: decoded.bare, changed: false };
+  open = { name, tag: answer.tag, end: lines.end, bare: decoded.bare || lines.signed, changed: false };
   text.value = lines.text;
   at("name").value = name;
   at("programs").value = name;
@@ -160,7 +160,7 @@ function found(check) {
 async function save() {
   const name = at("name").value.trim();
   const own = open?.name === name ? open : null;
-  const sent = text.value.replaceAll("\n", own?.end ?? "\n");
+  const sent = ended(text.value, own?.end ?? "\n");
   const answer = await asked(write(name, sent, own?.tag ?? null));
   if (!answer) return;
   turn += 1;

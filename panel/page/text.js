@@ -9,14 +9,19 @@ const SHOWN = 5000;
 // Whoever scrolls looks at what he wants for so long.
 const LOOKS = 4000;
 
+// A carriage return that ends no line: the machine refuses it, and a field would end a line there.
+const RETURN = "␍";
+
 // The lines of a text as the machine counts them: its first line end tells which one all of it has. They end with line feeds
-// here; and that line end.
+// here, and a carriage return that is left has its sign; and that line end, and whether the text had the sign itself.
 export function unified(text) {
   const end = text.match(/\r\n|\n\r|\r|\n/)?.[0] ?? "\n";
   const ends = { "\r": /\r\n?/g, "\n\r": /\n\r?/g }[end] ?? /\r*\n/g;
-  // The machine refuses a carriage return that is left, and a field would end a line there: a space is in its place.
-  return { text: text.replace(ends, "\n").replaceAll("\r", " "), end };
+  return { text: text.replace(ends, "\n").replaceAll("\r", RETURN), end, signed: text.includes(RETURN) };
 }
+
+// The same text with its own line ends, as it is written.
+export const ended = (text, end) => text.replaceAll("\n", end).replaceAll(RETURN, "\r");
 
 export class Text {
   constructor({ area, numbers, bar, changed }) {

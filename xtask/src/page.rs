@@ -60,7 +60,7 @@ pub fn check() -> Result<()> {
 }
 
 /// The page of `leadscrew panel` watched for ten minutes, with a path of 100 000 pieces, and left in the middle of 500
-/// presses: tells the figures.
+/// presses, by a browser and by its frames alone: tells the figures.
 pub fn long() -> Result<()> {
     setup::tools(&[setup::BROWSER])?;
     let test = ["test", "--quiet", "--package", "leadscrew"];
@@ -71,7 +71,9 @@ pub fn long() -> Result<()> {
         run.env(variable.0, variable.1);
         run::show(run)
     };
-    run("page::browser::long::", ("LEADSCREW_PAGE_SECONDS", "600"))?;
+    for name in ["page::browser::long::", "page::browser::gone::"] {
+        run(name, ("LEADSCREW_PAGE_SECONDS", "600"))?;
+    }
     run(
         "page::jog::a_page_that_vanishes",
         (leadscrew_seed::FULL, "1"),

@@ -17,7 +17,7 @@ mod status;
 mod watch;
 
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::bus::BoardState;
+use leadscrew_core::bus::{BoardCommand, BoardState};
 
 use crate::cli::Global;
 use crate::failure::Outcome;
@@ -45,6 +45,17 @@ pub fn open(global: &Global) -> Outcome<Link> {
         global.board()?,
         global.bit_rate()?,
     )?)
+}
+
+/// Sets the switch of the machine where an option says so; else it stays as the operator has it [D513].
+fn single_block(global: &Global, link: &mut Link) -> Outcome {
+    if global.single_block.is_some() {
+        link.set_levels(BoardCommand {
+            single_block: global.single_block,
+            ..BoardCommand::default()
+        })?;
+    }
+    Ok(())
 }
 
 /// What the machine is doing, for people.

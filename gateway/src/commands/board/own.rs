@@ -90,7 +90,8 @@ impl Handle {
     }
 }
 
-/// The options that say which board it is, and how programs are read.
+/// The options that say which board it is, and how programs are read. Single block is a switch of the machine, which an
+/// operator may have set since [D513].
 fn passed_on(global: &Global) -> Vec<OsString> {
     let mut options: Vec<OsString> = vec!["--bus".into(), global.bus.to_string().into()];
     let mut pair = |name: &str, value: OsString| options.extend([name.into(), value]);
@@ -126,7 +127,6 @@ fn passed_on(global: &Global) -> Vec<OsString> {
     for (name, is_on) in [
         ("--skip", global.skip),
         ("--optional-stop", global.optional_stop),
-        ("--single-block", global.single_block),
         ("--dry-run", global.dry_run),
     ] {
         if is_on {

@@ -4,12 +4,16 @@
 //! writes to the console as an error or a warning fails its test, but for what the test expects.
 
 mod cut;
+mod gone;
+mod hour;
+mod levels;
 mod long;
 mod retract;
 mod shown;
 mod start;
 mod tables;
 mod touch;
+mod typed;
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -30,6 +34,7 @@ struct Browser {
     complaints: Vec<String>,
     /// Parts of what they may write.
     expected: Vec<&'static str>,
+    is_killed: bool,
 }
 
 /// What the browser's own protocol tells of the console that nobody wants to see there.
@@ -73,6 +78,7 @@ impl Browser {
             complaints: Vec::new(),
             // An order that is refused, which the page itself tells.
             expected: vec!["the server responded with a status of 409 (Conflict)"],
+            is_killed: false,
         }
     }
 
@@ -82,6 +88,42 @@ impl Browser {
         let expected = |one: &&String| self.expected.iter().any(|part| one.contains(part));
         let all = self.complaints.iter();
         all.filter(|one| !expected(one)).collect()
+    }
+
+    /// Ends it as a loss of power would.
+    fn killed(mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+        self.is_killed = true;
+    }
+
+    /// Waits until it tells this.
+    fn hears(&mut self, event: &str) {
+        loop {
+            let told = self.next();
+            if told["method"] == event {
+                return;
+            }
+            self.complaints.extend(complaint(&told));
+        }
+    }
+
+    /// What it says next.
+    fn next(&mut self) -> Value {
+        let mut answer = Vec::new();
+        self.output.read_until(0, &mut answer).unwrap();
+        assert_eq!(answer.pop(), Some(0), "Chromium has ended");
+        serde_json::from_slice(&answer).unwrap()
+    }
+
+    /// Gives a command, and waits for no answer.
+    fn sends(&mut self, session: Option<&str>, method: &str, params: Value) {
+        self.number += 1;
+        let mut message = json!({"id": self.number, "method": method, "params": params});
+        if let Some(session) = session {
+            message["sessionId"] = session.into();
+        }
+        write!(self.input, "{message}\0").unwrap();
     }
 
     /// The result of a command of the browser's own protocol.
@@ -94,17 +136,9 @@ impl Browser {
 
     /// The same with what may be wrong with it.
     fn answer(&mut self, session: Option<&str>, method: &str, params: Value) -> Value {
-        self.number += 1;
-        let mut message = json!({"id": self.number, "method": method, "params": params});
-        if let Some(session) = session {
-            message["sessionId"] = session.into();
-        }
-        write!(self.input, "{message}\0").unwrap();
+        self.sends(session, method, params);
         loop {
-            let mut answer = Vec::new();
-            self.output.read_until(0, &mut answer).unwrap();
-            assert_eq!(answer.pop(), Some(0), "Chromium has ended");
-            let answer: Value = serde_json::from_slice(&answer).unwrap();
+            let answer = self.next();
             if answer["id"] == self.number {
                 return answer;
             }
@@ -135,7 +169,7 @@ impl Browser {
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        if !std::thread::panicking() {
+        if !self.is_killed && !std::thread::panicking() {
             let complained = self.complained();
             assert!(complained.is_empty(), "the console: {complained:#?}");
         }
@@ -156,6 +190,11 @@ impl Tab<'_> {
     fn asks(&mut self, method: &str, params: Value) -> Value {
         let session = self.session.clone();
         self.browser.asks(Some(&session), method, params)
+    }
+
+    fn sends(&mut self, method: &str, params: Value) {
+        let session = self.session.clone();
+        self.browser.sends(Some(&session), method, params);
     }
 
     /// What an expression is; nothing while the page is being loaded.
@@ -210,6 +249,47 @@ impl Tab<'_> {
             while self.says(expression) != true && Instant::now() < again {}
             assert!(Instant::now() < end, "{expression}");
         }
+    }
+
+    /// Orders it once: again only where the page says that nothing has come of it, for what it shows was too old or its
+    /// lease has lapsed.
+    #[track_caller]
+    fn once(&mut self, so: &str, mut act: impl FnMut(&mut Self)) {
+        let end = Instant::now() + LIMIT;
+        let answer = "document.getElementById('answer').textContent";
+        loop {
+            self.says(&format!("{answer} = ''"));
+            act(self);
+            let told = loop {
+                self.wait(&format!("{so} || {answer} !== ''"));
+                if self.says(so) == true {
+                    return;
+                }
+                let told = self.says(answer);
+                let told = told.as_str().unwrap_or_default();
+                if !told.is_empty() {
+                    break told.to_owned();
+                }
+            };
+            if told.contains("does not operate") {
+                self.operate();
+            } else if !told.contains(" old") {
+                panic!("{so}: {told}");
+            }
+            assert!(Instant::now() < end, "{so}: {told}");
+        }
+    }
+
+    #[track_caller]
+    fn click_once(&mut self, which: &str, so: &str) {
+        self.once(so, |tab| tab.click(which));
+    }
+
+    #[track_caller]
+    fn mode(&mut self, mode: &str) {
+        let which = format!("[data-mode=\"{mode}\"]");
+        let so = format!("document.querySelector('{which}').ariaPressed === 'true'");
+        self.click_once(&which, &so);
     }
 
     /// A key goes down and up.

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{Client, Page, wait};
-use crate::{LONG, SHORT, User, good};
+use crate::{LONG, SHORT, User, bad, good};
 
 /// A panel with a folder of programs.
 /// A page with these programs, in a folder of this user.
@@ -324,6 +324,71 @@ fn a_start_is_refused_where_anything_that_decides_what_runs_was_changed_since_it
     assert_eq!((&status["mx"], &status["mz"]), (&json!(-7), &json!(-7)));
 }
 
+/// Two blocks that move.
+const BLOCKS: &str = "G98 G1 X-2 F3000\nZ-2\nM30\n";
+
+/// What an operator has switched on acts in what is started behind it, and stays so, wherever it is started.
+#[test]
+fn single_block_and_overrides_stay_as_they_were_set_where_a_program_is_started() {
+    let user = User::with_machine();
+    let page = with_programs(&user, &[("a.nc", BLOCKS)]);
+    let mut one = page.client("one");
+    one.take();
+    one.does("mode", &json!({"mode": "automatic"}));
+    one.does("single", &json!({"on": true}));
+    one.does("feed", &json!({"percent": 80}));
+    let mut told = page.watch();
+    wait(&mut told, "s", |s| s["single"] == true && s["feed"] == 80);
+    let (_, tag, _) = one.get("/programs/a.nc");
+    one.does("program", &json!({"name": "a.nc", "tag": tag}));
+    // Between the two blocks.
+    let stopped = |user: &User| {
+        let held = user.wait_for("hold");
+        assert_eq!((&held["mx"], &held["mz"]), (&json!(-2), &json!(0)));
+        assert_eq!(
+            (&held["single_block"], &held["hold"]),
+            (&true.into(), &false.into())
+        );
+    };
+    stopped(&user);
+    assert_eq!(user.json(&["status"])["override"]["feed"], 80);
+    // Switched off it goes on to its end.
+    one.does("single", &json!({"on": false}));
+    one.does("resume", &Value::Null);
+    let end = wait(&mut told, "program", |one| !one["end"].is_null());
+    assert_eq!(end["end"]["ok"], true, "{end}");
+    // By commands: what is not given is left, what is given is set.
+    one.does("single", &json!({"on": true}));
+    good(&user.does(&["mdi", "M8", "--single-block=off"]));
+    assert_eq!(user.json(&["status"])["single_block"], false);
+    one.does("single", &json!({"on": true}));
+    wait(&mut told, "s", |s| s["single"] == true);
+    let path = user.program("G98 G1 X-2 Z0 F3000\nX-2\nZ-2\nM30\n");
+    let begins = |more: &[&str]| {
+        let mut command = user.command(&[&["run", &path], more].concat());
+        command.spawn().unwrap()
+    };
+    let ends = |mut run: std::process::Child| {
+        user.does(&["stop"]);
+        let _ = run.wait().unwrap();
+        good(&user.does(&["reset"]));
+    };
+    let run = begins(&[]);
+    stopped(&user);
+    ends(run);
+    good(&user.does(&["run", &path, "--single-block=off"]));
+    assert_eq!(user.json(&["status"])["single_block"], false);
+    good(&user.does(&["run", &path]));
+    let run = begins(&["--single-block"]);
+    stopped(&user);
+    ends(run);
+    // A panel sets it when it begins, and the monitor too.
+    let _page = Page::with(&user, &["--single-block=off"]);
+    assert_eq!(user.json(&["status"])["single_block"], false);
+    let told = bad(&user.does(&["status", "--single-block=yes"]), 2);
+    assert!(told.contains("it is `on` or `off`"), "{told}");
+}
+
 #[test]
 fn a_program_goes_on_where_the_panel_ends() {
     let user = User::with_machine();
@@ -348,5 +413,5 @@ fn a_panel_without_a_folder_tells_its_page_and_a_folder_that_is_none_is_refused(
     let hello = wait(&mut page.watch(), "hello", |_| true);
     assert_eq!(hello["programs"], false);
     let output = user.does(&["panel", "--listen", "127.0.0.1:0", "--programs", "nowhere"]);
-    assert!(crate::bad(&output, 2).contains("`nowhere` is no folder"));
+    assert!(bad(&output, 2).contains("`nowhere` is no folder"));
 }

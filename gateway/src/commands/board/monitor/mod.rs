@@ -35,7 +35,7 @@ use self::panel::{Ask, Open, Panel};
 use self::typed::Typed;
 use self::view::{Tone, View};
 use super::watch::{Every, LOG, STATUS, Watch, bit_rates};
-use super::{by_hand, mdi, open};
+use super::{by_hand, mdi, open, single_block};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -61,6 +61,7 @@ pub fn monitor(global: &Global, watch: bool) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
+    single_block(global, &mut link)?;
     // The load of the bus is everybody's.
     link.hear_everything()?;
     interrupt::defer(UnderWay::Computed);

@@ -39,7 +39,7 @@ use super::monitor::told::Told;
 use super::monitor::typed::{self, Typed};
 use super::monitor::view::Tone;
 use super::watch::{Every, LOG, STATUS, Watch};
-use super::{mdi, open};
+use super::{mdi, open, single_block};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -73,6 +73,7 @@ pub fn panel(
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
+    single_block(global, &mut link)?;
     let tokens = Tokens {
         look: token()?,
         operate: if look { None } else { Some(token()?) },

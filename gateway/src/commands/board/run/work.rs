@@ -7,13 +7,13 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use indicatif::ProgressBar;
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::{DriveNodes, Event};
-use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
+use leadscrew_core::bus::{BoardCommand, BoardState, BoardStatus, NodeId, Order};
 use leadscrew_core::call::{Aux, Position};
 use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
 use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::program::Carried;
 
-use super::super::state_words;
+use super::super::{single_block, state_words};
 use leadscrew_language::variables::Kept;
 
 use crate::cli::Global;
@@ -446,7 +446,8 @@ impl Runner<'_> {
         Ok(self.link.hear_status()?)
     }
 
-    /// Sets inputs and switches by the options.
+    /// Sets inputs and switches by the options. Single block stays as the operator has it where nobody gives it; dry run
+    /// is how the program was read, and the board tells it [D513].
     fn prepare_board(&mut self) -> Outcome {
         let global = self.setup.global;
         if !global.signal.is_empty() {
@@ -456,8 +457,8 @@ impl Runner<'_> {
             }
             self.link.set_signals(signals)?;
         }
+        single_block(global, self.link)?;
         self.link.set_levels(BoardCommand {
-            single_block: Some(global.single_block),
             dry_run: Some(global.dry_run),
             ..BoardCommand::default()
         })?;
@@ -489,6 +490,11 @@ impl Runner<'_> {
                 both!(
                     "M{code:02} stops the program (line {line}): `leadscrew resume` goes on\n",
                     "M{code:02} 使程序停止（第 {line} 行）：`leadscrew resume` 可继续\n"
+                )
+            } else if self.link.seen.status.is_some_and(stops_by_single_block) {
+                both!(
+                    "single block is on, and the machine has stopped (line {line}): `leadscrew resume` goes on\n",
+                    "单段已打开，机床已停止（第 {line} 行）：`leadscrew resume` 可继续\n"
                 )
             } else {
                 both!(
@@ -613,6 +619,11 @@ impl Runner<'_> {
         }
         Ok(())
     }
+}
+
+/// A machine in hold stands so for single block, as far as nobody holds it as well.
+const fn stops_by_single_block(status: BoardStatus) -> bool {
+    status.flags.single_block && !status.flags.hold
 }
 
 /// A number that no recent program had.

@@ -194,8 +194,9 @@ fn a_network_that_fails_in_a_press_leaves_the_axis_at_rest() {
         proxy.address
     );
     let mut browser = Browser::with(&user, &option);
-    // What the browser itself says of a network that is not there.
+    // What the browser itself says of a network that is not there, or on which a request is held for too long.
     browser.expected.push("net::ERR_");
+    browser.expected.push("408 (Request Timeout)");
     let mut tab = browser.tab(&page.link());
     let count = leadscrew_seed::amount(3, 20);
     leadscrew_seed::only_fresh(|seed| {

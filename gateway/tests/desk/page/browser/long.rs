@@ -12,7 +12,7 @@ use crate::{LIMIT, LONG, User};
 /// Asks for full length: the seconds of watching.
 const SECONDS: &str = "LEADSCREW_PAGE_SECONDS";
 
-fn seconds() -> Option<u64> {
+pub fn seconds() -> Option<u64> {
     let given = std::env::var(SECONDS).ok()?;
     Some(given.parse().expect("a number of seconds"))
 }

@@ -1,0 +1,102 @@
+//! What is typed or pasted: no line end is lost, and no line becomes part of another one.
+
+use serde_json::json;
+
+use super::super::programs::with_programs;
+use super::Browser;
+use crate::User;
+
+/// A carriage return where others end with line feeds: `check` refuses it, and the text keeps it until somebody takes it
+/// out.
+#[test]
+fn a_carriage_return_that_ends_no_line_is_seen_and_kept() {
+    let user = User::with_machine();
+    let wrong = "G98\rG1 X-1\nZ-1 F100\nM30\n".replacen("G98\r", "(A)\nG98\r", 1);
+    let page = with_programs(&user, &[("a.nc", &wrong), ("sign.nc", "(␍)\nM30\n")]);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    tab.wait("document.querySelectorAll('#programs option').length === 3");
+    tab.operate();
+    let open = |name: &str| {
+        format!(
+            "(() => {{ const list = document.getElementById('programs'); list.value = '{name}'; \
+             list.dispatchEvent(new Event('change')); return true; }})()"
+        )
+    };
+    let found =
+        |part: &str| format!("document.getElementById('found').textContent.includes('{part}')");
+    let written = || std::fs::read_to_string(user.0.join("parts/a.nc")).unwrap();
+    tab.says(&open("a.nc"));
+    tab.wait(&found("▲ 2: 4001"));
+    assert_eq!(
+        tab.says("document.getElementById('source').value"),
+        json!(wrong.replace('\r', "␍"))
+    );
+    // Changed elsewhere and saved it is what it was.
+    tab.says("document.getElementById('source').focus() ?? document.getElementById('source').setSelectionRange(0, 0)");
+    tab.asks("Input.insertText", json!({"text": "(B)\n"}));
+    tab.click("#save");
+    tab.wait(&found("▲ 3: 4001"));
+    assert_eq!(written(), format!("(B)\n{wrong}"));
+    // Somebody makes it what it was meant to be. A return that is pasted is a line end at once.
+    tab.says(
+        "(() => { const source = document.getElementById('source'); const at = source.value.indexOf('␍'); source.focus(); \
+         source.setSelectionRange(at, at + 1); return true; })()",
+    );
+    tab.asks("Input.insertText", json!({"text": "\r"}));
+    tab.click("#save");
+    tab.wait(&found("4: 4"));
+    assert_eq!(written(), format!("(B)\n{}", wrong.replace('\r', "\n")));
+    // A text that has the sign itself would not come back as it was.
+    tab.says(&open("sign.nc"));
+    tab.wait("document.getElementById('name').value === 'sign.nc'");
+    tab.wait(
+        "document.getElementById('save').disabled && document.getElementById('source').readOnly",
+    );
+}
+
+/// A field of one line would make one block of two lines, which goes another way.
+#[test]
+fn two_lines_that_are_pasted_are_not_carried_out_as_one() {
+    let user = User::with_machine();
+    let page = with_programs(&user, &[]);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    let typed = "document.getElementById('typed').value";
+    for two in ["G0 X-1\nZ-5", "G0 X-1\rZ-5", "G0 X-1\r\nZ-5\r\n"] {
+        tab.says("document.getElementById('answer').textContent = ''");
+        tab.says("document.getElementById('typed').focus()");
+        tab.asks("Input.insertText", json!({"text": two}));
+        tab.wait("document.getElementById('answer').textContent.includes('several lines')");
+        assert_eq!(tab.says(typed), "");
+    }
+    // A line with its end is one.
+    tab.asks("Input.insertText", json!({"text": "G0 X-1\r\n"}));
+    assert_eq!(tab.says(&format!("{typed}.trim()")), "G0 X-1");
+}
+
+/// How a line has ended comes by another connection than the answer that it was begun, and may be there first.
+#[test]
+fn the_end_of_a_line_is_not_taken_back_by_an_answer_that_comes_late() {
+    let user = User::with_machine();
+    let page = with_programs(&user, &[]);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    let answer = "document.getElementById('answer').textContent";
+    tab.says(&format!(
+        "(() => {{ const ask = window.fetch; window.fetch = async (...what) => {{ const answer = await ask(...what); \
+         if (what[0] === 'order' && what[1].body.includes('mdi')) {{ \
+         while ({answer} === '') await new Promise((on) => setTimeout(on, 10)); \
+         setTimeout(() => {{ window.came = true; }}, 100); }} return answer; }}; return true; }})()"
+    ));
+    tab.operate();
+    tab.mode("mdi");
+    tab.says("document.getElementById('typed').focus()");
+    tab.types("G1 Q");
+    tab.enter();
+    tab.wait("window.came === true");
+    assert!(
+        tab.says(answer).as_str().unwrap().starts_with("4"),
+        "{answer}"
+    );
+}
