@@ -33,6 +33,6 @@ pub use around::Around;
 pub use fitted::{fit_switches, places, switch};
 pub use pins::show_pins;
 pub use sim::{CutPoint, Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};
-pub use storage::{count_start, keep, stored_params, stored_start, stored_tap};
+pub use storage::{Decay, count_start, decay, keep, stored_params, stored_start, stored_tap};
 pub use turret::TurretFault;
 pub use wheel::Wheel;

@@ -16,8 +16,11 @@
 use heapless::Vec;
 use leadscrew_core::bus::{
     BusState, CobId, Controller, Controlword, DriveCommand, ErrorCounts, FdFrame, Frame,
-    Increments, NmtCommand, NodeId, is_sync,
+    Increments, NmtCommand, NmtState, NodeId, is_sync,
 };
+
+/// Ticks from one heartbeat of another node to the next.
+const HEARTBEAT: u64 = 100;
 
 /// The most setpoints of a period.
 const SETPOINTS: usize = 16;
@@ -75,8 +78,10 @@ pub enum Intruder {
     Sync,
     /// It sends this drive to its own zero in every period.
     Setpoint(NodeId),
-    /// It stops this drive by NMT, once.
+    /// It stops this drive, or the board, by NMT, once.
     Stop(NodeId),
+    /// It has this number, too, and says so in heartbeats.
+    Namesake(NodeId),
 }
 
 /// All faults of a wire.
@@ -262,6 +267,10 @@ impl Line {
         let sends = match intruder {
             Intruder::Sync | Intruder::Setpoint(_) => span.has(tick),
             Intruder::Stop(_) => first,
+            Intruder::Namesake(_) => {
+                let since = tick.wrapping_sub(span.from);
+                span.has(tick) && since.is_multiple_of(HEARTBEAT)
+            }
         };
         sends.then(|| intruder.frame()).flatten()
     }
@@ -392,6 +401,7 @@ impl Intruder {
             }
             .frame(node),
             Self::Stop(node) => NmtCommand::Stop.frame(Some(node)),
+            Self::Namesake(node) => NmtState::Operational.frame(node),
         })
     }
 }
@@ -563,5 +573,6 @@ mod tests {
         assert_eq!(speaks(Intruder::Sync), [2, 3]);
         assert_eq!(speaks(Intruder::Setpoint(NodeId::DRIVE_X)), [2, 3]);
         assert_eq!(speaks(Intruder::Stop(NodeId::DRIVE_X)), [2]);
+        assert_eq!(speaks(Intruder::Namesake(NodeId::DRIVE_X)), [2]);
     }
 }

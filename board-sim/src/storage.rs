@@ -4,7 +4,7 @@ use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::board::{Board, PowerUp};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
-use leadscrew_store::{BUFFER, Region, Store};
+use leadscrew_store::{BUFFER, Region, Store, StoreError};
 
 use crate::plant::Flash;
 
@@ -68,4 +68,75 @@ pub fn keep(board: &mut Board, flash: &mut Flash) {
         let written = Store::new(&mut *flash).and_then(|mut store| store.keep(&request));
         board.stored(region, written);
     }
+}
+
+/// What has gone bad in a flash, or was never this board's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decay {
+    /// The journal of a tap.
+    Journal,
+    /// The newest parameter set.
+    NewestSet,
+    /// All parameter sets.
+    Sets,
+    /// The newest parameter set is one of a board with another table.
+    ForeignSet,
+    /// The newest table of offsets and tools.
+    NewestTable,
+}
+
+/// Lets something go bad. The board sees it when its power comes.
+///
+/// # Errors
+/// The flash takes nothing.
+pub fn decay(flash: &mut Flash, what: Decay) -> Result<(), StoreError> {
+    const SETS: [Region; 2] = [Region::ParametersA, Region::ParametersB];
+    const TABLES: [Region; 2] = [Region::OffsetsA, Region::OffsetsB];
+    const BAD: &[u8] = b"gone bad";
+    let mut store = Store::new(flash)?;
+    let mut spoil = |region| store.write(region, BAD);
+    match what {
+        Decay::Journal => spoil(Region::TapJournal),
+        Decay::Sets => SETS.into_iter().try_for_each(spoil),
+        Decay::NewestSet => {
+            let region = newest(&mut store, SETS)?;
+            store.write(region, BAD)
+        }
+        Decay::NewestTable => {
+            let region = newest(&mut store, TABLES)?;
+            store.write(region, BAD)
+        }
+        Decay::ForeignSet => {
+            let region = newest(&mut store, SETS)?;
+            let mut buffer = [0; BUFFER];
+            let held = store.read(region, &mut buffer)?.unwrap_or_default();
+            let mut set = [0; BUFFER];
+            let Some(set) = set.get_mut(..held.len()) else {
+                return Ok(());
+            };
+            set.copy_from_slice(held);
+            let Some((content, sum)) = set.split_last_chunk_mut::<4>() else {
+                return Ok(());
+            };
+            // The key of its table.
+            if let Some(byte) = content.get_mut(8) {
+                *byte ^= 0xFF;
+            }
+            *sum = CRC.checksum(content).to_le_bytes();
+            store.write(region, set)
+        }
+    }
+}
+
+const CRC: crc::Crc<u32, crc::NoTable> = crc::Crc::<u32, crc::NoTable>::new(&crc::CRC_32_ISO_HDLC);
+
+/// The one of two places that has the higher number, which stands in the same place of a set and of a table.
+fn newest(store: &mut Store<&mut Flash>, [a, b]: [Region; 2]) -> Result<Region, StoreError> {
+    let mut number = |region| -> Result<u32, StoreError> {
+        let mut buffer = [0; BUFFER];
+        let held = store.read(region, &mut buffer)?;
+        let number = held.and_then(|bytes| bytes.get(4..)?.first_chunk::<4>());
+        Ok(number.map_or(0, |number| u32::from_le_bytes(*number)))
+    };
+    Ok(if number(b)? > number(a)? { b } else { a })
 }

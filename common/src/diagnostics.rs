@@ -6,6 +6,7 @@ use std::path::Path;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
+use leadscrew_language::dialect::remedies;
 use leadscrew_language::whose::{Whose, line_in_file};
 pub use leadscrew_wording::{figure, zone_words};
 use leadscrew_wording::{fill, fill_with};
@@ -88,7 +89,9 @@ impl Diagnostic {
                 Code::ProgramNotFound => looked_in(alarm, program, source, lang),
                 code => fill(code.cause(lang), alarm, lang, inch),
             },
-            help: fill(alarm.code.help(lang), alarm, lang, inch),
+            help: comma(alarm, raw.as_deref(), lang)
+                .or_else(|| remedies::help(alarm, lang))
+                .unwrap_or_else(|| fill(alarm.code.help(lang), alarm, lang, inch)),
             text: raw.map(|raw| printable(&raw)),
             lang,
         }
@@ -204,6 +207,21 @@ pub fn print(diagnostic: &Diagnostic, colour: bool) {
 pub fn say(text: &str) {
     // Standard error is closed: nobody can be told.
     let _ = std::io::stderr().write_all(plain(text.to_owned()).as_bytes());
+}
+
+/// What to do about a comma in a number: `X30,5`.
+fn comma(alarm: &Alarm, raw: Option<&[u8]>, lang: Lang) -> Option<String> {
+    let at = usize::from(alarm.span.column).checked_sub(1)?;
+    let behind = raw?.get(at..)?;
+    let is_comma = behind.first() == Some(&b',') && behind.get(1)?.is_ascii_digit();
+    (alarm.code == Code::UnknownCharacter && is_comma).then(|| {
+        let help = pick(
+            lang,
+            "write a point in the number: `30.5`",
+            "数字中请写小数点：`30.5`",
+        );
+        help.to_owned()
+    })
 }
 
 /// The line in a printable form. A tab becomes one space, so that columns stay columns. Control characters and undecodable

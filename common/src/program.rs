@@ -248,7 +248,13 @@ impl<'p> Program<'p> {
     /// What the blocks so far leave in force for the next text.
     #[must_use]
     pub fn carried(&self) -> Carried {
-        self.reader.interpreter().carried()
+        self.reader.carried()
+    }
+
+    /// True for the latest call, with this place in the text, where its thread is a G76 in one block.
+    #[must_use]
+    pub fn is_in_one_block(&self, place: Span) -> bool {
+        self.reader.is_in_one_block(place)
     }
 
     /// Where offsets come from, with what the program has written of them.

@@ -288,7 +288,10 @@ impl Findings for Checker<'_> {
         }
     }
 
-    fn cycle(&mut self, figures: CycleFigures) {
+    fn cycle(&mut self, mut figures: CycleFigures) {
+        if figures.thread.is_some() && self.program.is_in_one_block(self.last) {
+            figures.cycle = "G76";
+        }
         if self.wants_figures() {
             self.report.cycles.push(figures);
         } else if self.detail == Detail::Cycles {

@@ -13,6 +13,7 @@ use leadscrew_language::stock::Stock;
 use leadscrew_verification::Hole;
 
 use crate::failure::{Doing, Failure, Outcome};
+use crate::movelist;
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
@@ -85,7 +86,9 @@ impl<'s> Walk<'s> {
                 continue;
             }
             let drilling = self.program.drilling(call.span);
-            for step in moves {
+            let in_one_block = self.program.is_in_one_block(call.span);
+            for mut step in moves {
+                movelist::name_as_written(&mut step, in_one_block);
                 each(&call, &step, drilling);
                 self.hole.push(&step);
                 self.at = step.to;

@@ -89,6 +89,11 @@ pub trait Machine: System {
         let _ = modes;
     }
 
+    /// The latest M code is one that the machine does not see.
+    fn heard(&mut self, code: u16) {
+        let _ = code;
+    }
+
     /// Tells the operator something.
     fn note(&mut self, warning: Alarm);
 
@@ -222,6 +227,8 @@ pub struct Flow<S> {
     placed: bool,
     /// That numbers are rounded has been told.
     told_digits: bool,
+    /// G of the latest thread that stands in one block.
+    one_block: Option<Span>,
     over: bool,
     /// The next block belongs to the contour of a cycle.
     in_contour: bool,
@@ -259,6 +266,7 @@ impl<S: Source> Flow<S> {
             started: false,
             placed: false,
             told_digits: false,
+            one_block: None,
             over: false,
             in_contour: false,
             idle: 0,
@@ -301,6 +309,17 @@ impl<S: Source> Flow<S> {
     #[must_use]
     pub const fn line(&self) -> u32 {
         self.last.line
+    }
+
+    /// G of the latest thread that stands in one block.
+    #[must_use]
+    pub const fn one_block(&self) -> Option<Span> {
+        self.one_block
+    }
+
+    /// Puts in force what the text before has left, before the first step.
+    pub const fn carry(&mut self, modes: Modes) {
+        self.translator.carry(modes);
     }
 
     /// A subprogram is under way.
@@ -441,7 +460,8 @@ impl<S: Source> Flow<S> {
     }
 
     /// What is in force for the machine.
-    fn modes(&self) -> Modes {
+    #[must_use]
+    pub fn modes(&self) -> Modes {
         Modes {
             calls: !self.top().modals.is_empty(),
             ..self.translator.modes()

@@ -18,7 +18,7 @@ mod tests;
 
 use std::collections::VecDeque;
 
-use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{Aux, Call, CallKind, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Carried, Dialect, Event, Interpreter, Options, Way};
@@ -129,6 +129,7 @@ impl<'p, S: Source> Reader<'p, S> {
             out,
         };
         let mut result = self.flow.step(&mut acting);
+        let one_block = self.flow.one_block();
         if self.flow.is_over() {
             // Also where the step has failed.
             let _ = acting.release();
@@ -142,7 +143,9 @@ impl<'p, S: Source> Reader<'p, S> {
             }
         }
         result.map_err(|trouble| match trouble {
-            Trouble::Alarm(alarm) => Trouble::Alarm(control.in_own_codes(alarm)),
+            Trouble::Alarm(alarm) => {
+                Trouble::Alarm(control.in_own_codes(as_written(alarm, one_block)))
+            }
             unreadable => unreadable,
         })
     }
@@ -195,6 +198,27 @@ impl<'p, S: Source> Reader<'p, S> {
     /// Puts in force what the text before has left, before the first step.
     pub fn carry(&mut self, carried: &Carried) {
         self.core.interpreter.carry(carried);
+        self.flow.carry(Modes {
+            incremental: carried.incremental,
+            without_run_out: carried.without_run_out,
+            ..Modes::default()
+        });
+    }
+
+    /// What the blocks so far leave in force for the next text.
+    #[must_use]
+    pub fn carried(&self) -> Carried {
+        Carried {
+            incremental: self.flow.modes().incremental,
+            ..self.core.interpreter.carried()
+        }
+    }
+
+    /// True for a call of the last step, with this place in the text, whose thread stands in one block: it is a G76, and
+    /// not the G78 that it was turned into [D226].
+    #[must_use]
+    pub fn is_in_one_block(&self, place: Span) -> bool {
+        self.flow.one_block() == Some(place)
     }
 
     /// The interpreter, for what it knows of the program.
@@ -327,6 +351,19 @@ impl Core<'_> {
             },
         }
     }
+}
+
+/// An alarm of a thread that stands in one block: it names the G76 that was written, and not the G78 that it was turned
+/// into.
+fn as_written(mut alarm: Alarm, one_block: Option<Span>) -> Alarm {
+    if one_block.is_some_and(|place| place.line == alarm.span.line) {
+        for arg in &mut alarm.args {
+            if *arg == Arg::GCode(780) {
+                *arg = Arg::GCode(760);
+            }
+        }
+    }
+    alarm
 }
 
 /// A core that carries out one step.
@@ -619,6 +656,10 @@ impl Machine for Acting<'_, '_> {
         self.modes = modes;
         let interpreter = &mut self.core.interpreter;
         interpreter.run_out_by_words_alone(modes.without_run_out);
+    }
+
+    fn heard(&mut self, code: u16) {
+        self.core.interpreter.heard(code);
     }
 
     fn decimals(&self, letter: u8) -> u8 {

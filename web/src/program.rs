@@ -13,6 +13,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
 use leadscrew_core::signals::Signals;
 use leadscrew_inspection::{Declared, Finder, Job, Wish};
+use leadscrew_language::dialect::remedies;
 use leadscrew_language::flow::{Rules, Trouble};
 use leadscrew_language::heading::{Allowed, Heading};
 use leadscrew_language::lines::Lines;
@@ -52,7 +53,8 @@ impl Found {
             column: alarm.span.column,
             end: alarm.span.end,
             message: fill(alarm.code.cause(lang), alarm, lang, inch),
-            help: fill(alarm.code.help(lang), alarm, lang, inch),
+            help: remedies::help(alarm, lang)
+                .unwrap_or_else(|| fill(alarm.code.help(lang), alarm, lang, inch)),
         }
     }
 }

@@ -213,6 +213,18 @@ pub enum DriveFault {
     Restart,
     /// Homing does not find its mark.
     NoMark,
+    /// Homing ends with an error.
+    HomingError,
+    /// It stays in the mode that it has.
+    KeepsMode,
+    /// It does not finish starting.
+    Starting,
+    /// It is held in quick stop.
+    QuickStop,
+    /// Its motor has no power: it does not switch on.
+    NoPower,
+    /// Its enable input is open.
+    NotEnabled,
 }
 
 /// An encoder.
@@ -247,16 +259,30 @@ pub enum Bus {
     SecondMaster,
     /// Another node stops the drive of X by NMT, once.
     StopsDrive,
+    /// Another node stops the board by NMT, once.
+    StopsBoard,
+    /// Another node has the board's number.
+    Namesake,
 }
 
 /// A flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "kebab-case")]
 pub enum Flash {
     /// Nothing is wrong with it.
     Well,
     /// It takes nothing any more, and keeps what it has.
     Worn,
+    /// The journal of a tap goes bad, once; the board sees it when its power comes.
+    BadJournal,
+    /// The newest parameter set goes bad, once.
+    BadSet,
+    /// All parameter sets go bad, once.
+    BadSets,
+    /// The newest parameter set becomes one of a board of another release, once.
+    ForeignSet,
+    /// The newest table of offsets and tools goes bad, once.
+    BadTable,
 }
 
 /// The power of board and drives.

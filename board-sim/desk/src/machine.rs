@@ -119,7 +119,7 @@ impl Machine {
             spindle: recipe.spindle,
             contacts: Contacts::default(),
             around: Around::default(),
-            spoilt: Spoilt::default(),
+            spoilt: Spoilt::none(recipe.node),
             written: flash.written(),
             power: Power::Off(Box::new(flash)),
             made_with: Params::slant_bed(),

@@ -3,9 +3,9 @@
 
 use leadscrew_board_sim::line::{Faults, Intruder, Span};
 use leadscrew_board_sim::plant::{
-    BlockFault, Drive, Encoder as PlantEncoder, HomingOptions, IoBlock, Trouble,
+    BlockFault, Drive, Encoder as PlantEncoder, HomingOptions, IoBlock, Power, Trouble,
 };
-use leadscrew_board_sim::{Sim, switch};
+use leadscrew_board_sim::{Decay, Sim, decay, switch};
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
@@ -16,31 +16,35 @@ use crate::control::{Block, Bus, Drive as Which, DriveFault, Encoder, Flash};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spoilt {
     drives: [Trouble; 4],
-    /// Axes whose homing never ends.
+    /// Axes whose homing never ends, and those where it ends with an error.
     no_mark: [bool; 3],
+    homing_error: [bool; 3],
     /// Speed of the spindle in hundredths of what it is told.
     spindle: i16,
     no_index: bool,
     block: BlockFault,
     bus: Bus,
+    /// The board's number on the bus.
+    board: NodeId,
     worn: bool,
 }
 
-impl Default for Spoilt {
-    fn default() -> Self {
+impl Spoilt {
+    /// Nothing is wrong with a machine whose board has this number.
+    pub(crate) const fn none(board: NodeId) -> Self {
         Self {
             drives: [Trouble::None; 4],
             no_mark: [false; 3],
+            homing_error: [false; 3],
             spindle: 100,
             no_index: false,
             block: BlockFault::None,
             bus: Bus::Well,
+            board,
             worn: false,
         }
     }
-}
 
-impl Spoilt {
     /// All of it, for a machine that has just been switched on.
     pub(crate) fn begin(&self, sim: &mut Sim, params: &Params) {
         for which in Which::ALL {
@@ -80,8 +84,19 @@ impl Spoilt {
         if let Some(no_mark) = self.no_mark.get_mut(place) {
             *no_mark = to == DriveFault::NoMark;
         }
+        if let Some(error) = self.homing_error.get_mut(place) {
+            *error = to == DriveFault::HomingError;
+        }
         self.drives[place] = match to {
-            DriveFault::Well | DriveFault::Restart | DriveFault::NoMark => Trouble::None,
+            DriveFault::Well
+            | DriveFault::Restart
+            | DriveFault::NoMark
+            | DriveFault::HomingError => Trouble::None,
+            DriveFault::KeepsMode => Trouble::KeepsMode,
+            DriveFault::Starting => Trouble::Held(Power::NotReady),
+            DriveFault::QuickStop => Trouble::Held(Power::QuickStop),
+            DriveFault::NoPower => Trouble::Held(Power::Ready),
+            DriveFault::NotEnabled => Trouble::Held(Power::On),
             DriveFault::Silent => Trouble::Silent,
             DriveFault::Unplugged => Trouble::CutOff,
             DriveFault::Blocked => Trouble::Stuck,
@@ -128,9 +143,22 @@ impl Spoilt {
     /// Something happens to the flash.
     pub(crate) fn flash(&mut self, to: Flash, sim: Option<&mut Sim>) {
         self.worn = to == Flash::Worn;
-        if let Some(sim) = sim {
-            sim.flash_mut().set_broken(self.worn);
+        let Some(sim) = sim else { return };
+        let what = match to {
+            Flash::Well | Flash::Worn => None,
+            Flash::BadJournal => Some(Decay::Journal),
+            Flash::BadSet => Some(Decay::NewestSet),
+            Flash::BadSets => Some(Decay::Sets),
+            Flash::ForeignSet => Some(Decay::ForeignSet),
+            Flash::BadTable => Some(Decay::NewestTable),
+        };
+        let flash = sim.flash_mut();
+        flash.set_broken(false);
+        if let Some(what) = what {
+            // A flash without room for a few bytes is bad by itself.
+            let _ = decay(flash, what);
         }
+        flash.set_broken(self.worn);
     }
 
     fn show_bus(&self, sim: &mut Sim, params: &Params) {
@@ -151,14 +179,21 @@ impl Spoilt {
             Bus::SecondSync => faults.intruder = second(Intruder::Sync),
             Bus::SecondMaster => faults.intruder = second(Intruder::Setpoint(x)),
             Bus::StopsDrive => faults.intruder = second(Intruder::Stop(x)),
+            Bus::StopsBoard => faults.intruder = second(Intruder::Stop(self.board)),
+            Bus::Namesake => faults.intruder = second(Intruder::Namesake(self.board)),
         }
         sim.spoil(faults);
     }
 
     fn show_marks(&self, sim: &mut Sim, params: &Params) {
-        for (axis, never) in Axis::ALL.into_iter().zip(self.no_mark) {
+        let of_axis = self.no_mark.into_iter().zip(self.homing_error);
+        for (axis, (never, fails)) in Axis::ALL.into_iter().zip(of_axis) {
             if let Some(options) = switch(axis, params) {
-                let options = HomingOptions { never, ..options };
+                let options = HomingOptions {
+                    never,
+                    fails,
+                    ..options
+                };
                 sim.plant().drive(axis).set_homing(options);
             }
         }

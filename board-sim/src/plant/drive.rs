@@ -43,6 +43,10 @@ pub enum Trouble {
     Fault(u16),
     /// Safe torque off: it falls back to switch on disabled and stays there.
     TorqueOff,
+    /// It comes no further than to this power state, whatever it is told.
+    Held(Power),
+    /// It stays in the mode that it has.
+    KeepsMode,
 }
 
 impl Trouble {
@@ -600,6 +604,11 @@ impl Drive {
                 );
             }
             (Trouble::TorqueOff, _) => self.power = Power::Disabled,
+            (Trouble::Held(most), power) if power.is_beyond(most) => self.power = most,
+            // What kept it from starting is gone.
+            (Trouble::None, Power::NotReady) if self.nmt != NmtState::BootUp => {
+                self.power = Power::Disabled;
+            }
             // A fault reaction ends in fault, even where the cause is already gone.
             (_, Power::Reacting) => self.power = Power::Fault,
             _ => {}
@@ -652,6 +661,9 @@ impl Drive {
 
     /// The mode that has been ordered comes into force.
     fn change_mode(&mut self) {
+        if self.trouble == Trouble::KeepsMode {
+            return;
+        }
         if self.changing > 0 {
             self.changing = self.changing.wrapping_sub(1);
         } else if matches!(self.settings.mode_wanted(), 6..=8) {

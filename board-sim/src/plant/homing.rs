@@ -29,6 +29,8 @@ pub struct HomingOptions {
     pub stale: u16,
     /// It starts, and never ends.
     pub never: bool,
+    /// It starts, and reports an error.
+    pub fails: bool,
     /// SYNCs that a change of its mode takes.
     pub slow: u16,
     /// After power-up it counts from zero.
@@ -55,6 +57,7 @@ impl HomingOptions {
         adds_offset: false,
         stale: 0,
         never: false,
+        fails: false,
         slow: 0,
         forgets: false,
     };
@@ -268,6 +271,10 @@ impl Homing {
 
     /// The ways of a method from here.
     fn begin(&mut self, method: u8) {
+        if self.options.fails {
+            self.state = State::Error;
+            return;
+        }
         let [negative, positive, home] = self.switches;
         self.at = 0;
         self.turned = false;

@@ -86,6 +86,24 @@ impl Power {
         }
     }
 
+    /// True for a state that a drive reaches later than this one on its way to operation. One that is held in quick stop
+    /// has left that way.
+    #[must_use]
+    pub const fn is_beyond(self, most: Self) -> bool {
+        self.place() > most.place()
+    }
+
+    /// The place on the way to operation. A fault is on none.
+    const fn place(self) -> u8 {
+        match self {
+            Self::Reacting | Self::Fault | Self::NotReady | Self::QuickStop => 0,
+            Self::Disabled => 1,
+            Self::Ready => 2,
+            Self::On => 3,
+            Self::Enabled => 4,
+        }
+    }
+
     /// The statusword: state, voltage enabled (bit 4), remote (bit 9). In operation enabled also bit 12: the drive
     /// follows its target.
     #[must_use]

@@ -49,6 +49,10 @@ pub struct Carried {
     pub speed_limit: Option<u32>,
     /// The sense in which the spindle turns: −1, 0 or +1.
     pub direction: i8,
+    /// M24 of a Haas: threads have no run-out.
+    pub without_run_out: bool,
+    /// G91 of the systems B and C. Whoever translates the text has it; it is handed on here.
+    pub incremental: bool,
 }
 
 impl State<'_> {
@@ -78,6 +82,8 @@ impl State<'_> {
             surface: modal.surface,
             speed_limit: modal.speed_limit,
             direction: modal.direction.signum() as i8,
+            without_run_out: modal.without_run_out,
+            incremental: false,
         }
     }
 
@@ -107,6 +113,7 @@ impl State<'_> {
         modal.surface = carried.surface;
         modal.speed_limit = carried.speed_limit;
         modal.direction = carried.direction.into();
+        modal.without_run_out = carried.without_run_out;
         modal.place_origin();
         // The spindle follows this law already.
         let law = self.modal.law().filter(|_| self.modal.direction != 0);

@@ -290,6 +290,11 @@ impl<'p> Interpreter<'p> {
         self.state.modal.without_run_out = alone;
     }
 
+    /// The latest M code is one that was taken out of the text.
+    pub const fn heard(&mut self, code: u16) {
+        self.state.m = Some(code);
+    }
+
     /// The M code of rigid tapping.
     #[must_use]
     pub fn rigid_code(&self) -> u8 {

@@ -203,7 +203,7 @@ pub enum SimCommand {
         #[arg(value_enum)]
         to: Bus,
     },
-    /// Let the board's flash take nothing any more, or mend it
+    /// Spoil the board's flash or what is in it, or mend it
     #[command(after_help = examples::SIM_FLASH)]
     Flash {
         /// How it is then

@@ -143,7 +143,9 @@ impl List<'_> {
         if let Some(warning) = moves.warning() {
             self.tell(&warning, program.is_inch())?;
         }
-        for step in moves {
+        let in_one_block = program.is_in_one_block(call.span);
+        for mut step in moves {
+            movelist::name_as_written(&mut step, in_one_block);
             self.moves += 1;
             movelist::push(
                 self.format,

@@ -156,6 +156,16 @@ fn rpm(speed: Rpm) -> i64 {
     i64::from(speed.get()) * 1_000_000
 }
 
+/// A G76 in one block has become a G78 [D226]: it is told as what was written.
+pub fn name_as_written(step: &mut Move, in_one_block: bool) {
+    if in_one_block
+        && let Some(tag) = &mut step.tag
+        && tag.cycle == Cycle::G78
+    {
+        tag.cycle = Cycle::G76;
+    }
+}
+
 pub(crate) fn cycle_name(cycle: Cycle) -> &'static str {
     match cycle {
         Cycle::G74 => "G74",

@@ -180,3 +180,29 @@ fn q_of_a_thread_in_one_block_turns_every_stroke_and_moves_nothing_else() {
         "{told}"
     );
 }
+
+/// It becomes a G78 on the way [D226], and whoever wrote G76 reads G76.
+#[test]
+fn a_thread_in_one_block_is_told_as_g76_everywhere() {
+    let folder = Folder::new("one-block");
+    let program = folder.file("part.nc");
+    let text = "M3 S300\nG0 X24. Z5.\nG76 X17.546 Z-25. K1.227 D.4 F2.\nM30\n";
+    std::fs::write(&program, text).unwrap();
+    for args in [
+        &["check"][..],
+        &["check", "--json"],
+        &["expand"],
+        &["expand", "--format", "jsonl"],
+        &["expand", "--format", "csv"],
+    ] {
+        let output = leadscrew(&[args, &[&program, "--dialect", "haas"]].concat());
+        assert_eq!(code(&output), 0, "{args:?}: {}", stderr(&output));
+        let told = stdout(&output) + &stderr(&output);
+        assert!(told.contains("G76") && !told.contains("G78"), "{told}");
+    }
+    // The two-line form of a GSK keeps its name.
+    let text = "M3 S300\nG0 X24 Z5\nG78 P010060 Q0.1 R0.05\nG78 X17.546 Z-25 P1.227 Q0.4 F2\nM30\n";
+    std::fs::write(&program, text).unwrap();
+    let output = leadscrew(&["expand", &program]);
+    assert!(stdout(&output).contains("G78"));
+}

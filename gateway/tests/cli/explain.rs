@@ -190,19 +190,9 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
         "a_spindle_far_too_fast_in_a_stroke",
     ),
     (
-        &[4270],
-        "tests/tests/floating/trouble.rs",
-        "a_spindle_that_does_not_stop_for_the_bottom",
-    ),
-    (
         &[4307, 4308],
         "firmware/app/tests/apart/panel.rs",
         "a_clamp_that_does_not_answer_is_an_alarm_after_a_second_and_a_reset_lets_go",
-    ),
-    (
-        &[4312],
-        "tests/tests/journal/refusals.rs",
-        "a_damaged_journal_is_an_alarm_and_not_forgotten",
     ),
     (
         &[4329, 4348, 4349],
@@ -210,39 +200,9 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
         "an_image_that_is_not_taken_has_its_reason",
     ),
     (
-        &[4331],
-        "gateway/tests/board/nmt.rs",
-        "a_node_that_somebody_stops_is_told_with_cause_and_remedy",
-    ),
-    (
-        &[4332],
-        "tests/tests/device/network.rs",
-        "a_second_board_with_the_same_number_is_an_alarm",
-    ),
-    (
         &[4334],
         "tests/tests/device/programs.rs",
         "a_run_without_a_program_is_refused_visibly",
-    ),
-    (
-        &[4340],
-        "tests/tests/device/kept.rs",
-        "a_damaged_set_is_an_alarm_that_offers_the_one_before",
-    ),
-    (
-        &[4341],
-        "tests/tests/device/kept.rs",
-        "nothing_whole_is_an_alarm_and_no_reset_to_factory",
-    ),
-    (
-        &[4342],
-        "tests/tests/device/kept.rs",
-        "a_set_of_another_table_is_not_read_and_both_versions_are_named",
-    ),
-    (
-        &[4351, 4352, 4354, 4355],
-        "motion/src/bus/drive/tests.rs",
-        "each_step_has_its_time_and_its_name",
     ),
     (
         &[4362],
@@ -295,16 +255,6 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
         "the_table_at_rest",
     ),
     (
-        &[4505],
-        "tests/tests/device/by_hand.rs",
-        "one_session_moves_the_machine_at_a_time",
-    ),
-    (
-        &[4507],
-        "core/src/board/device/mode.rs",
-        "the_table_while_something_goes_on",
-    ),
-    (
         &[4508],
         "tests/tests/device/by_hand.rs",
         "an_old_order_starts_nothing",
@@ -316,44 +266,14 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
     ),
     (&[4521], "tests/tests/home/options.rs", "cancelled_by_reset"),
     (
-        &[4522],
-        "tests/tests/home/options.rs",
-        "the_drive_reports_an_error",
-    ),
-    (
-        &[4529],
-        "tests/tests/home/options.rs",
-        "a_6061_that_does_not_come_back",
-    ),
-    (
-        &[4530],
-        "tests/tests/home/options.rs",
-        "a_6061_that_does_not_come",
-    ),
-    (
         &[4581],
         "gateway/tests/board/offsets.rs",
         "of_two_consoles_the_one_that_has_not_seen_the_change_is_refused",
     ),
     (
-        &[4583],
-        "tests/tests/device/offsets.rs",
-        "a_damaged_table_is_told_and_no_program_runs_with_the_one_before",
-    ),
-    (
         &[4585],
         "tests/tests/device/offsets.rs",
         "what_is_no_next_table_is_refused_and_changes_nothing",
-    ),
-    (
-        &[4591],
-        "gateway/tests/desk/away.rs",
-        "a_reset_gives_the_program_up_and_the_next_resume_says_so",
-    ),
-    (
-        &[4954],
-        "gateway/tests/desk/wheel.rs",
-        "a_program_follows_the_wheel_to_its_end_and_a_thread_asks",
     ),
     (
         &[4955],
@@ -368,7 +288,7 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
 ];
 
 /// Numbers told in words that no test provokes by their name. This list may only become shorter.
-const NOWHERE: &[u64] = &[4200, 4259, 4266, 4301, 4302, 4305, 4369, 4523, 4974];
+const NOWHERE: &[u64] = &[4200, 4259, 4266, 4301, 4369, 4523, 4974];
 
 #[test]
 fn every_number_has_what_raises_it_and_words_stand_only_where_a_test_elsewhere_does() {

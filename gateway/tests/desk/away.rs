@@ -63,4 +63,10 @@ fn a_reset_gives_the_program_up_and_the_next_resume_says_so() {
     drop(run.wait_with_output());
     let told = bad(&user.does(&["resume"]), 1);
     assert!(told.contains("4591"), "{told}");
+    // What runs next moves: the run that was set aside is over.
+    let program = user.program("G98 G1 W-1 F3000\nM30\n");
+    let before = user.json(&["status"])["mz"].as_f64().unwrap();
+    good(&user.does(&["run", &program]));
+    let after = user.json(&["status"])["mz"].as_f64().unwrap();
+    assert!((after - before + 1.0).abs() < 1e-6, "{before} {after}");
 }

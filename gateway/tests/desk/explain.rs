@@ -31,7 +31,7 @@ fn scripts() -> Vec<Value> {
 
 /// True where an output tells this number.
 fn tells(told: &str, number: u64) -> bool {
-    [" ", ":", "]"]
+    [" ", ":", "]", ","]
         .iter()
         .any(|behind| told.contains(&format!("{number:04}{behind}")))
 }

@@ -2,44 +2,12 @@
 
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 
-use super::Control;
+use super::{Control, refusals};
 use crate::value::Value;
 use crate::word::{Given, Word};
 
 /// Pairs: as the control writes it, and as system A does.
 type Pairs = &'static [(i64, i64)];
-
-/// What is told of a code that other controls have, in tenths: what to write in its place.
-///
-/// G05, G14 and their like are other codes on each of them, so it is a Haas that is told of them.
-const fn refusal(control: Control, tenths: u16) -> Option<Code> {
-    Some(match tenths {
-        50 | 140 | 150 | 1000 | 1010 | 1050 | 1950 | 1960 | 1990
-            if matches!(control, Control::Haas) =>
-        {
-            Code::PartOfOtherMachine
-        }
-        310 => Code::PartOfOtherMachine,
-        270 | 290 => Code::ReferenceMove,
-        350 | 360 => Code::CircularThread,
-        71 | 1070 | 121 | 1120 => Code::PolarMoves,
-        90
-        | 220
-        | 260
-        | 510
-        | 520
-        | 541
-        | 680
-        | 860
-        | 1100..=1290
-        | 1540
-        | 1840
-        | 1870
-        | 841
-        | 881 => Code::OtherControls,
-        _ => return None,
-    })
-}
 
 /// True for a code, in tenths, of a FANUC or Haas that ends what this machine does not have: it stands in the first lines
 /// of programs, and there is nothing to do [D442].
@@ -131,6 +99,17 @@ impl Control {
         }
     }
 
+    /// True for a code that the GSK and system A do not have, and this control does.
+    pub(super) fn has_of_its_own(self, code: i64) -> bool {
+        let pairs = self.pairs();
+        pairs.iter().any(|(own, _)| *own == code)
+            || match self {
+                Self::FanucB | Self::FanucC => matches!(code, 81 | 82 | 85 | 89 | 91),
+                Self::Haas => matches!(code, 81 | 82 | 85 | 89 | 91 | 103),
+                Self::Gsk980td | Self::Gsk988 | Self::FanucA => false,
+            }
+    }
+
     /// How this control writes `code` of system A.
     #[must_use]
     pub fn written(self, code: i64) -> i64 {
@@ -143,14 +122,14 @@ impl Control {
     pub fn in_own_codes(self, mut alarm: Alarm) -> Alarm {
         if let (Code::UnknownG | Code::GNotAvailable, Arg::GCode(tenths)) =
             (alarm.code, alarm.args[0])
-            && let Some(code) = refusal(self, tenths)
         {
-            alarm.code = code;
-            return alarm;
-        }
-        if alarm.code == Code::UnknownG {
-            // It names what was written.
-            return alarm;
+            if let Some(named) = refusals::by_name(self, alarm, tenths) {
+                return named;
+            }
+            if alarm.code == Code::UnknownG {
+                // It names what was written.
+                return refusals::of_another(self, alarm, tenths);
+            }
         }
         for arg in &mut alarm.args {
             if let Arg::GCode(tenths) = arg

@@ -12,6 +12,8 @@ mod looks;
 mod name;
 pub mod one_line;
 mod points;
+mod refusals;
+pub mod remedies;
 #[cfg(test)]
 mod tests;
 mod translator;

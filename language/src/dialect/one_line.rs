@@ -3,7 +3,7 @@
 //! A groove becomes the block of the two-line form. A thread becomes the two blocks of a G78, which has words for the way
 //! of the infeed [D226].
 
-use leadscrew_core::alarm::{Alarm, Arg, Code};
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::units::{Decimal, StartAngle};
 
 use super::Control;
@@ -18,6 +18,16 @@ fn has(words: &[Word], letters: &[u8]) -> bool {
 /// True for a thread in one block. K alone is the run-out of the two-line form.
 pub(super) fn is_thread(words: &[Word]) -> bool {
     has_code(words, 76) && has(words, b"XUZW") && has(words, b"D")
+}
+
+/// The G word of a thread in one block.
+pub fn thread_word(words: &[Word]) -> Option<Span> {
+    is_thread(words).then(|| g76(words).map(|word| word.span))?
+}
+
+fn g76(words: &[Word]) -> Option<&Word> {
+    let is = |word: &&Word| word.letter == b'G' && word.value().whole() == Some(76);
+    words.iter().find(is)
 }
 
 /// True for a groove, or pecks along Z, in one block.
@@ -93,10 +103,7 @@ fn times(word: &Word, factor: i64, decimals: u8) -> Result<Given, Alarm> {
 
 /// K is the height, D the first depth, I the taper, A the angle, P the way of the infeed, Q the start angle [D274].
 fn thread(words: &[Word]) -> Result<[Vec<Word>; 2], Alarm> {
-    let Some(code) = words
-        .iter()
-        .find(|word| word.letter == b'G' && word.value().whole() == Some(76))
-    else {
+    let Some(code) = g76(words) else {
         return Ok([Vec::new(), words.to_vec()]);
     };
     let find = |letter| words.iter().find(|word: &&Word| word.letter == letter);

@@ -2,6 +2,7 @@
 
 mod haas;
 mod readings;
+mod remedies;
 mod system_variables;
 
 use leadscrew_core::alarm::{Alarm, Arg};
@@ -172,7 +173,7 @@ fn codes_with_a_point_are_refused_by_name() {
         for (text, number, code) in [
             ("G12.1", 4095, 121),
             ("G0 X1 G84.1", 4097, 841),
-            ("G5.1", 4020, 51),
+            ("G5.4", 4020, 54),
         ] {
             let alarm = alarm(control, text);
             assert_eq!((alarm.number(), alarm.args[0]), (number, Arg::GCode(code)));

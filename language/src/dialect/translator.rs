@@ -69,6 +69,12 @@ impl Translator {
         }
     }
 
+    /// Puts in force what the text before has left.
+    pub const fn carry(&mut self, modes: Modes) {
+        self.incremental = modes.incremental;
+        self.without_run_out = modes.without_run_out;
+    }
+
     /// The control.
     #[must_use]
     pub const fn control(&self) -> Control {
@@ -92,14 +98,22 @@ impl Translator {
         }
     }
 
-    /// Turns the words of a block into those of system A.
+    /// Turns the words of a block into those of system A. Gives M23 or M24, where it is the latest M of the block: the
+    /// machine does not see it.
     ///
     /// # Errors
     /// A code that this control does not have, or a count with a point.
-    pub fn translate(&mut self, words: &mut Vec<Word>, now: Setting) -> Result<(), Alarm> {
-        if self.control == Control::Haas {
-            self.chamfers(words);
-        }
+    pub fn translate(&mut self, words: &mut Vec<Word>, now: Setting) -> Result<Option<u16>, Alarm> {
+        let heard = if self.control == Control::Haas {
+            self.chamfers(words)
+        } else {
+            None
+        };
+        self.rest(words, now).map(|()| heard)
+    }
+
+    /// The same without M23 and M24.
+    fn rest(&mut self, words: &mut Vec<Word>, now: Setting) -> Result<(), Alarm> {
         leave_out(words, self.control);
         refuse_decimal_codes(words)?;
         let increments = !self.control.is_gsk() && self.codes(words)?;
@@ -136,14 +150,21 @@ impl Translator {
         of_fanuc(words, now)
     }
 
-    /// M23 and M24 of a Haas: threads with and without a run-out.
-    fn chamfers(&mut self, words: &[Word]) {
+    /// M23 and M24 of a Haas: threads with and without a run-out. Gives it where it is the latest M of the block.
+    fn chamfers(&mut self, words: &[Word]) -> Option<u16> {
         let codes = words.iter().filter(|word| word.letter == b'M');
+        let mut heard = None;
         for code in codes.filter_map(|word| word.value().whole()) {
-            if matches!(code, 23 | 24) {
+            heard = match code {
+                23 => Some(23),
+                24 => Some(24),
+                _ => None,
+            };
+            if let Some(code) = heard {
                 self.without_run_out = code == 24;
             }
         }
+        heard
     }
 
     /// The G codes. True where the axis words of the block count from where the tool is.

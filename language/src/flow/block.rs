@@ -5,7 +5,7 @@ use leadscrew_core::program::MAX_LINE;
 use leadscrew_core::units::Decimal;
 
 use super::{Flow, Machine, Trouble};
-use crate::dialect::{digits, one_line};
+use crate::dialect::{Setting, digits, one_line};
 use crate::expression::Calculator;
 use crate::lines::{Place, Source};
 use crate::roughing::Cycle;
@@ -203,7 +203,22 @@ impl<S: Source> Flow<S> {
         let of = |letter: u8| decimals[usize::from(letter - b'A') % 26];
         word::read(cursor, &mut scope, of, words)?;
         let now = machine.setting();
-        self.translator.translate(words, now)?;
+        let heard = self.translator.translate(words, now)?;
+        self.translated(cursor, words, now, machine)?;
+        if let Some(code) = heard {
+            machine.heard(code);
+        }
+        Ok(())
+    }
+
+    /// Carries out the words of a block as they are in system A.
+    fn translated(
+        &mut self,
+        cursor: &Cursor<'_>,
+        words: &mut Vec<Word>,
+        now: Setting,
+        machine: &mut impl Machine,
+    ) -> Result<(), Trouble> {
         digits::count(words, now)?;
         if !self.translator.control().is_gsk()
             && let Some(told) = digits::round(words, now)
@@ -213,6 +228,7 @@ impl<S: Source> Flow<S> {
         }
         machine.follow(self.modes());
         if let Some(blocks) = one_line::blocks(words, self.translator.control(), now)? {
+            self.one_block = one_line::thread_word(words);
             for block in &blocks {
                 let done = machine.words(cursor.line(), block)?;
                 self.done(done)?;

@@ -210,8 +210,8 @@ codes! {
         "螺纹角度 {0}° 超出 0–99°", "请在 P 的最后两位写刀具角度";
     /// Δdmin is larger than the whole depth k.
     MinStepAboveHeight = 316, "the smallest step {0} is larger than the thread height {1}",
-        "write a smaller Q in the first block, or a larger P (height)",
-        "最小切削量 {0} 大于牙高 {1}", "请减小第一段的 Q，或增大牙高 P";
+        "make the step smaller (Q of the first block; where there is none, parameter 5140), or the height larger (P; in one block K)",
+        "最小切削量 {0} 大于牙高 {1}", "请减小最小切削量（第一段的 Q；没有时为参数 5140），或增大牙高（P；单段格式为 K）";
     /// k or Δd of a thread missing, zero or negative; {0} the letter.
     ThreadDepth = 317, "the thread needs {0} (P: its height, Q: the depth of the first pass) above zero",
         "write P and Q, both positive, in the block with X and Z",
@@ -285,8 +285,8 @@ codes! {
     /// No such M code; {0} its number.
     UnknownM = 4019, "there is no M{0}", "correct the code", "没有 M{0}", "请修改代码";
     /// A G code that exists and is not built; {0}.
-    GNotAvailable = 4020, "{0} is not available here", "write the moves with G00 to G03 or another cycle; G41, G42, G65 to G67 and G70 to G73 are worked out by `leadscrew`, not by a board that reads text alone",
-        "{0} 在此不可用", "请用 G00 至 G03 或其他循环编写运动；G41、G42、G65 至 G67 和 G70 至 G73 由 `leadscrew` 处理，单独读取文本的控制板没有这些功能";
+    GNotAvailable = 4020, "{0} is not available here", "write the moves with G00 to G03 or another cycle",
+        "{0} 在此不可用", "请用 G00 至 G03 或其他循环编写运动";
     /// An M code that exists and is not built; {0} its number.
     MNotAvailable = 4021, "M{0} cannot be carried out in this place", "give the call a block of its own",
         "此处不能执行 M{0}", "请将调用单独写成一个程序段";
@@ -317,8 +317,8 @@ codes! {
     SecondProgram = 4030, "a second program O{0} begins without M30 or M02 in front", "end the program before it with M30",
         "O{0} 之前的程序没有 M30 或 M02", "请在前面的程序末尾写 M30";
     /// A code without the words it needs; {0} the code.
-    CodeNeedsWords = 4031, "{0} stands without words", "write what it is for: G04 P or X, G28 U0 W0, G50 X Z or S, G53 X Z",
-        "{0} 没有所需的字", "请写出所需的字：G04 P 或 X，G28 U0 W0，G50 X Z 或 S，G53 X Z";
+    CodeNeedsWords = 4031, "{0} stands without words", "write the words that it needs",
+        "{0} 没有所需的字", "请写出所需的字";
     /// P and X or U in G04.
     DwellTwice = 4032, "the time of the dwell stands twice", "write P (milliseconds) or X (seconds)",
         "暂停时间写了两次", "请只写 P（毫秒）或 X（秒）";
@@ -483,8 +483,8 @@ codes! {
         "write a bottom beyond R, R as a coordinate between the place where the tool stands before the cycle and the bottom, and Q in millimetres or inches",
         "该孔在 R 平面以下没有深度，或 R 不在初始平面与孔底之间，或 Q 使进给次数超过 9999", "请将孔底写在 R 平面之外，R 写为坐标值（位于循环前刀具位置与孔底之间），Q 以毫米或英寸为单位";
     /// G27 and G29; {0} the code.
-    ReferenceMove = 4093, "{0}, a move about the reference point, is not built", "leave G27 out: it moves nothing that G28 does not; in place of G29 write G00 to the point where the work goes on",
-        "未实现参考点指令 {0}", "G27 可省略；代替 G29 请用 G00 移到继续加工的位置";
+    ReferenceMove = 4093, "{0}, a move about the reference point, is not built", "leave it out, or write G00",
+        "未实现参考点指令 {0}", "请省略，或写 G00";
     /// G35 and G36; {0} the code.
     CircularThread = 4094, "{0}, a thread along an arc, is not built", "write G32 for each piece of the thread that is straight: strokes that follow each other are one thread",
         "未实现圆弧螺纹 {0}", "请将螺纹分成直线段，用连续的 G32 编写：相连的各段为同一螺纹";
@@ -493,8 +493,8 @@ codes! {
         "未实现 {0}（动力刀具的极坐标或圆柱插补）", "请让 CAM 系统直接输出 X、Z、C 的移动（不用极坐标或圆柱插补）";
     /// A code of FANUC or Haas that does something, and is not built; {0} the code.
     OtherControls = 4097, "{0} of other controls is not built",
-        "G09: write G61 in this block and G64 in the next one; G110 to G129, G154, G54.1: G54 to G59; G51: G50 with U and W the other way; G52: G10 L2; G86: G85, or G01 and M05; G184, G84.1: M04 and G84; G187 with E: leave E out, for 9033 is the tolerance of corners; leave G22, G26 and G68 out: the soft limits hold always, and this machine has one turret",
-        "未实现其他系统的 {0}", "G09：本段写 G61，下一段写 G64；G110 至 G129、G154、G54.1：用 G54 至 G59；G51：用 G50 反向写 U、W；G52：用 G10 L2；G86：用 G85，或 G01 和 M05；G184、G84.1：用 M04 和 G84；带 E 的 G187：省略 E，拐角允差为 9033；G22、G26、G68 请省略：软限位始终有效，且本机只有一个刀架";
+        "write it with codes of this control",
+        "未实现其他系统的 {0}", "请用本系统的代码编写";
     /// A length without a point that is too large and may have been meant as increments; {0} what it is, {1} as increments.
     LengthWithoutPoint = 4098, "{w} has no point and is {0} here, which cannot be; as a count of increments it would be {1}",
         "write it with a point; where the whole program counts increments, read it with `--set 3401.0=0` (`leadscrew params set 3401.0=0` for good)",
@@ -1005,8 +1005,8 @@ codes! {
         "加速需要 {1} 个周期（主要是 {0} 轴），超过上限 {2}", "请增大 1620.{0} 或 1622.{0}，减小 1420.{0}，或加长周期（9000）";
     /// Travel limits the wrong way round: axis.
     SoftLimitsInverted = 4421, "the travel limits of {0} leave no room: 1321.{0} is not below 1320.{0}",
-        "make 1320.{0} larger than 1321.{0}, or write \"none\" for no limit",
-        "{0} 轴软限位之间没有行程：1321.{0} 不小于 1320.{0}", "1320.{0} 须大于 1321.{0}；不设限位请写 \"none\"";
+        "make 1320.{0} larger than 1321.{0}; of C alone both may be \"none\", for no limit",
+        "{0} 轴软限位之间没有行程：1321.{0} 不小于 1320.{0}", "1320.{0} 须大于 1321.{0}；仅 C 轴可都写 \"none\"，表示不设限位";
     /// Cutting faster than rapid: axis.
     FeedAboveRapid = 4422, "the cutting feed of {0} (1430.{0}) is above its rapid rate (1420.{0})",
         "lower 1430.{0} or raise 1420.{0}",
@@ -1342,8 +1342,8 @@ codes! {
         "#{0} 是机床的工件计数，而程序在机床运动之前就已计算", "请用保持型变量计数，在 M30 之前写 `#500=#500+1`；`run --passes 10` 将以 M99 结尾的主程序重复十次";
     /// What would keep single block, feed hold, the override or the exact stop from acting; {0} its number.
     InhibitVariable = 4860, "#{0} can only be 0 here: nothing in a program takes single block, feed hold or the override from the operator",
-        "leave it out; a thread, or a chain of G32, stops at its end alone in any case; in place of 4 in #3004 write G64 before the cuts that are to be joined",
-        "#{0} 在此只能为 0：程序不得使操作者的单段、进给保持或倍率失效", "请省略；螺纹及连续的 G32 总是在其终点才停；#3004 的 4 请改为在需连续切削的程序段之前写 G64";
+        "leave it out",
+        "#{0} 在此只能为 0：程序不得使操作者的单段、进给保持或倍率失效", "请省略";
     /// An input or output; {0} its number.
     SignalVariable = 4861, "#{0} is a signal of the machine, and a program is calculated before the machine moves",
         "give the signal an M code of its own in the table of machine functions: it sets an output, or waits for an input",
@@ -1359,8 +1359,8 @@ codes! {
         "在含 P、Q 的程序段中，{w} 在 FANUC 和 Haas 上是粗车余量，在 GSK 上是另一个字", "请省略：轮廓总是经过检查，最后一刀总会执行；若为余量请写 `(DIALECT FANUC-A)`，或在同一段写 D";
     /// A code for what this machine does not have; {0} the code.
     PartOfOtherMachine = 4864, "{0} is for something that this machine does not have",
-        "G14 G15 G199: no second spindle, so the other side of the part is a program of its own; G105: no bar feeder, so M00 and an operator; G31: no probe; G05 G195 G196: no live tool; G100 G101: no mirror image, so write the signs",
-        "{0} 用于本机没有的部件", "G14 G15 G199：没有副主轴，另一端请另编程序；G105：没有送料机，请用 M00；G31：没有测头；G05 G195 G196：没有动力刀具；G100 G101：没有镜像，请改写符号";
+        "leave it out, or make the part without it",
+        "{0} 用于本机没有的部件", "请省略，或不用它加工";
     /// DPRNT and what belongs to it.
     PrintStatement = 4865, "DPRNT, BPRNT, POPEN and PCLOS print to a serial port, and there is none here",
         "leave them out; a value is kept for the next run, and in the file of variables, with `#500=#1`",
@@ -1473,11 +1473,11 @@ codes! {
     LeadInLong = 4940, "start at least {0} before the material: {1} to get onto the lead, {2} for the shift of the starts", "lower S, or start further away",
         "起刀点距工件至少 {0}：进入导程 {1}，起点偏移 {2}", "请降低 S 或加大起刀距离";
     /// The axis leaves the lead before the run-out begins.
-    FallingLead = 4941, "the last {0} before the end of the thread are cut with a falling lead", "lower S, or write a run-out with K of {1} or more",
-        "螺纹末端 {0} 的导程逐渐减小", "请降低 S，或写 K 不小于 {1} 的退尾";
+    FallingLead = 4941, "the last {0} before the end of the thread are cut with a falling lead", "lower S, or give the thread a run-out of {1} or more: K; where it has no such word, r in P of G76, or parameter 5130",
+        "螺纹末端 {0} 的导程逐渐减小", "请降低 S，或使退尾长度不小于 {1}：写 K；没有 K 时用 G76 的 P 中的 r，或参数 5130";
     /// The short axis cannot make up inside K what it lags.
-    RunOutLags = 4942, "the run-out is {0} short of J at the end of K", "lower S, or write K{1} or more",
-        "退尾在 K 结束时距 J 还差 {0}", "请降低 S，或写 K{1} 以上";
+    RunOutLags = 4942, "the run-out is {0} short of its height at its end", "lower S, or give it a length of {1} or more: K; where the thread has no such word, r in P of G76, or parameter 5130",
+        "退尾结束时距其高度还差 {0}", "请降低 S，或使其长度不小于 {1}：写 K；没有 K 时用 G76 的 P 中的 r，或参数 5130";
     /// Parameter 107 is not followed.
     RunOutSpeedIgnored = 4943, "parameter 107 is {0}, and the run-out stays as J and K say", "set parameter 107 to 0",
         "参数 107 为 {0}，退尾仍按 J、K 执行", "请将参数 107 设为 0";

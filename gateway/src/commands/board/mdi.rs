@@ -254,6 +254,13 @@ pub fn modal_words(carried: &Carried) -> String {
         _ => 5,
     };
     words += &format!(" S{speed} M{turns:02} T--{:02}", carried.offset);
+    // Of controls that have them, and else never in force.
+    if carried.incremental {
+        words += " G91";
+    }
+    if carried.without_run_out {
+        words += " M24";
+    }
     words
 }
 
@@ -348,6 +355,8 @@ fn value(carried: &Carried) -> Value {
         "in_surface": carried.in_surface,
         "surface": carried.surface.map(Feed::nm_per_min),
         "speed_limit": carried.speed_limit,
+        "without_run_out": carried.without_run_out,
+        "incremental": carried.incremental,
     })
 }
 
@@ -397,6 +406,8 @@ fn carried(value: &Value) -> Option<Carried> {
         },
         speed_limit: maybe(&value["speed_limit"])?,
         direction: 0,
+        without_run_out: value["without_run_out"].as_bool()?,
+        incremental: value["incremental"].as_bool()?,
     })
 }
 
@@ -424,6 +435,8 @@ mod tests {
             surface: Some(Feed::from_nm_per_min(120_000_000_000)),
             speed_limit: Some(2000),
             direction: 0,
+            without_run_out: true,
+            incremental: false,
         };
         let second = Carried {
             unit: LengthUnit::Metric,
@@ -431,6 +444,8 @@ mod tests {
             feed: CarriedFeed::PerMinute(Feed::from_nm_per_min(1)),
             surface: None,
             speed_limit: None,
+            without_run_out: false,
+            incremental: true,
             ..first
         };
         let third = Carried {

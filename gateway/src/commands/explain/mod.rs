@@ -10,6 +10,7 @@ mod subjects;
 use std::fmt::Write as _;
 
 use leadscrew_core::alarm::{Code, Lang};
+use leadscrew_language::dialect::remedies;
 
 use self::entries::{Entry, entries};
 use self::subjects::SUBJECTS;
@@ -46,6 +47,17 @@ impl Explained {
         format!("{kind} {number:04}: {cause}")
     }
 
+    /// What to do. Where that depends on the word, each has a line of its own.
+    fn helps(&self, lang: Lang) -> Vec<String> {
+        let helps = remedies::helps(self.code, lang);
+        if helps.is_empty() {
+            return vec![blanks(self.code.help(lang))];
+        }
+        let colon = pick(lang, ": ", "：");
+        let line = |(word, help)| format!("{word}{colon}{help}");
+        helps.into_iter().map(line).collect()
+    }
+
     /// The subject, and the page that tells of it.
     fn subject(&self, lang: Lang) -> (&'static str, &'static str) {
         let number = self.code.number();
@@ -56,7 +68,10 @@ impl Explained {
 
     fn text(&self, lang: Lang) -> String {
         let mut text = self.heading(lang);
-        let _ = write!(text, "\n  {}\n", blanks(self.code.help(lang)));
+        text.push('\n');
+        for help in self.helps(lang) {
+            let _ = writeln!(text, "  {help}");
+        }
         if let Some(entry) = &self.entry {
             shown::typed(entry, lang, &mut text);
         }
@@ -68,7 +83,16 @@ impl Explained {
     fn section(&self, lang: Lang) -> String {
         let mut text = format!("\n### {}\n\n", self.heading(lang));
         let end = pick(lang, ".", "。");
-        let _ = writeln!(text, "{}{end}", sentence(&blanks(self.code.help(lang))));
+        match self.helps(lang).as_slice() {
+            [help] => {
+                let _ = writeln!(text, "{}{end}", sentence(help));
+            }
+            helps => {
+                for help in helps {
+                    let _ = writeln!(text, "- {help}");
+                }
+            }
+        }
         if let Some(entry) = &self.entry {
             shown::page(entry, lang, &mut text);
         }
@@ -108,7 +132,7 @@ pub fn run(global: &Global, args: &Explain) -> Outcome {
                         o.integer("no", one.code.number().into());
                         o.flag("warning", one.code.is_warning());
                         o.text("message", &blanks(one.code.cause(lang)));
-                        o.text("help", &blanks(one.code.help(lang)));
+                        o.text("help", &one.helps(lang).join(pick(lang, "; ", "；")));
                         if let Some(entry) = &one.entry {
                             shown::json(entry, lang, o);
                         }

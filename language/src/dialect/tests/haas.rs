@@ -123,7 +123,9 @@ fn what_the_machine_does_not_have_is_refused_by_name() {
         ("G101 X0", 4864, 1010),
         ("G105 X-1.", 4864, 1050),
         ("G195", 4864, 1950),
+        ("G198", 4864, 1980),
         ("G199", 4864, 1990),
+        ("G87 Z-5. R2. F.1", 4097, 870),
         ("G51", 4097, 510),
         ("G52 X1.", 4097, 520),
         ("G54.1 P1", 4097, 541),
@@ -138,7 +140,8 @@ fn what_the_machine_does_not_have_is_refused_by_name() {
             "{text}"
         );
     }
-    assert_eq!(alarm(Control::FanucA, "G05").number(), 4018);
+    assert_eq!(alarm(Control::FanucA, "G05").number(), 4097);
+    assert_eq!(alarm(Control::FanucA, "G199").number(), 4018);
     for text in ["DPRNT[X#1[42]]", "POPEN", "PCLOS", "N5 BPRNT[X#1[4]]"] {
         for control in [Control::Haas, Control::FanucA, Control::FanucB] {
             assert_eq!(alarm(control, text).number(), 4865, "{text}");
@@ -205,4 +208,58 @@ fn i_and_k_of_roughing_are_lengths_off_the_last_pass() {
         &format!("{start};G73 U3. W1. R3;G73 P1 Q2 U.4 W.1 I1.;{contour}"),
     );
     assert_eq!(pattern.number(), 4028);
+}
+
+/// Each typed line is a text of its own.
+#[test]
+fn m24_holds_for_the_next_typed_line_and_so_does_g91() {
+    let params = machine(&[]);
+    let after = |control, lines: &[&str]| {
+        let rules = Rules {
+            control,
+            ..Rules::default()
+        };
+        let mut carried = None;
+        let mut events = Vec::new();
+        for line in lines {
+            let (options, kept) = (Options::default(), Kept::default());
+            let mut reader = Reader::new(line.as_bytes(), &params, options, kept, rules);
+            if let Some(carried) = &carried {
+                reader.carry(carried);
+            }
+            events.clear();
+            while !reader.is_over() {
+                reader.step(&mut |event| events.push(event)).unwrap();
+            }
+            carried = Some(reader.carried());
+        }
+        events
+    };
+    let thread = "M3 S300 G0 X22. Z5.\nG92 X20. Z-25. F2.\n";
+    let runs_out = |lines: &[&str]| {
+        let has = |event: &Event| match event {
+            Event::Call(call) => match &call.kind {
+                CallKind::Thread(thread) => Some(thread.run_out.is_some()),
+                _ => None,
+            },
+            Event::Warning(_) => None,
+        };
+        after(Control::Haas, lines).iter().find_map(has).unwrap()
+    };
+    assert!(runs_out(&["G0\n", thread]));
+    assert!(!runs_out(&["M24\n", thread]));
+    assert!(!runs_out(&["M24\n", "G0 X30.\n", thread]));
+    assert!(runs_out(&["M24\n", "M23\n", thread]));
+    // Another control has no such code.
+    let end = |lines: &[&str]| {
+        let events = after(Control::FanucB, lines);
+        events.iter().find_map(|event| match event {
+            Event::Call(call) => match &call.kind {
+                CallKind::Rapid(to) => Some(to.z.nm()),
+                _ => None,
+            },
+            Event::Warning(_) => None,
+        })
+    };
+    assert_eq!(end(&["G0 Z10.\n", "G91\n", "G0 Z-3.\n"]), Some(-3_000_000));
 }

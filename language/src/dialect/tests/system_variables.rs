@@ -119,6 +119,12 @@ fn the_latest_m_code_is_told() {
         is(control, "M3 M8 S300", 4113, 8.0);
         is(control, "M8;N5 M#0;G0 X5.", 4113, 8.0);
     }
+    // Also one that the machine does not see.
+    is(Control::Haas, "M8;M24;G0 X5.", 4113, 24.0);
+    is(Control::Haas, "M24;M8", 4113, 8.0);
+    is(Control::Haas, "M8 M23", 4113, 23.0);
+    is(Control::Haas, "M23 M8", 4113, 8.0);
+    is(Control::Haas, "M24;G0 X5.;#2=1", 4113, 24.0);
     // That of a contour that is read for a roughing cycle has not been carried out.
     let cycle =
         "M3 S300;F100.;G0 X40. Z2.;G71 U2. R1.;G71 P1 Q2 U0 W0;N1 G0 X20.;G1 Z-9. M8;N2 X40.";

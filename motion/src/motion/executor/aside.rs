@@ -48,6 +48,11 @@ impl Executor {
         })
     }
 
+    /// The motion that was set aside is given up: what comes next begins from rest.
+    pub const fn give_up_aside(&mut self) {
+        self.run.begin_anew();
+    }
+
     /// Takes the motion up again. The axes stand where it was held.
     pub fn take_up(&mut self, aside: &Aside) {
         self.followers = None;

@@ -148,7 +148,9 @@ impl Ticker {
     pub(super) fn transition_from_stopping(&mut self, events: &mut EventIn<'_>) {
         self.note_stop();
         self.course.end_program();
-        self.left = None;
+        if self.left.take().is_some() {
+            self.executor.give_up_aside();
+        }
         self.handwheel.set(false);
         self.spindle.stop();
         self.resuming = None;

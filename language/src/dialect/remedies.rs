@@ -1,0 +1,102 @@
+//! What to do about an alarm, where that depends on the word that it blames: one number of an alarm then has several
+//! remedies.
+
+use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
+
+use super::Control;
+use super::refusals::{REFUSALS, refusal};
+
+/// Alarms whose remedy depends on a number that they name: the number, how it is written, and what to do.
+#[rustfmt::skip]
+const BY_NUMBER: &[(Code, &[Arg], &str, [&str; 2])] = &[
+    (Code::InhibitVariable, &[Arg::Int(3003)], "#3003", [
+        "leave it out: a thread, or a chain of G32, stops at its end alone in any case",
+        "请省略：螺纹及连续的 G32 总是在其终点才停",
+    ]),
+    (Code::InhibitVariable, &[Arg::Int(3004)], "#3004", [
+        "leave it out; in place of 4, no exact stop, write G64 before the cuts that are to be joined",
+        "请省略；代替 4（不准停）请在需连续切削的程序段之前写 G64",
+    ]),
+    (Code::CodeNeedsWords, &[Arg::GCode(40)], "G04", [
+        "write the time: P in milliseconds, or X or U in seconds",
+        "请写时间：P 为毫秒，X 或 U 为秒",
+    ]),
+    (Code::CodeNeedsWords, &[Arg::GCode(100)], "G10", [
+        "write P, the number of the offset, and X, Z, R or Q",
+        "请写刀偏号 P，以及 X、Z、R 或 Q",
+    ]),
+    (Code::CodeNeedsWords, &[Arg::GCode(280)], "G28", [
+        "write the axes: G28 U0 W0; a Haas alone goes home with both without a word (`--dialect haas`)",
+        "请写轴：G28 U0 W0；只有 Haas 不写轴时两轴都回零（`--dialect haas`）",
+    ]),
+    (Code::CodeNeedsWords, &[Arg::GCode(300)], "G30", [
+        "write the axes: G30 U0 W0",
+        "请写轴：G30 U0 W0",
+    ]),
+    (Code::CodeNeedsWords, &[Arg::GCode(500), Arg::GCode(920)], "G50 (FANUC B, C: G92)", [
+        "write S, the highest speed under G96, or X and Z, the place where the tool is",
+        "请写 S（G96 的最高转速），或 X、Z（刀具当前位置）",
+    ]),
+    (Code::CodeNeedsWords, &[Arg::GCode(530)], "G53", [
+        "write X or Z, in coordinates of the machine",
+        "请写机床坐标 X 或 Z",
+    ]),
+];
+
+const fn of_lang([en, zh]: [&'static str; 2], lang: Lang) -> &'static str {
+    match lang {
+        Lang::En => en,
+        Lang::Zh => zh,
+    }
+}
+
+/// What to do about an alarm whose remedy depends on the word that it blames.
+#[must_use]
+pub fn help(alarm: &Alarm, lang: Lang) -> Option<String> {
+    let both = |en, zh| of_lang([en, zh], lang).to_owned();
+    let words = match (alarm.code, alarm.args) {
+        (Code::FeedOfOtherMode, [Arg::Feed(_), ..]) => both(
+            "write G99 (per turn) before it, or another F; a FANUC or a Haas begins under G99 (`--dialect fanuc-a`, `--dialect \
+             haas`), a GSK does not; `(ALLOW 4803)` if it is meant",
+            "请在前面写 G99（每转），或修改 F；FANUC 和 Haas 开机为 G99（`--dialect fanuc-a`、`--dialect haas`），GSK \
+             不是；确实如此请写 `(ALLOW 4803)`",
+        ),
+        (Code::WordWithoutUse, _) if matches!(alarm.word, Some(b'C' | b'R')) => both(
+            "remove it, or write the code it belongs to; a corner between two lines is `,C` or `,R`",
+            "请去掉它，或写出它所属的代码；两直线间的拐角写 `,C` 或 `,R`",
+        ),
+        (Code::UnknownG, [_, Arg::Int(number), ..]) => {
+            let control = Control::ALL.get(usize::try_from(number).ok()?)?;
+            let name = control.name();
+            match lang {
+                Lang::En => format!(
+                    "correct the code; {name} has it: where the program is written for that, `--dialect {name}`, or \
+                     `(DIALECT {name})` in its first line"
+                ),
+                Lang::Zh => format!(
+                    "请修改代码；{name} 有此代码：若程序为该系统编写，请用 `--dialect {name}`，或在首行写 `(DIALECT {name})`"
+                ),
+            }
+        }
+        _ => {
+            let is = |(code, numbers, ..): &&(Code, &[Arg], _, _)| {
+                *code == alarm.code && numbers.contains(&alarm.args[0])
+            };
+            match BY_NUMBER.iter().find(is) {
+                Some((.., words)) => of_lang(*words, lang).to_owned(),
+                None => refusal(alarm)?.help(lang).to_owned(),
+            }
+        }
+    };
+    Some(words)
+}
+
+/// All remedies of such a number, each with its words; none for every other number.
+#[must_use]
+pub fn helps(code: Code, lang: Lang) -> Vec<(String, &'static str)> {
+    let numbers = BY_NUMBER.iter().filter(|(known, ..)| *known == code);
+    let numbers = numbers.map(|(.., number, words)| ((*number).to_owned(), of_lang(*words, lang)));
+    let rows = REFUSALS.iter().filter(|refusal| refusal.code == code);
+    let rows = rows.map(|row| (row.heading(lang), row.help(lang)));
+    numbers.chain(rows).collect()
+}

@@ -1,0 +1,69 @@
+//! What to write in place of a code that is refused: words for this code, on this control.
+
+use leadscrew_core::alarm::{Code, Lang};
+
+use super::*;
+use crate::dialect::refusals::REFUSALS;
+use crate::dialect::remedies::{help, helps};
+
+#[test]
+fn each_code_has_a_remedy_of_its_own_in_both_languages() {
+    let codes: Vec<Code> = REFUSALS.iter().map(|row| row.code).collect();
+    for control in Control::ALL {
+        for (row, tenths) in REFUSALS.iter().flat_map(|row| {
+            let codes = row.codes(control);
+            codes.into_iter().map(move |tenths| (row, tenths))
+        }) {
+            let text = match tenths % 10 {
+                0 => format!("G{}", tenths / 10),
+                tenth => format!("G{}.{tenth}", tenths / 10),
+            };
+            let text = match tenths {
+                1870 => format!("{text} E.05"),
+                _ => text,
+            };
+            let refused = alarm(control, &text);
+            // A row above may be for the same code on this control.
+            assert!(codes.contains(&refused.code), "{control:?} {text}");
+            assert!(row.code == refused.code || tenths == 360, "{text}");
+            for lang in [Lang::En, Lang::Zh] {
+                let told = help(&refused, lang).expect(&text);
+                assert!(told.len() < 150, "{told}");
+                let all = helps(refused.code, lang);
+                assert!(all.iter().any(|(_, help)| *help == told), "{text}: {told}");
+                // No list: no other code of this number stands in it as one that is meant.
+                assert!(!told.contains("; G"), "{told}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_code_has_another_remedy_on_another_control() {
+    let told = |control, text: &str| help(&alarm(control, text), Lang::En).unwrap();
+    assert!(told(Control::Haas, "G51").starts_with("write G50 with U and W"));
+    assert!(told(Control::Gsk980td, "G51").starts_with("nothing is scaled"));
+    assert!(told(Control::Gsk988, "G05").starts_with("write the arc"));
+    assert!(told(Control::FanucB, "G05").starts_with("leave it out"));
+    assert!(!told(Control::FanucA, "G86").contains("G85"));
+    assert!(told(Control::FanucB, "G86").contains("G85"));
+    assert!(told(Control::Gsk980td, "G95").contains("(DIALECT fanuc-b)"));
+    assert!(told(Control::FanucA, "G103").contains("`--dialect haas`"));
+    assert_eq!(help(&alarm(Control::Gsk980td, "G198"), Lang::En), None);
+    assert!(told(Control::Gsk980td, "#3003=1").starts_with("leave it out: a thread"));
+    assert!(told(Control::Haas, "#3004=4").contains("G64"));
+    assert!(told(Control::Gsk980td, "G28").contains("--dialect haas"));
+    assert!(told(Control::Gsk980td, "G04").contains("milliseconds"));
+    assert!(told(Control::FanucB, "G92").contains("highest speed"));
+    assert!(told(Control::FanucA, "G0 X5. R3.").contains("`,R`"));
+}
+
+#[test]
+fn a_thread_in_one_block_is_told_as_the_g76_that_it_is() {
+    let text = "M3 S300;G0 X22. Z5.;G76 X17.5 Z-25. K1.2 D.4 F2. P9";
+    let refused = alarm(Control::Haas, text);
+    assert!(!refused.args.contains(&Arg::GCode(780)), "{refused:?}");
+    let without = "M3 S300;G0 X22. Z5.;G76 X17.5 Z-25. K1.2 D.4";
+    let refused = alarm(Control::Haas, without);
+    assert!(!refused.args.contains(&Arg::GCode(780)), "{refused:?}");
+}
