@@ -206,3 +206,16 @@ fn i_and_k_of_roughing_are_lengths_off_the_last_pass() {
     );
     assert_eq!(pattern.number(), 4028);
 }
+
+#[test]
+fn p_of_m19_is_its_angle_and_no_number_of_it_counts_increments() {
+    for control in [Control::Haas, Control::FanucA, Control::Gsk980td] {
+        let by_r = kinds(control, "M19 R90.");
+        assert!(by_r[0].contains("Orient(Angle(90000000))"), "{by_r:?}");
+        assert_eq!(kinds(control, "M19 R90"), by_r, "{control:?}");
+        assert_eq!(kinds(control, "M19 R-270"), by_r, "{control:?}");
+    }
+    assert_eq!(haas("M19 P90"), haas("M19 R90."));
+    assert_eq!(alarm(Control::FanucA, "M19 P90").number(), 4028);
+    assert_eq!(alarm(Control::Haas, "M19 P90 R90").number(), 4013);
+}
