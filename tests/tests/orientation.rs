@@ -149,7 +149,7 @@ fn it_stays_in_position_mode_until_the_spindle_is_told_a_speed() {
         assert_eq!(ran.alarm, None);
         let at = |line| ran.rows.iter().filter(move |row| row.line == line);
         assert!(at(3).count() > 0 && at(3).all(|row| row.spindle_set.is_some()));
-        let behind = at(5).last().expect("a dwell");
+        let behind = at(5).next_back().expect("a dwell");
         assert_eq!(behind.spindle_set.is_some(), stays, "{ends}");
         assert_eq!(behind.is_rigid(), stays, "{ends}");
     }
