@@ -25,7 +25,9 @@ use crate::alarm::{Alarm, Code, Span};
 use crate::call::{Aux, Call, CallKind, ChainPart, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::cycle::Moves;
 use crate::journal::TapRecord;
-use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
+use crate::motion::{
+    Action, Cut, Epoch, Limits, Orientation, Plan, Segment, Stops, TapStep, dwell_ticks, plan,
+};
 use crate::moves::{Move, MoveKind, Stage};
 use crate::offsets::InPlace;
 use crate::offsets::image::Image;
@@ -440,6 +442,13 @@ impl Planner {
                 mode: SpindleMode::Rigid(choice),
                 ..
             }) => Action::Rigid(settings.signals.spindle(choice, next.span)?),
+            MoveKind::Spindle(SpindleCall {
+                mode: SpindleMode::Orient(angle),
+                ..
+            }) => {
+                let Settings { params, limits, .. } = settings;
+                Action::Orient(Orientation::new(angle, params, limits, next.span)?)
+            }
             MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm, spindle.law()),
             MoveKind::Aux(aux) => Action::Aux(aux, row_of(aux, settings.params)),
             MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),

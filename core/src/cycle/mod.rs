@@ -30,6 +30,8 @@ pub use thread::{
 };
 
 pub(crate) use groove::GrooveWords;
-pub(crate) use tap::{TapPart, Tapping, is_tap_return, rigid_code, tap_can_begin, tap_strokes};
+pub(crate) use tap::{
+    TapPart, Tapping, is_tap_return, orientation, rigid_code, tap_can_begin, tap_strokes,
+};
 pub(crate) use thread::{Stroked, ThreadWords, TwoBlock};
 pub(crate) use turning::{Turning, TurningWords};

@@ -153,6 +153,7 @@ choices! {
         0 => Speed,
         1 => Rigid(_),
         2 => Surface(_),
+        3 => Orient(_),
         else Self::Speed
     }
     Aux {

@@ -135,6 +135,7 @@ fn calls_come_back_equal_and_the_longest_fits() {
             Rpm::new(-(1 << 20)),
             SpindleChoice::default(),
         )),
+        CallKind::Spindle(SpindleCall::orient(Angle::from_udeg(359_999_999))),
         CallKind::Aux(Aux::T(u16::MAX)),
         CallKind::Thread(thread()),
         CallKind::Thread(ThreadCall {

@@ -7,7 +7,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::{SurfaceSpeed, TapAxis};
 use crate::cycle::{
     GrooveWords, Stroked, TapPart, Tapping, ThreadWords, Turning, TurningWords, TwoBlock,
-    is_tap_return,
+    is_tap_return, orientation,
 };
 use crate::params::Params;
 use crate::text::{
@@ -244,6 +244,9 @@ impl<'p> State<'p> {
                 }
                 if block.has_m() || block.has_any(Letters::of(b"S")) {
                     self.before_motion(block, plan)?;
+                }
+                if block.has_m() && orientation(block, self.modal.params).is_some() {
+                    return block.only(Letters::of(b"R"));
                 }
                 self.travel(block, motion_word, Letters::default(), plan)
             }

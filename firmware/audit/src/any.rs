@@ -207,7 +207,7 @@ choices! {
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
     TapMode { TapMode::Rigid } or TapMode::Floating;
-    SpindleMode { SpindleMode::Speed, SpindleMode::Rigid(any()) } or SpindleMode::Surface(any());
+    SpindleMode { SpindleMode::Speed, SpindleMode::Rigid(any()), SpindleMode::Orient(any()) } or SpindleMode::Surface(any());
     Way { Way::Rapid, Way::Line } or Way::Arc { i: any(), k: any(), clockwise: any() };
     HandChoice { HandChoice::Signal } or HandChoice::Written(any());
     Selection { Selection::Sws } or Selection::Rgtsp;

@@ -123,6 +123,10 @@ impl Row {
                 row.mode = Some(match spindle.mode {
                     SpindleMode::Speed => "speed",
                     SpindleMode::Rigid(_) => "rigid",
+                    SpindleMode::Orient(angle) => {
+                        row.start_udeg = u32::try_from(angle.udeg()).ok();
+                        "orient"
+                    }
                     SpindleMode::Surface(law) => {
                         let milli = i64::from(law.milli_rpm(to.x));
                         row.rpm = Some(milli * 1000 * i64::from(spindle.rpm.get().signum()));

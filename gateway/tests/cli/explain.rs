@@ -285,6 +285,11 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
         "tests/tests/device/kept.rs",
         "a_set_without_its_mark_is_stored_and_told",
     ),
+    (
+        &[4439],
+        "tests/tests/orientation.rs",
+        "a_spindle_that_does_not_move_is_an_alarm_in_time",
+    ),
 ];
 
 /// Numbers told in words that no test provokes by their name. This list may only become shorter.

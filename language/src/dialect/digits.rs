@@ -8,7 +8,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::units::Decimal;
 
 use super::Setting;
-use super::translator::{has_code, is_one_shot, motion_of};
+use super::translator::{has_code, is_one_shot, motion_of, orients};
 use crate::word::{Given, Word};
 
 /// What a block is, for the numbers of its words.
@@ -29,6 +29,8 @@ struct Block {
     pattern: bool,
     /// G76 in one block or two.
     thread: bool,
+    /// M19 without motion: R is an angle in degrees.
+    orients: bool,
     /// The feed is per turn.
     per_turn: bool,
     /// Decimals of a length and of an angle.
@@ -50,6 +52,7 @@ impl Block {
             taps: setting.holes || has(84) || has(88),
             pattern: has(73),
             thread: has(76),
+            orients: orients(words),
             per_turn: has(99) || (setting.per_turn && !has(98)),
             length: angle + u8::from(inch),
             angle,
@@ -91,7 +94,7 @@ impl Block {
                 (centre || of_cycle || run_out).then_some(self.length)
             }
             // The passes of G73 in two lines.
-            b'R' if self.pattern => None,
+            b'R' if self.pattern || self.orients => None,
             b'F' | b'E' => None,
             Word::ANGLE => Some(self.angle),
             letter => self.decimals(letter),

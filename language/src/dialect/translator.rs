@@ -209,6 +209,13 @@ pub(super) fn has_code(words: &[Word], code: i64) -> bool {
     words.iter().any(|word| code_of(word) == Some(code))
 }
 
+/// True for a block that brings the spindle to an angle and moves nothing.
+pub(super) fn orients(words: &[Word]) -> bool {
+    let is_m19 = |word: &Word| word.letter == b'M' && word.value().whole() == Some(19);
+    let moves = |word: &Word| b"XUZWCH".contains(&word.letter) || is_one_shot(word);
+    words.iter().any(is_m19) && !words.iter().any(moves)
+}
+
 /// The code of group 01 that is in force in a block.
 pub(super) fn motion_of(words: &[Word], now: Setting) -> i64 {
     let codes = [90, 92, 94, 32, 34, 0, 1, 2, 3];
@@ -374,6 +381,7 @@ fn of_haas(words: &mut Vec<Word>, motion: i64, alone: bool, taps: bool) {
             span: home.span,
         }));
     }
+    let orients = orients(words);
     let dwell = has_code(words, 4);
     let taps = !dwell && (taps || has_code(words, 84) || has_code(words, 88));
     for word in words {
@@ -383,6 +391,7 @@ fn of_haas(words: &mut Vec<Word>, motion: i64, alone: bool, taps: bool) {
         let point = matches!(word.given, Given::Written(number) if number.has_point());
         word.letter = match (word.letter, motion) {
             (b'P', _) if dwell && point => b'X',
+            (b'P', _) if orients => b'R',
             (b'I', 90 | 92) | (b'K', 94) if alone => b'R',
             (b'E', 92 | 32 | 34) if alone => b'F',
             (letter, _) => letter,

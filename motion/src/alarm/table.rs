@@ -738,6 +738,10 @@ codes! {
     SpindleNotStopped = 4305, "the spindle still turns at {0} and cannot go into position mode", "check the spindle drive and parameter 9004",
         "主轴仍以 {0} 旋转，不能进入位置方式", "请检查主轴驱动器和参数 9004";
 
+    /// M19: where the spindle stands, where it should, both within the turn.
+    SpindleNotOriented = 4439, "the spindle has not arrived at its angle: it stands at {0} instead of {1}", "look at what holds the spindle; check its drive, its increments for a turn (9013) and its encoder (3720); then reset",
+        "主轴未到达指定角度：位于 {0}，应为 {1}", "请检查主轴是否被卡住，以及其驱动器、每转脉冲数（9013）和编码器（3720）；然后复位";
+
     /// Motion, or a spindle command, while a tap is in its hole; {0} its axis, {1} the bottom.
     TapInHole = 4310, "a tap is in its hole (axis {0}, bottom {1}): nothing but the tapping return may move", "run G30 P99; or drop the entry of the tap journal if no tap is there",
         "丝锥仍在孔内（{0} 轴，孔底 {1}）：只能执行刚性攻丝返回", "请执行 G30 P99；若孔内没有丝锥，请删除攻丝记录";
@@ -1385,6 +1389,10 @@ codes! {
     /// A drive takes too little of its targets: axis, what is left of its jerk and of its acceleration in per cent.
     TargetsTooSlow = 4879, "what the drive of {0} takes of its targets (9077.{0}, 9078.{0}) leaves {1} % of the jerk of the axis and {2} % of its acceleration, and 10 are needed", "write 607Fh and 60C5h of the drive there, in the units of the axis; raise them in the drive, or lower 1420.{0}, 1430.{0} and 1620.{0}",
         "{0} 轴驱动器允许的目标（9077.{0}、9078.{0}）只剩该轴加加速度的 {1} % 和加速度的 {2} %，至少需 10 %", "请按轴的单位填写驱动器的 607Fh 和 60C5h；请在驱动器中提高，或降低 1420.{0}、1430.{0}、1620.{0}";
+    // -- 4875–4876 the spindle at an angle, and by hand ---------------------------------------------------------------
+    /// M19 with an encoder too coarse for it; {0} its counts, {1} how many would do.
+    EncoderTooCoarseToOrient = 4875, "an encoder of {0} counts a turn does not tell where the spindle is to 0.1 degrees", "use an encoder of {1} counts (3720) or more; or give M19 a row in the table of machine functions, where the drive or a PLC orients the spindle",
+        "每转 {0} 个计数的编码器无法以 0.1 度的精度测定主轴角度", "请使用不少于 {1} 个计数的编码器（3720）；若由驱动器或 PLC 定向，请在机床功能表中为 M19 添加一行";
     // -- 0033–0055 and 4600–4619 nose compensation and corners: language/ --------------------------------------------
     /// The offset elements of an inside corner do not meet; {0} the nose radius.
     NoseNoIntersection = 33, "the nose of radius {0} finds no place in this inside corner: the offset elements do not meet",

@@ -143,6 +143,8 @@ pub enum SpindleMode {
     /// It turns at the speed that the tool's distance from the centre asks for; the speed of the command is that of its
     /// beginning, rounded up.
     Surface(SurfaceSpeed),
+    /// Spindle 1 is brought to a stand, and turns in position mode to this angle of its turn, the shorter way.
+    Orient(Angle),
 }
 
 /// A spindle command.
@@ -181,7 +183,7 @@ impl SpindleCall {
     pub const fn law(&self) -> Option<SurfaceSpeed> {
         match self.mode {
             SpindleMode::Surface(law) => Some(law),
-            SpindleMode::Speed | SpindleMode::Rigid(_) => None,
+            SpindleMode::Speed | SpindleMode::Rigid(_) | SpindleMode::Orient(_) => None,
         }
     }
 
@@ -189,6 +191,15 @@ impl SpindleCall {
     #[must_use]
     pub const fn turns(&self) -> bool {
         self.rpm.get() != 0 && !matches!(self.mode, SpindleMode::Rigid(_))
+    }
+
+    /// Standing at an angle.
+    #[must_use]
+    pub const fn orient(angle: Angle) -> Self {
+        Self {
+            rpm: Rpm::STOPPED,
+            mode: SpindleMode::Orient(angle),
+        }
     }
 
     /// `spindle` waiting for taps at `rpm`.

@@ -18,6 +18,7 @@ use super::run::Run;
 use super::segment::{Action, Plan, Stops, Task};
 use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
+use super::turn::{Orientation, TurnRun};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::call::Position;
 use crate::spindle::{Learner, Observer};
@@ -160,6 +161,8 @@ enum Active {
     /// An ordinary tap, and the speed that it commands the spindle, from its first tick on.
     Float(FloatRun, Option<TurnRate>),
     Dwell(u32),
+    /// The spindle turns to an angle, and no axis moves.
+    Turn(TurnRun),
 }
 
 /// The one long-lived executor of a machine.
@@ -312,6 +315,12 @@ impl Executor {
         matches!(self.active, Active::Tap(_))
     }
 
+    /// True while the spindle turns to an angle.
+    #[must_use]
+    pub const fn is_orienting(&self) -> bool {
+        matches!(self.active, Active::Turn(_))
+    }
+
     /// The law by which an axis follows the spindle in the segment under way (`current`); `None` if no axis follows the
     /// spindle.
     #[must_use]
@@ -339,9 +348,9 @@ impl Executor {
     }
 
     /// Tells that the spindle stands at `angle` in position mode, or (`None`) is in speed mode again. Has no effect
-    /// while a tap is under way.
+    /// while a tap is under way, or the spindle turns to an angle.
     pub const fn set_spindle(&mut self, angle: Option<Turns>) {
-        if !self.is_tapping() {
+        if !self.is_tapping() && !self.is_orienting() {
             self.spindle = angle;
         }
     }
@@ -383,6 +392,22 @@ impl Executor {
         }
     }
 
+    /// Begins to turn the spindle, which stands in position mode, by `way`: for the move `number`. Ignored while a segment
+    /// is under way.
+    #[cold]
+    #[inline(never)]
+    pub fn begin_turn(&mut self, way: Turns, by: &Orientation, number: u32, span: Span) {
+        let Some(from) = self.spindle.filter(|_| self.is_free()) else {
+            return;
+        };
+        (self.number, self.span, self.stops) = (number, span, Stops::NONE);
+        self.aborting = false;
+        match TurnRun::begin(from, way, by, &mut self.run) {
+            Some(turn) => self.active = Active::Turn(turn),
+            None => self.spindle = Some(from + way),
+        }
+    }
+
     /// Reports the segment that has just begun as part of another segment: a way out of a pass and back belongs to the
     /// pass.
     pub const fn tell_as(&mut self, number: u32, span: Span, frozen: Option<u8>) {
@@ -399,7 +424,7 @@ impl Executor {
         self.crossed = false;
         match (&mut self.active, current.and_then(Task::pass)) {
             (Active::Free, _) => {}
-            (Active::Timed | Active::Joined, _) => self.run.abandon(),
+            (Active::Timed | Active::Joined | Active::Turn(_), _) => self.run.abandon(),
             (Active::Thread(stroke), Some(pass)) => stroke.run.stop(&pass.plan),
             (Active::Tap(tap), _) => {
                 if tap.stop(&mut self.run) {
@@ -482,11 +507,15 @@ impl Executor {
         }
     }
 
-    /// A tick of a dwell, or of no motion at all. Also frees the executor if `current` is not the segment that was
-    /// begun, which cannot happen.
+    /// A tick of a dwell, or of no motion of an axis at all. Also frees the executor if `current` is not the segment that
+    /// was begun, which cannot happen.
     fn stand(&mut self, now: &Conditions<'_>, setpoint: &mut Setpoint) -> Result<(), Alarm> {
         let Active::Dwell(left) = &mut self.active else {
-            self.active = Active::Free;
+            if let Active::Turn(turn) = self.active {
+                self.turn_on(turn, setpoint);
+            } else {
+                self.active = Active::Free;
+            }
             return Ok(());
         };
         let motion = if now.hold {
@@ -500,6 +529,18 @@ impl Executor {
         };
         self.tell(setpoint, motion);
         Ok(())
+    }
+
+    /// A tick of a spindle that turns to its angle. No feed hold acts on it, as none does on M03.
+    #[cold]
+    #[inline(never)]
+    fn turn_on(&mut self, turn: TurnRun, setpoint: &mut Setpoint) {
+        let (angle, done) = turn.tick(&mut self.run, self.aborting);
+        self.spindle = Some(angle);
+        if done {
+            self.active = Active::Free;
+        }
+        self.tell(setpoint, Motion::Wait);
     }
 
     /// Writes into the setpoint what the axes are doing, and for which move.

@@ -32,6 +32,7 @@ mod segment;
 mod shape;
 mod tap;
 mod thread;
+mod turn;
 mod wide;
 
 pub use arc::{ARC_TOLERANCE, Arc, ArcError, Bend};
@@ -51,3 +52,4 @@ pub use segment::{Action, Cut, Epoch, Pass, Plan, Segment, Stops, Task, WaysOut}
 pub use tap::{Course, FloatPlan, FloatPoint, FloatRun, FloatTick, float_ticks};
 pub use tap::{Gear, Stroke, TAP_STEPS, Tap, TapLine, TapPart, TapStep, dwell_ticks, stroke};
 pub use thread::{Chain, Helix, Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};
+pub use turn::Orientation;

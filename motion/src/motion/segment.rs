@@ -3,6 +3,7 @@
 use super::plan::Timed;
 use super::tap::{FloatPlan, Tap};
 use super::thread::ThreadPlan;
+use super::turn::Orientation;
 use crate::alarm::{Alarm, Span};
 use crate::call::{Aux, Position, SurfaceSpeed, TapSpindle};
 use crate::params::FunctionRow;
@@ -131,6 +132,8 @@ pub enum Action {
     Spindle(Rpm, Option<SurfaceSpeed>),
     /// Stop spindle 1 and switch this spindle to position mode, for tapping.
     Rigid(TapSpindle),
+    /// Stop spindle 1, switch it to position mode, and turn it to an angle.
+    Orient(Orientation),
     /// Switch a machine function, as its row says where it has one.
     Aux(Aux, Option<FunctionRow>),
     /// All earlier planned work is done, and the next call cannot be done: raise this alarm.

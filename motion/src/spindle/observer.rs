@@ -357,6 +357,18 @@ impl Observer {
         Turns::from_raw(self.angle.to_bits())
     }
 
+    /// The middle of the count in which the last sample stands, and half the width of that count. Of a spindle at rest
+    /// nothing more is known; what the tracker says of it may still swing.
+    #[must_use]
+    pub const fn count_at_rest(&self) -> (Turns, Turns) {
+        let half = self.half_width();
+        let middle = self.boundary().wrapping_add(half);
+        (
+            Turns::from_raw(middle.to_bits()),
+            Turns::from_raw(half.to_bits()),
+        )
+    }
+
     /// The angle at the time `ahead` after the last sample, at the present speed and acceleration. Good for a few tens
     /// of ticks.
     #[must_use]

@@ -158,6 +158,16 @@ impl Spindles {
         Some(angle)
     }
 
+    /// How far the drive of spindle 1 is beside its last target by its last status; `None` while it is not enabled.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn beside(&self) -> Option<Turns> {
+        let drive = pick(&self.masters, TapSpindle::First).drive();
+        let status = drive.status().filter(|_| drive.is_enabled())?;
+        let off = status.actual.get().wrapping_sub(drive.target().get());
+        Some(angle(off.into(), self.of_first))
+    }
+
     /// Makes the frames of a period: the command to the selected spindle, and to the spindle that is served next.
     pub(super) fn tick(&mut self, spindle: Spindle, put: &mut impl FnMut(Frame)) {
         let demand = match spindle {

@@ -37,6 +37,7 @@ mod interlock;
 mod journal;
 mod left;
 mod limits;
+mod orient;
 mod search;
 mod setup;
 mod spindle;

@@ -17,7 +17,7 @@ mod words;
 pub use feasible::{TapReport, tap_report, tap_return, tap_spindle};
 pub(crate) use feasible::{tap_can_begin, tap_strokes};
 pub use join::TapJoin;
-pub(crate) use mode::{TapPart, Tapping, rigid_code};
+pub(crate) use mode::{TapPart, Tapping, orientation, rigid_code};
 pub use moves::TapMoves;
 pub(crate) use refuse::refuse_tap;
 pub(crate) use return_words::is_tap_return;

@@ -13,7 +13,7 @@ use crate::params::{Params, gear_of_code};
 use crate::text::{
     AXES, Block, Group, Letters, MGroup, Modal, PLANE_AXES, Plan, Word, g_arg, is_machine_code,
 };
-use crate::units::Rpm;
+use crate::units::{Angle, Rpm};
 
 /// The M code of rigid tapping (5210; 0 is 29).
 pub(crate) fn rigid_code(params: &Params) -> u8 {
@@ -152,6 +152,10 @@ fn functions(modal: &mut Modal<'_>, block: &Block, plan: &mut Plan) -> Result<()
             continue;
         }
         let Some(row) = row_of(&word) else {
+            if code == ORIENT {
+                orient(modal, block, &word, plan)?;
+                continue;
+            }
             if modal.options.passes_machine_codes && is_machine_code(code) {
                 plan.warn(word.alarm(Code::MachineCodePassed).with([Arg::Int(code)]));
                 continue;
@@ -170,6 +174,46 @@ fn functions(modal: &mut Modal<'_>, block: &Block, plan: &mut Plan) -> Result<()
         }
         plan.function(word.span, row.code, row.behind);
     }
+    Ok(())
+}
+
+/// M19: the spindle stands at an angle, where no row of the table says otherwise.
+const ORIENT: i64 = 19;
+
+/// The fewest counts of an encoder that tell an angle to 0.1°: the middle of a count is within half a count of it.
+const ORIENT_COUNTS: u32 = 1_800;
+
+/// The angle of an M19 without a row, in a block that has no other use for R: its word, or none.
+pub(crate) fn orientation(block: &Block, params: &Params) -> Option<Word> {
+    let is_own = |word: &Word| word.value.mantissa() == ORIENT && params.function(19).is_none();
+    let canned = block
+        .g(Group::Canned)
+        .is_some_and(|word| word.value.mantissa() != 80);
+    let moves = block.has_any(AXES) || block.g(Group::OneShot).is_some() || canned;
+    let orients = !moves && block.free_m().any(|word| is_own(&word));
+    block.find(b'R').filter(|_| orients)
+}
+
+/// M19 at `word`, with R in degrees, 0 without it.
+fn orient(modal: &mut Modal<'_>, block: &Block, word: &Word, plan: &mut Plan) -> Result<(), Alarm> {
+    let counts = modal.params.encoder_counts();
+    if counts < ORIENT_COUNTS {
+        let figures = [counts, ORIENT_COUNTS].map(|counts| Arg::Int(counts.into()));
+        return Err(word.alarm(Code::EncoderTooCoarseToOrient).with(figures));
+    }
+    if let Some(other) = block.m(MGroup::Spindle) {
+        return Err(exclude(Some(other), word));
+    }
+    // A speed would turn it again.
+    if let Some(speed) = block.find(b'S') {
+        return Err(speed.alarm(Code::WordWithoutUse));
+    }
+    let angle = match &orientation(block, modal.params) {
+        Some(angle) => modal.scale.angle(angle)?.udeg().rem_euclid(360_000_000),
+        None => 0,
+    };
+    modal.direction = 0;
+    plan.spindle(word.span, SpindleCall::orient(Angle::from_udeg(angle)));
     Ok(())
 }
 

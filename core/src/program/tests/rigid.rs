@@ -204,3 +204,62 @@ fn a_tap_waits_for_a_stop_of_the_spindle_only() {
     );
     assert_eq!(*kinds.last().unwrap(), spindle(700));
 }
+
+#[test]
+fn m19_is_an_angle_where_no_row_of_the_table_is_it() {
+    let angle = |text: &str| {
+        let (kinds, _) = kinds_on(&[], text);
+        let found = kinds.iter().find_map(|kind| match kind {
+            CallKind::Spindle(SpindleCall {
+                mode: SpindleMode::Orient(angle),
+                rpm: Rpm::STOPPED,
+            }) => Some(angle.udeg()),
+            _ => None,
+        });
+        found.expect("an angle")
+    };
+    for (text, udeg) in [
+        ("M19", 0),
+        ("M19 R90", 90_000_000),
+        ("M19 R90.5", 90_500_000),
+        ("R-90 M19", 270_000_000),
+        ("M19 R360", 0),
+        ("M19 R-725.125", 354_875_000),
+        // R is an angle whatever is in force, and whatever cycle has a word of that name.
+        ("G20 M19 R90.5", 90_500_000),
+        ("G3 X2 Z0 R1 F99\nM19 R5", 5_000_000),
+        ("G1 F9 M8 M19 R5", 5_000_000),
+        ("G0 X10 M19", 0),
+        ("G96 S100 M3\nM19 R5\nG0 X9", 5_000_000),
+    ] {
+        assert_eq!(angle(text), udeg, "{text}");
+    }
+    // The spindle stands from then on.
+    let (kinds, _) = kinds_on(&[], "M3 S500\nM19 R5\nS300\nG97 S400");
+    let last: Vec<_> = kinds.iter().skip(2).collect();
+    assert!(
+        last.iter()
+            .all(|kind| **kind == CallKind::Spindle(SpindleCall::STOPPED))
+    );
+
+    let number = |values: &[_], text: &str| {
+        let (_, alarm) = read_with(text.as_bytes(), &machine(values), Options::default());
+        alarm.map(|alarm| (alarm.number(), alarm.span.column))
+    };
+    for (text, alarm) in [
+        ("M19 M3 S100", (4017, 1)),
+        ("M19 S100", (4028, 5)),
+        ("G1 Z5 F9 M19 R5", (4028, 14)),
+        ("G4 X1 M19 R5", (4028, 11)),
+        ("M19 P5", (4028, 5)),
+        ("M19 R1.23456", (4026, 5)),
+    ] {
+        assert_eq!(number(&[], text), Some(alarm), "{text}");
+    }
+    assert_eq!(number(&[("3720", "1799")], "M19"), Some((4875, 1)));
+    assert_eq!(number(&[("3720", "1800")], "M19"), None);
+    // A row is what it was: R says nothing to it.
+    let row = &[("9401", "191010000000")];
+    assert_eq!(number(row, "M19"), None);
+    assert_eq!(number(row, "M19 R5"), Some((4028, 5)));
+}

@@ -263,3 +263,16 @@ fn m24_holds_for_the_next_typed_line_and_so_does_g91() {
     };
     assert_eq!(end(&["G0 Z10.\n", "G91\n", "G0 Z-3.\n"]), Some(-3_000_000));
 }
+
+#[test]
+fn p_of_m19_is_its_angle_and_no_number_of_it_counts_increments() {
+    for control in [Control::Haas, Control::FanucA, Control::Gsk980td] {
+        let by_r = kinds(control, "M19 R90.");
+        assert!(by_r[0].contains("Orient(Angle(90000000))"), "{by_r:?}");
+        assert_eq!(kinds(control, "M19 R90"), by_r, "{control:?}");
+        assert_eq!(kinds(control, "M19 R-270"), by_r, "{control:?}");
+    }
+    assert_eq!(haas("M19 P90"), haas("M19 R90."));
+    assert_eq!(alarm(Control::FanucA, "M19 P90").number(), 4028);
+    assert_eq!(alarm(Control::Haas, "M19 P90 R90").number(), 4013);
+}

@@ -30,7 +30,7 @@ impl Aside {
 
 impl Executor {
     /// Sets the held motion aside: the executor is free, and may be placed elsewhere. `None` where an axis is bound to the
-    /// spindle. The caller has seen that the axes stand.
+    /// spindle, or the spindle turns to an angle. The caller has seen that the axes stand.
     pub fn set_aside(&mut self) -> Option<Aside> {
         let kind = match self.active {
             Active::Free => Kind::Between,
@@ -39,7 +39,9 @@ impl Executor {
             // In a hold it counts no time.
             Active::Waiting(_) => Kind::Waiting,
             Active::Dwell(left) => Kind::Dwell(left),
-            Active::Thread(_) | Active::Tap(_) | Active::Float(..) => return None,
+            Active::Thread(_) | Active::Tap(_) | Active::Float(..) | Active::Turn(_) => {
+                return None;
+            }
         };
         self.active = Active::Free;
         Some(Aside {

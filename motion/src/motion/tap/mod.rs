@@ -22,6 +22,7 @@ mod run;
 pub use float::{Course, FloatPlan, FloatPoint, FloatRun, FloatTick, float_ticks};
 pub use gear::{Gear, TapLine};
 pub use plan::{Stroke, TAP_STEPS, Tap, TapPart, TapStep, dwell_ticks, stroke};
+pub(super) use plan::{ramp, rate, spindle_acceleration};
 pub(super) use run::TapRun;
 
 #[cfg(test)]

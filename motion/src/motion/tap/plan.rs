@@ -234,7 +234,11 @@ pub fn stroke(
 }
 
 /// The quickest ramp, or the ramp of a lower speed if the quickest is longer than the profile holds.
-fn ramp(length: Length, nominal: PathRate, bounds: &mut PathLimits) -> Option<Ramp> {
+pub(in crate::motion) fn ramp(
+    length: Length,
+    nominal: PathRate,
+    bounds: &mut PathLimits,
+) -> Option<Ramp> {
     for _ in 0..128 {
         if let Some(ramp) = shape::ramp(length, nominal, bounds) {
             return Some(ramp);
@@ -246,7 +250,7 @@ fn ramp(length: Length, nominal: PathRate, bounds: &mut PathLimits) -> Option<Ra
 }
 
 /// S times lead per tick, to the nearest 1/256 nm.
-fn rate(lead: Lead, speed: CentiRpm, tick_us: u32) -> PathRate {
+pub(in crate::motion) fn rate(lead: Lead, speed: CentiRpm, tick_us: u32) -> PathRate {
     let (nm, turns) = lead.parts();
     let nm = mul_div(
         nm,
@@ -259,7 +263,11 @@ fn rate(lead: Lead, speed: CentiRpm, tick_us: u32) -> PathRate {
 
 /// 1000 rpm in `ramp_ms` milliseconds, times lead, in 2⁻³² nm per tick². The result is lower by the amount that
 /// rounding adds to a difference of setpoints. `None` for 0: no limit.
-fn spindle_acceleration(lead: Lead, ramp_ms: u32, tick_us: u32) -> Option<u64> {
+pub(in crate::motion) fn spindle_acceleration(
+    lead: Lead,
+    ramp_ms: u32,
+    tick_us: u32,
+) -> Option<u64> {
     if ramp_ms == 0 {
         return None;
     }

@@ -128,6 +128,7 @@ impl Ticker {
                 self.ask_for_rigid(spindle, number, line);
                 Event::Rigid
             }
+            Action::Orient(_) => return self.orient(ends),
             Action::TapOut => {
                 self.tap_is_out();
                 ends.segments.take();

@@ -78,7 +78,11 @@ impl Ticker {
                 let is_cutting = |run: &ThreadRun| run.phase() != Phase::Waiting;
                 let stroke = self.executor.thread().is_some_and(is_cutting);
                 let taps = self.executor.is_tapping() || self.executor.is_floating();
-                if taps || stroke && self.away.pass().is_some_and(stays) {
+                // A spindle on its way to an angle has no speed that could be taken from it.
+                if taps
+                    || self.spindle.is_orienting()
+                    || stroke && self.away.pass().is_some_and(stays)
+                {
                     return self.retreat(&alarm, ends);
                 }
                 self.operator.hold = true;
@@ -145,6 +149,12 @@ impl Ticker {
                 if *spindle == TapSpindle::First
                     && let Some(alarm) = self.refuses_by_gear(0, segment.span)
                 {
+                    return Admitted::Wrong(alarm);
+                }
+                self.refuses_spindle()
+            }
+            Action::Orient(_) => {
+                if let Some(alarm) = self.refuses_by_gear(0, segment.span) {
                     return Admitted::Wrong(alarm);
                 }
                 self.refuses_spindle()

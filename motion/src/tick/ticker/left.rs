@@ -51,6 +51,8 @@ impl Ticker {
     pub(super) fn leave(&mut self) {
         match self.state {
             State::Running => self.operator.hold = true,
+            // It is left when the spindle is there.
+            State::Held if self.spindle.is_orienting() => {}
             State::Held => {
                 self.operator.leaves();
                 if self.has_left() || self.journal.has_hole() {

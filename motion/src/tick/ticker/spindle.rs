@@ -3,6 +3,7 @@
 //!
 //! [`SpindleMode`] knows the commands. Drives and executor carry them out.
 
+use super::orient::Turning;
 use super::surface::Surface;
 use super::{Ends, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
@@ -14,13 +15,17 @@ use crate::units::{Length, Rpm};
 
 /// Position mode of a spindle.
 #[derive(Clone, Copy, Debug)]
-enum Rigid {
+pub(super) enum Rigid {
     /// Speed mode.
     Off,
     /// Coming to a stand: the move that asked for position mode, its line, and the ticks since.
     Entering { number: u32, line: u32, ticks: u32 },
     /// In position mode: the spindle turns only with the tap axis.
     On,
+    /// In position mode, on its way to an angle.
+    Turning(Turning),
+    /// In position mode at its angle: nothing turns it.
+    Oriented,
     /// Back to speed mode as soon as the spindle stands.
     Leaving,
 }
@@ -28,7 +33,7 @@ enum Rigid {
 /// The commands to the spindles.
 #[derive(Debug)]
 pub(super) struct SpindleMode {
-    rigid: Rigid,
+    pub(super) rigid: Rigid,
     /// The spindle in position mode, or on its way there.
     taps_with: TapSpindle,
     /// Override in force, in per cent; frozen inside a thread cycle.
@@ -131,7 +136,7 @@ impl SpindleMode {
 
     /// The spindle turns, or is to turn when the program goes on.
     pub(super) const fn is_ordered(&self) -> bool {
-        self.speed.get() != 0 || !matches!(self.rigid, Rigid::Off)
+        self.speed.get() != 0 || !matches!(self.rigid, Rigid::Off | Rigid::Oriented)
     }
 
     /// A program commands a speed, or a law for it: position mode ends. A law begins at the speed that was commanded.
@@ -146,7 +151,7 @@ impl SpindleMode {
         self.speed = speed;
         self.suspended = false;
         self.rigid = match self.rigid {
-            Rigid::On | Rigid::Leaving => Rigid::Leaving,
+            Rigid::On | Rigid::Leaving | Rigid::Turning(_) | Rigid::Oriented => Rigid::Leaving,
             Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
         };
     }
@@ -156,9 +161,14 @@ impl SpindleMode {
         matches!(self.rigid, Rigid::On)
     }
 
-    /// A spindle is on its way into position mode.
+    /// A spindle is on its way into position mode, or in it to an angle.
     pub(super) const fn is_entering(&self) -> bool {
-        matches!(self.rigid, Rigid::Entering { .. })
+        matches!(self.rigid, Rigid::Entering { .. } | Rigid::Turning(_))
+    }
+
+    /// Spindle 1 is on its way to an angle.
+    pub(super) const fn is_orienting(&self) -> bool {
+        matches!(self.rigid, Rigid::Turning(_))
     }
 
     /// A tap is out of its hole: back to speed mode as soon as the spindle stands.
@@ -174,6 +184,7 @@ impl SpindleMode {
         self.rigid = match self.rigid {
             Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
             Rigid::On | Rigid::Leaving => Rigid::On,
+            Rigid::Turning(_) | Rigid::Oriented => Rigid::Oriented,
         };
     }
 
@@ -187,7 +198,8 @@ impl Ticker {
     /// True if `spindle` is in position mode already. It then stays there.
     fn stays_with(&mut self, spindle: TapSpindle) -> bool {
         let mode = &mut self.spindle;
-        let stays = matches!(mode.rigid, Rigid::On | Rigid::Leaving) && spindle == mode.taps_with;
+        let is_in = matches!(mode.rigid, Rigid::On | Rigid::Leaving | Rigid::Oriented);
+        let stays = is_in && spindle == mode.taps_with;
         if stays {
             mode.rigid = Rigid::On;
         }
@@ -226,7 +238,7 @@ impl Ticker {
             ticks,
         } = &mut self.spindle.rigid
         else {
-            return None;
+            return self.go_on_turning(ends);
         };
         *ticks = ticks.saturating_add(1);
         let (number, line, ticks) = (*number, *line, *ticks);
@@ -258,7 +270,8 @@ impl Ticker {
     /// Goes back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more, because
     /// its angle is lost then.
     pub(super) fn leave_rigid(&mut self) {
-        if matches!(self.spindle.rigid, Rigid::Off) || self.executor.is_tapping() {
+        let busy = self.executor.is_tapping() || self.executor.is_orienting();
+        if matches!(self.spindle.rigid, Rigid::Off) || busy {
             return;
         }
         let stands = match self.spindle.taps_with {
