@@ -218,7 +218,7 @@ pub(super) fn by_name(control: Control, mut alarm: Alarm, tenths: u16) -> Option
 pub(super) fn of_another(control: Control, mut alarm: Alarm, tenths: u16) -> Alarm {
     let has = |other: &Control| {
         let code = i64::from(tenths / 10);
-        *other != control && tenths % 10 == 0 && other.has_of_its_own(code)
+        *other != control && tenths.is_multiple_of(10) && other.has_of_its_own(code)
     };
     // Nothing is said where the text may be a hand's slip in a code that none of them has.
     if let Some(number) = Control::ALL.iter().position(has) {

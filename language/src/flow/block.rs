@@ -215,7 +215,7 @@ impl<S: Source> Flow<S> {
     fn translated(
         &mut self,
         cursor: &Cursor<'_>,
-        words: &mut Vec<Word>,
+        words: &mut [Word],
         now: Setting,
         machine: &mut impl Machine,
     ) -> Result<(), Trouble> {

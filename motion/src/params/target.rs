@@ -1,8 +1,8 @@
 //! What a drive takes of its targets (607Fh, 60C5h), and what that leaves of the limits of an axis.
 //!
-//! Behind the inverse of the lag of a drive a target moves by y' = v + κ·a and y″ = a + κ·j, where a and j are smoothed over
-//! the time τ, with κ = (1 − ff)/Kv and τ = ff/Kv. A drive that limits its targets (9077, 9078) falls behind where that is
-//! more than it takes, so the axis gets less:
+//! Behind the inverse of the lag of a drive a target moves by y' = v + κ·a and y″ = a + κ·j, where a and j are smoothed
+//! over the time τ, with κ = (1 − ff)/Kv and τ = ff/Kv. A drive that limits its targets (9077, 9078) falls behind where
+//! that is more than it takes, so the axis gets less:
 //!
 //! - A motion that keeps to a speed V, an acceleration A and a jerk J has v + a²/(2·J) ≤ V at any time, and its smoothed
 //!   acceleration is at most a + J·τ, and A. So y' exceeds V by at most κ·J·(κ/2 + τ) where J ≤ A·Kv, else by

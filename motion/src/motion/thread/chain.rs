@@ -337,7 +337,7 @@ impl Stop {
         let by_speed = mul_div_up(self.speed.saturating_mul(15) >> 2, NS, acceleration.max(1));
         let tick_us = u64::from(params.tick_us()).max(1);
         let (of_x, of_z) = (params.latency_us(Axis::X), params.latency_us(Axis::Z));
-        let apart = u64::from(of_x.abs_diff(of_z)).saturating_mul(12) / tick_us;
+        let apart = mul_div(u64::from(of_x.abs_diff(of_z)), 12, tick_us);
         let by_jerk = root_mul_div_up(
             self.speed.saturating_mul(apart.saturating_add(40)),
             NS.wrapping_mul(NS),

@@ -10,7 +10,7 @@ use crate::motion::ease::{Bounds, Ease};
 use crate::motion::lead::{speed_of, turns_of};
 use crate::motion::limits::bounds;
 use crate::motion::tap::{Gear, dwell_ticks};
-use crate::motion::wide::mul_div_up;
+use crate::motion::wide::{mul_div_up, root_mul_div_up};
 use crate::moves::TapMove;
 use crate::params::Params;
 use crate::units::{Axis, CentiRpm, Lead, Length, Ticks, TurnRate, mul_div, signed};
@@ -86,7 +86,9 @@ impl FloatPlan {
             ..limits
         };
         let join = Ease::new(speed, speed, &joining);
-        let round = rounding(&turner, lead, limits.jerk, tick_us);
+        let lag = u64::from(params.tap_lag_cycles()).saturating_mul(tick_us);
+        let foreseen = lag.saturating_add(u64::from(params.latency_us(axis)));
+        let round = rounding(&turner, lead, limits.jerk, tick_us, foreseen);
         let brake = Ease::of(round, round >> 1);
         if join.half().wrapping_add(brake.half()) > fine(total) {
             let letter = match call.axis {
@@ -245,13 +247,21 @@ fn standing_rate(params: &Params) -> TurnRate {
 
 /// Half of the rounding before the bottom, in nanometres. The rounding is the spindle's last way at its planned ramp;
 /// over this way the axis rounds off within its jerk.
-fn rounding(turner: &Turner, lead: Lead, jerk: u64, tick_us: u64) -> u64 {
+///
+/// The angle is foreseen for so many microseconds, as if the spindle kept its speed. So at the bottom the axis still has
+/// the speed that the spindle loses in this time, and more right after the spindle has begun to brake: three times that
+/// is reckoned with [D524].
+fn rounding(turner: &Turner, lead: Lead, jerk: u64, tick_us: u64, foreseen: u64) -> u64 {
     // β = ramp · lead, in nm/s²; (4β)³ / j².
     let square = tick_us.saturating_mul(tick_us);
     let per_second2 = mul_div(turner.gentle() as u64, 1_000_000_000_000, square);
-    let ramp = speed_of(lead, per_second2).saturating_mul(4);
-    let by_jerk = mul_div(ramp, ramp, jerk.max(1));
-    mul_div(by_jerk, ramp, jerk.max(1)).clamp(SHORTEST_BRAKE, LONGEST_BRAKE)
+    let ramp = speed_of(lead, per_second2);
+    let four = ramp.saturating_mul(4);
+    let by_jerk = mul_div(mul_div(four, four, jerk.max(1)), four, jerk.max(1));
+    // √(v³ / j).
+    let speed = mul_div(ramp, foreseen.saturating_mul(3), 1_000_000);
+    let by_speed = root_mul_div_up(speed.saturating_mul(speed), speed, jerk.max(1));
+    by_jerk.max(by_speed).clamp(SHORTEST_BRAKE, LONGEST_BRAKE)
 }
 
 const fn fine(length: Length) -> i64 {
