@@ -156,6 +156,7 @@ impl ThreadRun {
     }
 
     /// Takes the angle on by a tick; true at the end of a stop that slows it down.
+    #[inline]
     fn advance(&mut self, plan: &ThreadPlan, angle: Turns) -> bool {
         let mut ends = false;
         let (relative, step) = match self.master {
@@ -183,6 +184,7 @@ impl ThreadRun {
     }
 
     /// The setpoint where the helix is at the angle `relative`. `ends`: it is the last one of a stop.
+    #[inline]
     fn point(&mut self, plan: &ThreadPlan, relative: Turns, ends: bool) -> ThreadPoint {
         let (way, phase) = self.law(plan, relative);
         let phase = if ends { Phase::Done } else { phase };
