@@ -155,7 +155,8 @@ pub struct Global {
     pub optional_stop: bool,
     /// Stop after every block and every pass: `=on`, which may be left out, or `=off` (with `sim` it passes at once)
     ///
-    /// It sets the switch of the machine, which stays so. Without it that is left as somebody has set it.
+    /// For run, mdi, retract, resume, panel and monitor. It sets the switch of the machine, which stays so; without this option
+    /// the switch stays as it is.
     #[arg(
         long,
         global = true,
@@ -168,7 +169,7 @@ pub struct Global {
     pub single_block: Option<bool>,
     /// Use the dry-run feed for every feed; thread strokes keep their lead
     ///
-    /// A program or line is read so where this is given, and never otherwise: no switch of the machine makes it so.
+    /// This option alone makes a dry run: no switch of the machine does.
     #[arg(long, global = true)]
     pub dry_run: bool,
     /// Language of messages

@@ -238,7 +238,9 @@ function buttons(start) {
   };
   // The field would make one line of what is pasted, with another way.
   at("typed").addEventListener("beforeinput", (event) => {
-    if (!/[\r\n]/.test(event.data?.trim() ?? "")) return;
+    const { value, selectionStart: from, selectionEnd: to } = at("typed");
+    const whole = value.slice(0, from) + (event.data ?? "") + value.slice(to);
+    if (!/[\r\n]/.test(whole.trim())) return;
     event.preventDefault();
     tell(words("several"));
   });

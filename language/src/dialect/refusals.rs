@@ -101,8 +101,8 @@ pub(super) const REFUSALS: &[Refusal] = &[
         "nothing is scaled here: write the lengths as they are to be cut",
         "本系统不缩放：请按要切削的尺寸编写"),
     row(Code::OtherControls, Of::All, "G52", &[(520, 520)],
-        "put the zero into a coordinate system with G10 L2 P1 X… Z…, and choose that (G54)",
-        "请用 G10 L2 P1 X… Z… 将零点写入坐标系，并选用它（G54）"),
+        "write the shifted zero into a coordinate system that is free, as with G10 L2 P6 X… Z…, and choose that (G59)",
+        "请将偏移后的零点写入未使用的坐标系，如 G10 L2 P6 X… Z…，并选用它（G59）"),
     row(Code::OtherControls, Of::All, "G54.1, G110 to G129, G154", &[(541, 541), (1100, 1290), (1540, 1540)],
         "write one of G54 to G59: there are six coordinate systems",
         "请用 G54 至 G59：共有六个坐标系"),
@@ -214,15 +214,17 @@ pub(super) fn by_name(control: Control, mut alarm: Alarm, tenths: u16) -> Option
     Some(alarm)
 }
 
-/// The alarm of a code that there is not, with another control in its second figure that has it.
+/// The alarm of a code that there is not; its second figure has a bit for each other control that has it.
 pub(super) fn of_another(control: Control, mut alarm: Alarm, tenths: u16) -> Alarm {
     let has = |other: &Control| {
         let code = i64::from(tenths / 10);
         *other != control && tenths.is_multiple_of(10) && other.has_of_its_own(code)
     };
     // Nothing is said where the text may be a hand's slip in a code that none of them has.
-    if let Some(number) = Control::ALL.iter().position(has) {
-        alarm.args[1] = Arg::Int(i64::try_from(number).unwrap_or(-1));
+    let with_it = (0..).zip(Control::ALL).filter(|(_, other)| has(other));
+    let bits = with_it.fold(0, |bits, (number, _)| bits | 1_i64 << number);
+    if bits != 0 {
+        alarm.args[1] = Arg::Int(bits);
     }
     alarm
 }

@@ -34,8 +34,8 @@ const BY_NUMBER: &[(Code, &[Arg], &str, [&str; 2])] = &[
         "请写轴：G30 U0 W0",
     ]),
     (Code::CodeNeedsWords, &[Arg::GCode(500), Arg::GCode(920)], "G50 (FANUC B, C: G92)", [
-        "write S, the highest speed under G96, or X and Z, the place where the tool is",
-        "请写 S（G96 的最高转速），或 X、Z（刀具当前位置）",
+        "write S, the highest speed of the spindle, or X and Z, the place where the tool is",
+        "请写 S（主轴最高转速），或 X、Z（刀具当前位置）",
     ]),
     (Code::CodeNeedsWords, &[Arg::GCode(530)], "G53", [
         "write X or Z, in coordinates of the machine",
@@ -56,25 +56,28 @@ pub fn help(alarm: &Alarm, lang: Lang) -> Option<String> {
     let both = |en, zh| of_lang([en, zh], lang).to_owned();
     let words = match (alarm.code, alarm.args) {
         (Code::FeedOfOtherMode, [Arg::Feed(_), ..]) => both(
-            "write G99 (per turn) before it, or another F; a FANUC or a Haas begins under G99 (`--dialect fanuc-a`, `--dialect \
-             haas`), a GSK does not; `(ALLOW 4803)` if it is meant",
-            "请在前面写 G99（每转），或修改 F；FANUC 和 Haas 开机为 G99（`--dialect fanuc-a`、`--dialect haas`），GSK \
-             不是；确实如此请写 `(ALLOW 4803)`",
+            "write G99 (FANUC B, C: G95) before it, or another F; where the program is of a FANUC or a Haas, choose it with \
+             `--dialect`; `(ALLOW 4803)` if it is meant",
+            "请在前面写 G99（FANUC B、C 为 G95），或修改 F；若为 FANUC 或 Haas 程序，请用 `--dialect` 指定；确实如此请写 \
+             `(ALLOW 4803)`",
         ),
         (Code::WordWithoutUse, _) if matches!(alarm.word, Some(b'C' | b'R')) => both(
-            "remove it, or write the code it belongs to; a corner between two lines is `,C` or `,R`",
-            "请去掉它，或写出它所属的代码；两直线间的拐角写 `,C` 或 `,R`",
+            "remove it, or write the code it belongs to; where a corner between two lines is meant, write `,C` or `,R`",
+            "请去掉它，或写出它所属的代码；若指两直线间的拐角，请写 `,C` 或 `,R`",
         ),
-        (Code::UnknownG, [_, Arg::Int(number), ..]) => {
-            let control = Control::ALL.get(usize::try_from(number).ok()?)?;
-            let name = control.name();
+        (Code::UnknownG, [_, Arg::Int(with_it), ..]) => {
+            let has = |number: usize| with_it >> number & 1 == 1;
+            let controls = (0..).zip(Control::ALL).filter(|(number, _)| has(*number));
+            let names: Vec<&str> = controls.map(|(_, control)| control.name()).collect();
             match lang {
                 Lang::En => format!(
-                    "correct the code; {name} has it: where the program is written for that, `--dialect {name}`, or \
-                     `(DIALECT {name})` in its first line"
+                    "correct the code; it is a code of {}: choose the control that the program is written for with `--dialect`, or \
+                     `(DIALECT …)` in its first line",
+                    names.join(", ")
                 ),
                 Lang::Zh => format!(
-                    "请修改代码；{name} 有此代码：若程序为该系统编写，请用 `--dialect {name}`，或在首行写 `(DIALECT {name})`"
+                    "请修改代码；{} 有此代码：请用 `--dialect` 或首行 `(DIALECT …)` 选择程序所用的系统",
+                    names.join("、")
                 ),
             }
         }

@@ -113,6 +113,50 @@ fn feed_hold_allowed_rests_with_the_spindle_and_stays_in_the_thread() {
     }
 }
 
+/// Ten targets that wait, at 2 ms a tick. A spindle that goes on from a hold in the hole, and brakes soon after that, was
+/// foreseen to run past the bottom: the tap ended on 4270.
+#[test]
+fn a_hold_in_the_hole_does_no_harm_where_the_angle_is_foreseen_for_long() {
+    let params = with(&[
+        ("5200.6", 1),
+        ("5261", 557),
+        ("9000", 2_000),
+        ("9003.Z", 19_750),
+        ("1620.Z", 3_692_000_000),
+        ("1622.Z", 70_000_000_000),
+    ]);
+    let hole = Hole {
+        rpm: 660,
+        lead: 2_438,
+        depth: 2_659,
+        ..plain()
+    };
+    let (first, last) = span(&hole, &params);
+    for tick in (first..last).step_by(leadscrew_seed::amount(7, 1)) {
+        let mut resume_at = None;
+        let ran = run(
+            &hole.program(),
+            &params,
+            &PlantOptions::default(),
+            |sim, ticks| {
+                if ticks == tick {
+                    sim.command(Command::Hold);
+                }
+                if resume_at == Some(ticks) {
+                    sim.command(Command::Resume);
+                }
+                let at_rest = sim.board().ticker().state() == State::Held;
+                if ticks > tick && resume_at.is_none() && at_rest {
+                    resume_at = Some(ticks + 50);
+                }
+            },
+        );
+        assert_eq!(ran.alarm, None, "hold at {tick}");
+        let deepest = ran.rows.iter().map(|row| depth(row, &hole)).max();
+        assert_eq!(deepest, Some(hole.total()), "hold at {tick}");
+    }
+}
+
 #[test]
 fn single_block_stops_after_the_hole_only() {
     let params = with(&[]);

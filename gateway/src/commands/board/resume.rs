@@ -7,7 +7,7 @@ use leadscrew_core::bus::{BoardState, Order};
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::OperatingMode;
 
-use super::{open, operate};
+use super::{open, operate, single_block};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::link::Link;
@@ -23,6 +23,7 @@ pub fn resume(global: &Global) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
+    single_block(global, &mut link)?;
     let status = link.status()?;
     if status.left.is_some() && !link.mode()?.runs() {
         link.set_mode(OperatingMode::Automatic)?;

@@ -47,8 +47,9 @@ fn the_same_code_has_another_remedy_on_another_control() {
     assert!(told(Control::FanucB, "G05").starts_with("leave it out"));
     assert!(!told(Control::FanucA, "G86").contains("G85"));
     assert!(told(Control::FanucB, "G86").contains("G85"));
-    assert!(told(Control::Gsk980td, "G95").contains("(DIALECT fanuc-b)"));
-    assert!(told(Control::FanucA, "G103").contains("`--dialect haas`"));
+    assert!(told(Control::Gsk980td, "G95").contains("fanuc-b, fanuc-c:"));
+    assert!(told(Control::Gsk980td, "G81").contains("fanuc-b, fanuc-c, haas:"));
+    assert!(told(Control::FanucA, "G103").contains("a code of haas:"));
     assert_eq!(help(&alarm(Control::Gsk980td, "G198"), Lang::En), None);
     assert!(told(Control::Gsk980td, "#3003=1").starts_with("leave it out: a thread"));
     assert!(told(Control::Haas, "#3004=4").contains("G64"));

@@ -61,7 +61,9 @@ pub fn monitor(global: &Global, watch: bool) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
-    single_block(global, &mut link)?;
+    if !watch {
+        single_block(global, &mut link)?;
+    }
     // The load of the bus is everybody's.
     link.hear_everything()?;
     interrupt::defer(UnderWay::Computed);

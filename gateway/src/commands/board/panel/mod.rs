@@ -73,7 +73,9 @@ pub fn panel(
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
-    single_block(global, &mut link)?;
+    if !look {
+        single_block(global, &mut link)?;
+    }
     let tokens = Tokens {
         look: token()?,
         operate: if look { None } else { Some(token()?) },

@@ -493,8 +493,10 @@ impl Runner<'_> {
                 )
             } else if self.link.seen.status.is_some_and(stops_by_single_block) {
                 both!(
-                    "single block is on, and the machine has stopped (line {line}): `leadscrew resume` goes on\n",
-                    "单段已打开，机床已停止（第 {line} 行）：`leadscrew resume` 可继续\n"
+                    "single block is on, and the machine has stopped (line {line}): `leadscrew resume` goes on, `leadscrew resume \
+                     --single-block=off` without further stops\n",
+                    "单段已打开，机床已停止（第 {line} 行）：`leadscrew resume` 可继续，`leadscrew resume --single-block=off` \
+                     则不再停\n"
                 )
             } else {
                 both!(
