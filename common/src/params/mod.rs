@@ -327,6 +327,7 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::IncrementAboveLimit => &[1828, 9001, 9002],
         Code::ToleranceAboveVariation => &[9007, 9010],
         Code::GainTooLow => &[9070, 9073],
+        Code::TargetsTooSlow => &[9077, 9078, 9070, 9071, 1420, 1430, 1620, 1622],
         Code::PitchErrorSteep | Code::PitchErrorBent => &[
             1862, 1871, 1872, 1873, 1874, 1875, 1876, 1877, 1878, 1879, 1880, 1881, 1882, 1883,
             1884, 1885, 1886, 1420,

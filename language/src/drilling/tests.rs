@@ -46,6 +46,17 @@ fn refused(control: Control, text: &str) -> u16 {
     read_with(&[], control, text).1.expect(text).number()
 }
 
+/// Its R would be the level of the next hole.
+#[test]
+fn no_angle_of_the_spindle_between_two_holes() {
+    let text = "G98 G0 X0 Z5;G83 Z-12 R-3 Q5000 P500 F100;M19 R90";
+    for control in [Control::FanucA, Control::Gsk980td, Control::Haas] {
+        assert_eq!(refused(control, text), 4021, "{control:?}");
+        let (_, alarm) = read_with(&[], control, &text.replace("M19", "G80;M19"));
+        assert_eq!(alarm, None, "{control:?}");
+    }
+}
+
 #[test]
 fn pecks_of_a_face_hole() {
     let text = "G98 G0 X0 Z5;G83 Z-12 R-3 Q5000 P500 F100;G80";

@@ -61,6 +61,13 @@ impl Acting<'_, '_> {
         if self.core.contour.is_some() {
             return Err(Alarm::new(Code::ContourWord, drill.code).word(b'G'));
         }
+        // A spindle that stands at an angle drills no hole, and R of the block would be its level.
+        let orients = |word: &&Word| word.letter == b'M' && word.value().whole() == Some(19);
+        if self.core.params.function(19).is_none()
+            && let Some(word) = words.iter().find(orients)
+        {
+            return Err(word.alarm(Code::MNotAvailable).with([Arg::Int(19)]));
+        }
         let (unit, counts) = (self.core.unit(), self.core.counts());
         let parts = drill.read(words, control, unit, counts, is_free_m)?;
         self.core.drill = Some((drill, initial));

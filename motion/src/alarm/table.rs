@@ -288,8 +288,8 @@ codes! {
     GNotAvailable = 4020, "{0} is not available here", "write the moves with G00 to G03 or another cycle",
         "{0} 在此不可用", "请用 G00 至 G03 或其他循环编写运动";
     /// An M code that exists and is not built; {0} its number.
-    MNotAvailable = 4021, "M{0} cannot be carried out in this place", "give the call a block of its own",
-        "此处不能执行 M{0}", "请将调用单独写成一个程序段";
+    MNotAvailable = 4021, "M{0} cannot be carried out in this place", "give it a block of its own, and write G80 before it where a cycle is in force",
+        "此处不能执行 M{0}", "请单独写成一个程序段；若有循环有效，请先写 G80";
     /// G33 [D19].
     G33Tapping = 4022, "G33 is a tapping cycle on one control and a thread on another",
         "write G32, G92 or G76 for a thread", "G33 在不同系统中含义不同（攻丝或螺纹）", "切螺纹请用 G32、G92 或 G76";
@@ -1387,9 +1387,9 @@ codes! {
     PitchErrorBent = 4871, "the pitch errors of {0} bend at point {1} so sharply that taking them off takes {2} % of the acceleration or jerk of the axis at its rapid rate, and less than 4 are kept for it", "check the values about 1870 + {1}; set the points farther apart (1862.{0}), or 1420.{0} lower",
         "{0} 轴的螺距误差在第 {1} 点转折过急：按快速移动速度补偿需占用该轴加速度或加加速度的 {2} %，而只为此保留 4 % 以下", "请检查 1870 + {1} 附近的值；或加大点距（1862.{0}），或降低 1420.{0}";
     /// A drive takes too little of its targets: axis, what is left of its jerk and of its acceleration in per cent.
-    TargetsTooSlow = 4879, "what the drive of {0} takes of its targets (9077.{0}, 9078.{0}) leaves {1} % of the jerk of the axis and {2} % of its acceleration, and 10 are needed", "write 607Fh and 60C5h of the drive there, in the units of the axis; raise them in the drive, or lower 1420.{0}, 1430.{0} and 1620.{0}",
-        "{0} 轴驱动器允许的目标（9077.{0}、9078.{0}）只剩该轴加加速度的 {1} % 和加速度的 {2} %，至少需 10 %", "请按轴的单位填写驱动器的 607Fh 和 60C5h；请在驱动器中提高，或降低 1420.{0}、1430.{0}、1620.{0}";
-    // -- 4875–4876 the spindle at an angle, and by hand ---------------------------------------------------------------
+    TargetsTooSlow = 4879, "what the drive of {0} takes of its targets (9077.{0}, 9078.{0}) leaves {1} % of the jerk of the axis and {2} % of its acceleration, and 10 are needed", "9077 and 9078 are 607Fh and 60C5h of the drive, in the units of the axis: raise them in the drive and here, or lower 1420.{0}, 1430.{0} and 1620.{0}",
+        "{0} 轴驱动器允许的目标（9077.{0}、9078.{0}）只剩该轴加加速度的 {1} % 和加速度的 {2} %，至少需 10 %", "9077 和 9078 为驱动器的 607Fh 和 60C5h，以轴的单位表示：请在驱动器和此处一并提高，或降低 1420.{0}、1430.{0}、1620.{0}";
+    // -- 4875 the spindle at an angle --------------------------------------------------------------------------------
     /// M19 with an encoder too coarse for it; {0} its counts, {1} how many would do.
     EncoderTooCoarseToOrient = 4875, "an encoder of {0} counts a turn does not tell where the spindle is to 0.1 degrees", "use an encoder of {1} counts (3720) or more; or give M19 a row in the table of machine functions, where the drive or a PLC orients the spindle",
         "每转 {0} 个计数的编码器无法以 0.1 度的精度测定主轴角度", "请使用不少于 {1} 个计数的编码器（3720）；若由驱动器或 PLC 定向，请在机床功能表中为 M19 添加一行";

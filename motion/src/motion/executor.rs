@@ -404,7 +404,9 @@ impl Executor {
         self.aborting = false;
         match TurnRun::begin(from, way, by, &mut self.run) {
             Some(turn) => self.active = Active::Turn(turn),
-            None => self.spindle = Some(from + way),
+            // Less than a length of a nanometre.
+            None if way.raw().unsigned_abs() < 4 => self.spindle = Some(from + way),
+            None => {}
         }
     }
 

@@ -13,7 +13,7 @@ use super::run::Run;
 use super::tap::{ramp, rate, spindle_acceleration};
 use crate::alarm::{Alarm, Span};
 use crate::params::Params;
-use crate::units::{Angle, CentiRpm, Lead, Length, Turns};
+use crate::units::{Angle, CentiRpm, Lead, Length, Turns, mul_div};
 
 /// A turn as a length: 2³⁰ nm.
 const TURN_BITS: u32 = 30;
@@ -50,7 +50,7 @@ impl Orientation {
         let most = lowest.saturating_mul(100).min(MOST);
         let nominal = rate(lead, CentiRpm::new(most as i32), tick_us);
         let acceleration = spindle_acceleration(lead, ramp_ms, tick_us).unwrap_or(u64::MAX);
-        let jerk = acceleration.saturating_mul(u64::from(tick_us)) / RISE_US;
+        let jerk = mul_div(acceleration, u64::from(tick_us), RISE_US);
         let mut bounds = PathLimits {
             speed: nominal,
             acceleration,

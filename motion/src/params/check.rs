@@ -59,8 +59,8 @@ impl Params {
         self.check_fd(&mut reasons);
         self.check_functions(&mut reasons);
         self.check_lags(&mut reasons);
-        self.check_pitch(&mut reasons);
         self.check_targets(&mut reasons);
+        self.check_pitch(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -311,7 +311,8 @@ impl Params {
 
     /// What is taken off for errors of the pitch is small, and within its part of the limits.
     fn check_pitch<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
-        for axis in [Axis::X, Axis::Z] {
+        let usable = |axis: &Axis| self.unusable_target(*axis).is_none();
+        for axis in [Axis::X, Axis::Z].into_iter().filter(usable) {
             let tenths = |number: u64| Arg::Decimal(number as i64, 1);
             match self.unusable_pitch(axis) {
                 Some(Unusable::Steep { point, slope }) => {
@@ -602,6 +603,13 @@ mod tests {
                 Code::TargetsTooSlow,
                 [z, Arg::Int(100), Arg::Int(6), none],
                 &[("9078.Z", "0.3")],
+            ),
+            (
+                // Its table is not judged by limits that are no limits.
+                &[("9077.Z", "16000"), ("1874.Z", "10")],
+                Code::TargetsTooSlow,
+                [z, Arg::Int(0), Arg::Int(100), none],
+                &[("9077.Z", "17000"), ("1874.Z", "10")],
             ),
             (
                 // 100.1 µm in 20 mm.

@@ -178,7 +178,7 @@ fn functions(modal: &mut Modal<'_>, block: &Block, plan: &mut Plan) -> Result<()
 }
 
 /// M19: the spindle stands at an angle, where no row of the table says otherwise.
-const ORIENT: i64 = 19;
+pub(super) const ORIENT: i64 = 19;
 
 /// The fewest counts of an encoder that tell an angle to 0.1°: the middle of a count is within half a count of it.
 const ORIENT_COUNTS: u32 = 1_800;
@@ -196,6 +196,8 @@ pub(crate) fn orientation(block: &Block, params: &Params) -> Option<Word> {
 
 /// M19 at `word`, with R in degrees, 0 without it.
 fn orient(modal: &mut Modal<'_>, block: &Block, word: &Word, plan: &mut Plan) -> Result<(), Alarm> {
+    // Any speed: a gear that is not known has none.
+    modal.refuse_by_gear(word.span, 1)?;
     let counts = modal.params.encoder_counts();
     if counts < ORIENT_COUNTS {
         let figures = [counts, ORIENT_COUNTS].map(|counts| Arg::Int(counts.into()));

@@ -3,7 +3,7 @@
 
 use core::num::NonZeroU8;
 
-use super::mode::{Tapping, locked, rigid_code};
+use super::mode::{ORIENT, Tapping, locked, rigid_code};
 use super::speed::{
     Turning, extraction, extraction_override, infeed_speed, limited, note_j, refuse_in_ordinary,
     tap_lead,
@@ -378,6 +378,10 @@ fn repeats(word: &Word) -> Result<TapRepeat, Alarm> {
 fn clamp_code(modal: &Modal<'_>, word: &Word) -> Result<u16, Alarm> {
     const LAST: i64 = 9998;
     let code = word.value.mantissa();
+    // The spindle would have to be at an angle and in the hole.
+    if code == ORIENT && modal.params.function(19).is_none() {
+        return Err(word.alarm(Code::MNotAvailable).with([Arg::Int(code)]));
+    }
     if code > LAST {
         return Err(word.out_of_range(Arg::Int(0), Arg::Int(LAST)));
     }

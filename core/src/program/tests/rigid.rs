@@ -253,6 +253,8 @@ fn m19_is_an_angle_where_no_row_of_the_table_is_it() {
         ("G4 X1 M19 R5", (4028, 11)),
         ("M19 P5", (4028, 5)),
         ("M19 R1.23456", (4026, 5)),
+        // Not as the code that clamps C, with an R that would be the level of the next hole.
+        ("M29 S500\nG84 Z-10 R-3 F2\nM19 R90", (4021, 1)),
     ] {
         assert_eq!(number(&[], text), Some(alarm), "{text}");
     }

@@ -160,6 +160,9 @@ impl Ticker {
                 self.refuses_spindle()
             }
             Action::Aux(Aux::M(code), _) if *code != 0 && self.needs_a_stand(*code) => {
+                if gear_of_code(*code).is_some() && self.spindle.gives_angle_up() {
+                    return Admitted::Waits;
+                }
                 return self.open_chuck();
             }
             _ => None,

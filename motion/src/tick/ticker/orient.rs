@@ -88,8 +88,7 @@ impl Ticker {
         let near = |by: Turns, allowed: i64| by.raw().saturating_abs() <= allowed;
         let rests = beside.is_some_and(|beside| near(beside, TOLERANCE));
         let settles = match turning.stage {
-            Stage::Stands => true,
-            Stage::Searches => rests,
+            Stage::Stands | Stage::Searches => rests,
             // The count says the same, as well as it can.
             Stage::Approaches => rests && near(left, TOLERANCE.saturating_add(half.raw() << 1)),
         };
@@ -102,11 +101,12 @@ impl Ticker {
         let is_settled = turning.within >= self.given.second / SETTLED;
         self.spindle.rigid = Rigid::Turning(turning);
         match turning.stage {
-            Stage::Approaches if is_settled => return self.is_oriented(ends),
-            Stage::Searches if is_settled && !self.observer.indexed() => {
+            // It has not been seen, or was lost on the way.
+            Stage::Searches | Stage::Approaches if is_settled && !self.observer.indexed() => {
                 self.raise(&Alarm::new(Code::NoIndex, span), ends);
             }
-            Stage::Stands | Stage::Searches if turning.stage == Stage::Stands || is_settled => {
+            Stage::Approaches if is_settled => return self.is_oriented(ends),
+            Stage::Stands | Stage::Searches if is_settled => {
                 let (stage, way) = match self.observer.indexed() {
                     true => (Stage::Approaches, left + beside.unwrap_or_default()),
                     false => (Stage::Searches, SEARCH),

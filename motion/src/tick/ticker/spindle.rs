@@ -156,6 +156,15 @@ impl SpindleMode {
         };
     }
 
+    /// Another gear gives the increments of the drive another meaning, so position mode at an angle ends first. True while
+    /// it does.
+    pub(super) const fn gives_angle_up(&mut self) -> bool {
+        if let Rigid::Oriented = self.rigid {
+            self.rigid = Rigid::Leaving;
+        }
+        matches!(self.rigid, Rigid::Leaving)
+    }
+
     /// A spindle is in position mode.
     pub(super) const fn is_rigid(&self) -> bool {
         matches!(self.rigid, Rigid::On)
@@ -250,7 +259,14 @@ impl Ticker {
         {
             self.drives.spindles().select(taps_with);
             self.executor.set_spindle(Some(angle));
-            self.spindle.rigid = Rigid::On;
+            let orients = self
+                .course
+                .next(ends)
+                .is_some_and(|next| matches!(next.action, Action::Orient(_)));
+            self.spindle.rigid = match orients {
+                true => Rigid::Oriented,
+                false => Rigid::On,
+            };
         } else if ticks > self.given.arrival.speed_ticks {
             let span = Span {
                 line,
@@ -290,8 +306,8 @@ impl Ticker {
     /// line of its move while it waits.
     pub(super) fn wait_for_release(&mut self, ends: &mut Ends<'_>) -> Option<(u32, u32, Motion)> {
         let next = ends.segments.head()?;
-        let waits =
-            matches!(next.action, Action::Spindle(..)) && self.operator.signals.rgtap == Some(true);
+        let leaves = matches!(next.action, Action::Spindle(..) | Action::Orient(_));
+        let waits = leaves && self.operator.signals.rgtap == Some(true);
         if !waits {
             self.spindle.waited = 0;
             return None;
