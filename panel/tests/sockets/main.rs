@@ -490,8 +490,16 @@ fn there_are_so_many_connections_and_the_next_is_told() {
     refused(&bench.get("/state", &[&cookie]), Refusal::Busy);
     // The page is given out all the same, until nothing is left.
     assert!(bench.get("/", &[]).starts_with("HTTP/1.1 200 OK\r\n"));
-    let half_open: Vec<_> = (STREAMS..CONNECTIONS).map(|_| bench.connect()).collect();
-    refused(&bench.ask(b""), Refusal::Busy);
+    let mut half_open = Vec::new();
+    loop {
+        half_open.extend((STREAMS..CONNECTIONS).map(|_| bench.connect()));
+        let answer = bench.ask(b"");
+        // Who says nothing is let go in time: on a busy computer the first of them before the last has come.
+        if !answer.ends_with(&Refusal::Slow.json()) {
+            refused(&answer, Refusal::Busy);
+            break;
+        }
+    }
     // A seat is free again once somebody has gone.
     drop((watching, half_open));
     let free = || bench.get("/", &[]).starts_with("HTTP/1.1 200 OK\r\n");
