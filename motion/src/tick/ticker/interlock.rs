@@ -160,7 +160,11 @@ impl Ticker {
                 self.refuses_spindle()
             }
             Action::Aux(Aux::M(code), _) if *code != 0 && self.needs_a_stand(*code) => {
-                if gear_of_code(*code).is_some() && self.spindle.gives_angle_up() {
+                let shifts = gear_of_code(*code).is_some();
+                if shifts && self.spindle.is_oriented() {
+                    return Admitted::Refused(Interlock::Spindle);
+                }
+                if shifts && self.spindle.is_leaving() {
                     return Admitted::Waits;
                 }
                 return self.open_chuck();

@@ -156,12 +156,13 @@ impl SpindleMode {
         };
     }
 
-    /// Another gear gives the increments of the drive another meaning, so position mode at an angle ends first. True while
-    /// it does.
-    pub(super) const fn gives_angle_up(&mut self) -> bool {
-        if let Rigid::Oriented = self.rigid {
-            self.rigid = Rigid::Leaving;
-        }
+    /// In position mode at an angle: another gear would give the increments of the drive another meaning.
+    pub(super) const fn is_oriented(&self) -> bool {
+        matches!(self.rigid, Rigid::Oriented)
+    }
+
+    /// Position mode ends as soon as the spindle stands.
+    pub(super) const fn is_leaving(&self) -> bool {
         matches!(self.rigid, Rigid::Leaving)
     }
 
