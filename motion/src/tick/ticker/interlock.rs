@@ -161,7 +161,7 @@ impl Ticker {
             }
             Action::Aux(Aux::M(code), _) if *code != 0 && self.needs_a_stand(*code) => {
                 let shifts = gear_of_code(*code).is_some();
-                if shifts && self.spindle.is_oriented() {
+                if shifts && self.spindle.holds_angle() {
                     return Admitted::Refused(Interlock::Spindle);
                 }
                 if shifts && self.spindle.is_leaving() {

@@ -157,7 +157,7 @@ impl SpindleMode {
     }
 
     /// In position mode at an angle: another gear would give the increments of the drive another meaning.
-    pub(super) const fn is_oriented(&self) -> bool {
+    pub(super) const fn holds_angle(&self) -> bool {
         matches!(self.rigid, Rigid::Oriented)
     }
 
