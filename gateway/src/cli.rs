@@ -155,8 +155,8 @@ pub struct Global {
     pub optional_stop: bool,
     /// Stop after every block and every pass: `=on`, which may be left out, or `=off` (with `sim` it passes at once)
     ///
-    /// For run, mdi, retract, resume, panel and monitor. It sets the switch of the machine, which stays so; without this option
-    /// the switch stays as it is.
+    /// For run, mdi, retract, resume, panel and monitor. It sets the switch of the machine, which stays so; without this
+    /// option the switch stays as it is.
     #[arg(
         long,
         global = true,
