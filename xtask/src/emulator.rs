@@ -250,8 +250,9 @@ mod tests {
         ];
         let dear = too_dear(&rows);
         assert_eq!(dear.len(), 2, "{dear:?}");
-        assert!(dear[0].starts_with("board/arc: worst 2401"));
-        assert!(dear[1].starts_with("board/seven-drives: worst 2561"));
+        let worst = |name: &str, limit: u64| format!("{name}: worst {} ", limit + 1);
+        assert!(dear[0].starts_with(&worst("board/arc", TICK_LIMIT)));
+        assert!(dear[1].starts_with(&worst("board/seven-drives", DEARER_LIMIT)));
     }
 
     #[test]
