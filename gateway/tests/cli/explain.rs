@@ -286,7 +286,7 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
         "a_set_without_its_mark_is_stored_and_told",
     ),
     (
-        &[4439],
+        &[4304],
         "tests/tests/orientation.rs",
         "a_spindle_that_does_not_move_is_an_alarm_in_time",
     ),

@@ -49,6 +49,10 @@ fn typed(alarm: &Value) -> Option<String> {
         let mut last = String::new();
         let mut told = String::new();
         for line in alarm[key].as_str().unwrap().lines() {
+            // A loop that waits for a machine that did not start would never end.
+            if line.starts_with("until") && !all.contains("is running") {
+                return Some(format!("{number}: no machine for `{line}`:\n{all}"));
+            }
             told = shell.types(line);
             all += &format!("$ {line}\n{told}\n");
             line.clone_into(&mut last);

@@ -739,7 +739,7 @@ codes! {
         "主轴仍以 {0} 旋转，不能进入位置方式", "请检查主轴驱动器和参数 9004";
 
     /// M19: where the spindle stands, where it should, both within the turn.
-    SpindleNotOriented = 4439, "the spindle has not arrived at its angle: it stands at {0} instead of {1}", "look at what holds the spindle; check its drive, its increments for a turn (9013) and its encoder (3720); then reset",
+    SpindleNotOriented = 4304, "the spindle has not arrived at its angle: it stands at {0} instead of {1}", "look at what holds the spindle; check its drive, its increments for a turn (9013) and its encoder (3720); then reset",
         "主轴未到达指定角度：位于 {0}，应为 {1}", "请检查主轴是否被卡住，以及其驱动器、每转脉冲数（9013）和编码器（3720）；然后复位";
 
     /// Motion, or a spindle command, while a tap is in its hole; {0} its axis, {1} the bottom.
