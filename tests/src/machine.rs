@@ -3,7 +3,7 @@
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Row, Sim};
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::board::Event;
+use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::call::Call;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Events, Options};
@@ -46,6 +46,46 @@ pub fn calls(text: &str, params: &Params) -> Vec<Call> {
 #[must_use]
 pub fn machine(params: &Params, options: &PlantOptions) -> Sim {
     Sim::new(params, options).expect("the machine starts")
+}
+
+/// A feed hold at a tick, and a resume so many ticks after the machine stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Pause {
+    at: u64,
+    lasts: u64,
+    since: Option<u64>,
+}
+
+impl Pause {
+    /// Not begun yet.
+    #[must_use]
+    pub const fn new(at: u64, lasts: u64) -> Self {
+        Self {
+            at,
+            lasts,
+            since: None,
+        }
+    }
+
+    /// What the operator does before a tick.
+    pub fn operate(&mut self, sim: &mut Sim, ticks: u64) {
+        if ticks == self.at {
+            sim.command(Command::Hold);
+        }
+        match self.since {
+            Some(since) if since + self.lasts == ticks => sim.command(Command::Resume),
+            None if ticks > self.at && sim.board().ticker().state() == State::Held => {
+                self.since = Some(ticks);
+            }
+            _ => {}
+        }
+    }
+
+    /// The tick from which the machine stood; `None` where it never did.
+    #[must_use]
+    pub const fn since(&self) -> Option<u64> {
+        self.since
+    }
 }
 
 /// Runs a program to its end. `operate` is called before every tick with the machine and the ticks so far.

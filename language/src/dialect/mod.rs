@@ -23,8 +23,8 @@ use leadscrew_core::program::Dialect;
 pub use looks::Looks;
 pub use name::{Named, named};
 pub use points::{Written, lengths, written};
-pub(crate) use translator::in_milliseconds;
 pub use translator::{Setting, Translator};
+pub(crate) use translator::{in_milliseconds, is_m19};
 
 /// True for the letters of X and Z.
 #[must_use]

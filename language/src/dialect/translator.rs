@@ -209,9 +209,13 @@ pub(super) fn has_code(words: &[Word], code: i64) -> bool {
     words.iter().any(|word| code_of(word) == Some(code))
 }
 
+/// M19.
+pub(crate) fn is_m19(word: &Word) -> bool {
+    word.letter == b'M' && word.value().whole() == Some(19)
+}
+
 /// True for a block that brings the spindle to an angle and moves nothing.
 pub(super) fn orients(words: &[Word]) -> bool {
-    let is_m19 = |word: &Word| word.letter == b'M' && word.value().whole() == Some(19);
     let moves = |word: &Word| b"XUZWCH".contains(&word.letter) || is_one_shot(word);
     words.iter().any(is_m19) && !words.iter().any(moves)
 }

@@ -6,7 +6,7 @@ use leadscrew_core::program::{Event, Way, is_free_m};
 use leadscrew_core::units::{Decimal, Length};
 
 use super::Acting;
-use crate::dialect::Control;
+use crate::dialect::{Control, is_m19};
 use crate::drilling::{Drill, Hole, Kind, Level, Parts, Step};
 use crate::flow::Done;
 use crate::plane::Point;
@@ -62,9 +62,8 @@ impl Acting<'_, '_> {
             return Err(Alarm::new(Code::ContourWord, drill.code).word(b'G'));
         }
         // A spindle that stands at an angle drills no hole, and R of the block would be its level.
-        let orients = |word: &&Word| word.letter == b'M' && word.value().whole() == Some(19);
-        if self.core.params.function(19).is_none()
-            && let Some(word) = words.iter().find(orients)
+        if self.core.params.orients_by_m19()
+            && let Some(word) = words.iter().find(|word| is_m19(word))
         {
             return Err(word.alarm(Code::MNotAvailable).with([Arg::Int(19)]));
         }

@@ -188,6 +188,12 @@ impl Params {
         self.functions().find(|row| row.code == code)
     }
 
+    /// M19 brings the spindle to an angle: no row of the table says otherwise.
+    #[must_use]
+    pub fn orients_by_m19(&self) -> bool {
+        self.function(19).is_none()
+    }
+
     /// All rows that mean something.
     pub fn functions(&self) -> impl Iterator<Item = FunctionRow> {
         (1..=ROWS).filter_map(|place| FunctionRow::of(self.m_row(place)))

@@ -4,7 +4,7 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::board::{Command, State};
 use leadscrew_core::params::Params;
-use leadscrew_tests::machine::{Ran, run};
+use leadscrew_tests::machine::{Pause, Ran, run};
 use leadscrew_tests::params::with;
 
 use super::hole::{Hole, plain};
@@ -22,33 +22,24 @@ fn forms() -> [(Hole, i64); 3] {
     ]
 }
 
+/// Taps with a hold on the way. Gives the tick from which the machine stood, too.
+fn paused(hole: &Hole, params: &Params, mut pause: Pause) -> (Ran, Option<u64>) {
+    let options = PlantOptions::default();
+    let ran = run(&hole.program(), params, &options, |sim, ticks| {
+        pause.operate(sim, ticks);
+    });
+    (ran, pause.since())
+}
+
 /// Holds at `tick`, resumes 150 ticks after the machine says it is held. The row in the middle of the hold comes back.
 fn held(hole: &Hole, params: &Params, tick: u64) -> (Ran, Row) {
-    let (mut resume_at, mut rest) = (None, None);
-    let ran = run(
-        &hole.program(),
-        params,
-        &PlantOptions::default(),
-        |sim, ticks| {
-            if ticks == tick {
-                sim.command(Command::Hold);
-            }
-            if resume_at == Some(ticks) {
-                sim.command(Command::Resume);
-            }
-            let at_rest = sim.board().ticker().state() == State::Held;
-            if ticks > tick && resume_at.is_none() && at_rest {
-                resume_at = Some(ticks + 150);
-                rest = Some(ticks + 100);
-            }
-        },
-    );
+    let (ran, since) = paused(hole, params, Pause::new(tick, 150));
     assert_eq!(ran.alarm, None, "hold at {tick}");
     judge(&ran, hole, params);
     let deepest = ran.rows.iter().map(|row| depth(row, hole)).max();
     assert_eq!(deepest, Some(hole.total()), "hold at {tick}");
     assert_eq!(ran.rows.last().expect("rows").position.z.nm(), 0);
-    let rest = rest.expect("the machine was held");
+    let rest = since.expect("the machine was held") + 100;
     let row = *ran.rows.iter().find(|row| row.tick == rest).expect("a row");
     (ran, row)
 }
@@ -133,24 +124,7 @@ fn a_hold_in_the_hole_does_no_harm_where_the_angle_is_foreseen_for_long() {
     };
     let (first, last) = span(&hole, &params);
     for tick in (first..last).step_by(leadscrew_seed::amount(7, 1)) {
-        let mut resume_at = None;
-        let ran = run(
-            &hole.program(),
-            &params,
-            &PlantOptions::default(),
-            |sim, ticks| {
-                if ticks == tick {
-                    sim.command(Command::Hold);
-                }
-                if resume_at == Some(ticks) {
-                    sim.command(Command::Resume);
-                }
-                let at_rest = sim.board().ticker().state() == State::Held;
-                if ticks > tick && resume_at.is_none() && at_rest {
-                    resume_at = Some(ticks + 50);
-                }
-            },
-        );
+        let (ran, _) = paused(&hole, &params, Pause::new(tick, 50));
         assert_eq!(ran.alarm, None, "hold at {tick}");
         let deepest = ran.rows.iter().map(|row| depth(row, &hole)).max();
         assert_eq!(deepest, Some(hole.total()), "hold at {tick}");

@@ -6,7 +6,7 @@ use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::call::{Position, TapCall, TapRepeat};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Millis;
-use leadscrew_tests::machine::{Ran, run_calls};
+use leadscrew_tests::machine::{Pause, Ran, run_calls};
 use leadscrew_tests::params::with;
 
 use super::hole::{bottom, deep, high_speed, nm, program, sheet};
@@ -35,27 +35,14 @@ fn forms() -> [TapCall; 3] {
 
 /// Holds at `tick`, resumes 150 ticks after the machine says it is held. The row in the middle of the hold comes back.
 fn held(hole: &TapCall, params: &Params, tick: u64) -> (Ran, Row) {
-    let mut resume_at = None;
-    let mut rest = None;
+    let mut pause = Pause::new(tick, 150);
     let ran = run_calls(
         program(&[*hole]),
         params,
         &PlantOptions::default(),
-        |sim, ticks| {
-            if ticks == tick {
-                sim.command(Command::Hold);
-            }
-            if resume_at == Some(ticks) {
-                sim.command(Command::Resume);
-            }
-            let at_rest = sim.board().ticker().state() == State::Held;
-            if ticks > tick && resume_at.is_none() && at_rest {
-                resume_at = Some(ticks + 150);
-                rest = Some(ticks + 100);
-            }
-        },
+        |sim, ticks| pause.operate(sim, ticks),
     );
-    let rest = rest.expect("the machine was held");
+    let rest = pause.since().expect("the machine was held") + 100;
     let row = *ran.rows.iter().find(|row| row.tick == rest).expect("a row");
     (ran, row)
 }

@@ -185,7 +185,7 @@ const ORIENT_COUNTS: u32 = 1_800;
 
 /// The angle of an M19 without a row, in a block that has no other use for R: its word, or none.
 pub(crate) fn orientation(block: &Block, params: &Params) -> Option<Word> {
-    let is_own = |word: &Word| word.value.mantissa() == ORIENT && params.function(19).is_none();
+    let is_own = |word: &Word| word.value.mantissa() == ORIENT && params.orients_by_m19();
     let canned = block
         .g(Group::Canned)
         .is_some_and(|word| word.value.mantissa() != 80);

@@ -379,7 +379,7 @@ fn clamp_code(modal: &Modal<'_>, word: &Word) -> Result<u16, Alarm> {
     const LAST: i64 = 9998;
     let code = word.value.mantissa();
     // The spindle would have to be at an angle and in the hole.
-    if code == ORIENT && modal.params.function(19).is_none() {
+    if code == ORIENT && modal.params.orients_by_m19() {
         return Err(word.alarm(Code::MNotAvailable).with([Arg::Int(code)]));
     }
     if code > LAST {

@@ -185,6 +185,11 @@ struct Tab<'a> {
     target: String,
 }
 
+/// What was found in the program that is open has this part.
+fn found(part: &str) -> String {
+    format!("document.getElementById('found').textContent.includes('{part}')")
+}
+
 impl Tab<'_> {
     #[track_caller]
     fn asks(&mut self, method: &str, params: Value) -> Value {
@@ -283,6 +288,15 @@ impl Tab<'_> {
     #[track_caller]
     fn click_once(&mut self, which: &str, so: &str) {
         self.once(so, |tab| tab.click(which));
+    }
+
+    /// Chooses a program of the list.
+    #[track_caller]
+    fn choose(&mut self, name: &str) {
+        self.says(&format!(
+            "(() => {{ const list = document.getElementById('programs'); list.value = '{name}'; \
+             list.dispatchEvent(new Event('change')); return true; }})()"
+        ));
     }
 
     #[track_caller]
@@ -456,22 +470,14 @@ fn somebody_opens_a_program_changes_it_and_sees_it_run() {
     browser.expected.push("getImageData");
     let mut tab = browser.tab(&page.link());
     tab.wait("document.querySelectorAll('#programs option').length === 3");
-    let open = |name: &str| {
-        format!(
-            "(() => {{ const list = document.getElementById('programs'); list.value = '{name}'; \
-             list.dispatchEvent(new Event('change')); return true; }})()"
-        )
-    };
-    let found =
-        |part: &str| format!("document.getElementById('found').textContent.includes('{part}')");
     // What is wrong is said with its line, and the line is marked.
     tab.until(&found("▲ 2: "), |tab| {
-        tab.says(&open("wrong.nc"));
+        tab.choose("wrong.nc");
     });
     tab.wait("document.querySelector('#numbers [data-tone=bad]')?.textContent === '2'");
     // It feeds with the spindle standing, which is a warning.
     tab.until(&found("! 2: "), |tab| {
-        tab.says(&open("a.nc"));
+        tab.choose("a.nc");
     });
     // What is typed is written by `Save`, and a key in the text moves nothing.
     tab.says("document.getElementById('source').focus()");

@@ -359,6 +359,7 @@ fn single_block_and_overrides_stay_as_they_were_set_where_a_program_is_started()
     assert_eq!(end["end"]["ok"], true, "{end}");
     // By commands: what is not given is left, what is given is set.
     one.does("single", &json!({"on": true}));
+    wait(&mut told, "s", |s| s["single"] == true);
     good(&user.does(&["mdi", "M8", "--single-block=off"]));
     assert_eq!(user.json(&["status"])["single_block"], false);
     one.does("single", &json!({"on": true}));

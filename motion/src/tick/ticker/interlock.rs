@@ -145,20 +145,13 @@ impl Ticker {
                 }
                 self.refuses_spindle()
             }
-            Action::Rigid(spindle) => {
-                if *spindle == TapSpindle::First
-                    && let Some(alarm) = self.refuses_by_gear(0, segment.span)
-                {
-                    return Admitted::Wrong(alarm);
-                }
-                self.refuses_spindle()
-            }
-            Action::Orient(_) => {
+            Action::Rigid(TapSpindle::First) | Action::Orient(_) => {
                 if let Some(alarm) = self.refuses_by_gear(0, segment.span) {
                     return Admitted::Wrong(alarm);
                 }
                 self.refuses_spindle()
             }
+            Action::Rigid(_) => self.refuses_spindle(),
             Action::Aux(Aux::M(code), _) if *code != 0 && self.needs_a_stand(*code) => {
                 let shifts = gear_of_code(*code).is_some();
                 if shifts && self.spindle.holds_angle() {

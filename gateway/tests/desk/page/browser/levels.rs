@@ -1,7 +1,7 @@
 //! What somebody has switched on stays so where the page starts a program.
 
 use super::super::programs::with_programs;
-use super::Browser;
+use super::{Browser, found};
 use crate::User;
 
 #[test]
@@ -11,11 +11,8 @@ fn single_block_that_was_switched_on_stops_a_program_of_the_page() {
     let mut browser = Browser::start(&user);
     let mut tab = browser.tab(&page.link());
     tab.wait("document.querySelectorAll('#programs option').length === 2");
-    tab.says(
-        "(() => { const list = document.getElementById('programs'); list.value = 'a.nc'; \
-         list.dispatchEvent(new Event('change')); return true; })()",
-    );
-    tab.wait("document.getElementById('found').textContent.includes('1: ')");
+    tab.choose("a.nc");
+    tab.wait(&found("1: "));
     tab.operate();
     tab.mode("automatic");
     let single = "document.getElementById('single').ariaPressed === 'true'";

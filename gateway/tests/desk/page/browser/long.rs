@@ -85,10 +85,7 @@ fn the_tool_is_followed_along_a_long_path() {
     // On a busy computer a text of megabytes may come too late, and is opened again; but it is given its time.
     let end = Instant::now() + LIMIT;
     while tab.says(&drawn) != true {
-        tab.says(
-            "(() => { const list = document.getElementById('programs'); list.value = 'a.nc'; \
-             list.dispatchEvent(new Event('change')); return true; })()",
-        );
+        tab.choose("a.nc");
         let again = Instant::now() + Duration::from_secs(40);
         while tab.says(&drawn) != true && Instant::now() < again {
             pass(Duration::from_millis(100));

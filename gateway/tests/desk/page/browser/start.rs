@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::super::programs::{PART, with_programs};
-use super::{Browser, Tab};
+use super::{Browser, Tab, found};
 use crate::{User, good};
 
 #[test]
@@ -18,11 +18,8 @@ fn somebody_starts_a_program_at_the_line_of_the_cursor() {
         "document.getElementById('answer').textContent.includes('Open a program first')",
         |tab| tab.click("#start_look"),
     );
-    tab.says(
-        "(() => { const list = document.getElementById('programs'); list.value = 'part.nc'; \
-         list.dispatchEvent(new Event('change')); return true; })()",
-    );
-    tab.wait("document.getElementById('found').textContent.includes('moves')");
+    tab.choose("part.nc");
+    tab.wait(&found("moves"));
     let told = |part: &str| {
         format!("document.getElementById('start_told').textContent.includes('{part}')")
     };
@@ -149,17 +146,13 @@ fn line_of_cursor(tab: &mut Tab<'_>, begins: &str) {
 }
 
 /// Opens a program, and waits until it was looked at.
-fn open(tab: &mut Tab<'_>, name: &str, found: &str) {
+fn open(tab: &mut Tab<'_>, name: &str, part: &str) {
     tab.wait(&format!(
         "[...document.querySelectorAll('#programs option')].some((one) => one.value === '{name}')"
     ));
-    tab.says(&format!(
-        "(() => {{ document.getElementById('found').textContent = ''; const list = document.getElementById('programs'); \
-         list.value = '{name}'; list.dispatchEvent(new Event('change')); return true; }})()"
-    ));
-    tab.wait(&format!(
-        "document.getElementById('found').textContent.includes('{found}')"
-    ));
+    tab.says("document.getElementById('found').textContent = ''");
+    tab.choose(name);
+    tab.wait(&found(part));
     tab.wait(&format!(
         "document.getElementById('name').value === '{name}'"
     ));

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::super::programs::with_programs;
-use super::Browser;
+use super::{Browser, found};
 use crate::User;
 
 /// A carriage return where others end with line feeds: `check` refuses it, and the text keeps it until somebody takes it
@@ -17,16 +17,8 @@ fn a_carriage_return_that_ends_no_line_is_seen_and_kept() {
     let mut tab = browser.tab(&page.link());
     tab.wait("document.querySelectorAll('#programs option').length === 3");
     tab.operate();
-    let open = |name: &str| {
-        format!(
-            "(() => {{ const list = document.getElementById('programs'); list.value = '{name}'; \
-             list.dispatchEvent(new Event('change')); return true; }})()"
-        )
-    };
-    let found =
-        |part: &str| format!("document.getElementById('found').textContent.includes('{part}')");
     let written = || std::fs::read_to_string(user.0.join("parts/a.nc")).unwrap();
-    tab.says(&open("a.nc"));
+    tab.choose("a.nc");
     tab.wait(&found("▲ 2: 4001"));
     assert_eq!(
         tab.says("document.getElementById('source').value"),
@@ -48,7 +40,7 @@ fn a_carriage_return_that_ends_no_line_is_seen_and_kept() {
     tab.wait(&found("4: 4"));
     assert_eq!(written(), format!("(B)\n{}", wrong.replace('\r', "\n")));
     // A text that has the sign itself would not come back as it was.
-    tab.says(&open("sign.nc"));
+    tab.choose("sign.nc");
     tab.wait("document.getElementById('name').value === 'sign.nc'");
     tab.wait(
         "document.getElementById('save').disabled && document.getElementById('source').readOnly",
@@ -87,7 +79,8 @@ fn the_end_of_a_line_is_not_taken_back_by_an_answer_that_comes_late() {
         "(() => {{ const ask = window.fetch; window.fetch = async (...what) => {{ const answer = await ask(...what); \
          if (what[0] === 'order' && what[1].body.includes('mdi')) {{ \
          while ({answer} === '') await new Promise((on) => setTimeout(on, 10)); \
-         setTimeout(() => {{ window.came = true; }}, 100); }} return answer; }}; return true; }})()"
+         const json = answer.json.bind(answer); answer.json = async () => {{ const told = await json(); \
+         setTimeout(() => {{ window.came = true; }}); return told; }}; }} return answer; }}; return true; }})()"
     ));
     tab.operate();
     tab.mode("mdi");
@@ -95,8 +88,6 @@ fn the_end_of_a_line_is_not_taken_back_by_an_answer_that_comes_late() {
     tab.types("G1 Q");
     tab.enter();
     tab.wait("window.came === true");
-    assert!(
-        tab.says(answer).as_str().unwrap().starts_with("4"),
-        "{answer}"
-    );
+    let told = tab.says(answer);
+    assert!(told.as_str().unwrap().starts_with("4"), "{told}");
 }
