@@ -2,12 +2,16 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 use anyhow::{Context, Result};
 
 use crate::{axe, run, setup, wasm};
 
 const MODULE: &str = "leadscrew.wasm";
+
+/// Both pages have tests that need a browser: with one set of features their libraries are built once.
+const FEATURES: &str = "leadscrew/browser,leadscrew-web/browser";
 
 /// Writes the page.
 pub fn write() -> Result<()> {
@@ -47,27 +51,35 @@ pub fn check() -> Result<()> {
     setup::tools(&[setup::BROWSER])?;
     axe::ensure()?;
     write()?;
-    let test = ["test", "--quiet", "--package", "leadscrew-web"];
-    let which = ["--features", "browser", "--test", "browser"];
-    let more = ["--", "--nocapture"];
-    run::show(run::cargo(
-        &run::root(),
-        &[&test[..], &which, &more].concat(),
-    ))?;
-    let test = ["test", "--quiet", "--package", "leadscrew"];
-    let which = ["--features", "browser", "--test", "desk", "page::browser::"];
-    run::show(run::cargo(&run::root(), &[&test[..], &which].concat()))
+    for which in [
+        &["--test", "browser", "--", "--nocapture"][..],
+        &["--test", "desk", "page::browser::"],
+    ] {
+        run::show(browser(which))?;
+    }
+    Ok(())
+}
+
+/// Runs tests of the workspace with a browser. They are selected from the whole of it, for the reason that
+/// [`run::programs`] gives.
+fn browser(which: &[&str]) -> Command {
+    let test = ["test", "--quiet", "--workspace", "--features", FEATURES];
+    run::cargo(&run::root(), &[&test[..], which].concat())
 }
 
 /// The page of `leadscrew panel` watched for ten minutes, with a path of 100 000 pieces, and left in the middle of 500
 /// presses, by a browser and by its frames alone: tells the figures.
 pub fn long() -> Result<()> {
     setup::tools(&[setup::BROWSER])?;
-    let test = ["test", "--quiet", "--package", "leadscrew"];
-    let which = ["--features", "browser", "--test", "desk"];
     let run = |name: &str, variable: (&str, &str)| {
-        let more = [name, "--", "--nocapture", "--test-threads=1"];
-        let mut run = run::cargo(&run::root(), &[&test[..], &which, &more].concat());
+        let mut run = browser(&[
+            "--test",
+            "desk",
+            name,
+            "--",
+            "--nocapture",
+            "--test-threads=1",
+        ]);
         run.env(variable.0, variable.1);
         run::show(run)
     };
