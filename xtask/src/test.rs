@@ -224,25 +224,72 @@ fn on_a_bus(counts: &mut Counts, filter: &str) -> Result<()> {
     Ok(())
 }
 
-/// Runs and counts all tests of the workspace, documentation examples included.
+/// The tests that start machines and wait for them most of their time. They need a tenth of a core.
+const OF_MACHINES: &str = "desk";
+
+/// Runs and counts all tests of the workspace, documentation examples included: those of machines beside all others.
 fn tests(counts: &mut Counts) -> Result<()> {
+    run::show(run::cargo(
+        &run::root(),
+        &["test", "--workspace", "--no-run"],
+    ))?;
+    let programs = test_programs()?;
+    if !programs.iter().any(|name| name == OF_MACHINES) {
+        bail!("no package has tests named `{OF_MACHINES}`");
+    }
+    let mut others = vec!["--lib", "--bins"];
+    for name in programs.iter().filter(|name| *name != OF_MACHINES) {
+        others.extend(["--test", name]);
+    }
+    let (mut waiting, mut working) = (Counts::default(), Counts::default());
+    let result = beside(
+        || some_tests(&["--test", OF_MACHINES], &mut waiting),
+        || some_tests(&others, &mut working).and(some_tests(&["--doc"], &mut working)),
+    );
+    counts.add(&waiting);
+    counts.add(&working);
+    if result.is_err() {
+        println!("{} passed, {} failed", counts.passed, counts.failed);
+    }
+    result
+}
+
+/// Runs and counts the tests that these arguments select. The libraries are those of the whole workspace.
+fn some_tests(which: &[&str], counts: &mut Counts) -> Result<()> {
     // Without colours, because the counts are read from the output.
     let args = ["test", "--workspace", "--no-fail-fast", "--color", "never"];
-    let mut all = run::cargo(&run::root(), &args);
+    let mut some = run::cargo(&run::root(), &[&args[..], which].concat());
     if std::env::var_os(THREADS).is_none() {
         let cores = thread::available_parallelism()?.get();
-        all.env(THREADS, (THREADS_PER_CORE * cores).to_string());
+        some.env(THREADS, (THREADS_PER_CORE * cores).to_string());
     }
     let before = counts.failed;
-    let ok = run::watch(all, |line| counts.take(line))?;
-    if !ok {
-        println!("{} passed, {} failed", counts.passed, counts.failed);
-        match counts.failed.saturating_sub(before) {
-            0 => bail!("the tests did not build, or one ended without a result"),
-            failed => bail!("{failed} tests failed"),
-        }
+    if run::watch(some, |line| counts.take(line))? {
+        return Ok(());
     }
-    Ok(())
+    match counts.failed.saturating_sub(before) {
+        0 => bail!("the tests did not build, or one ended without a result"),
+        failed => bail!("{failed} tests failed"),
+    }
+}
+
+/// The names of the programs in the folders `tests` that need no feature.
+fn test_programs() -> Result<Vec<String>> {
+    let args = ["metadata", "--no-deps", "--format-version", "1"];
+    let told = run::read(run::cargo(&run::root(), &args))?;
+    let metadata: serde_json::Value = serde_json::from_str(&told)?;
+    let packages = metadata["packages"].as_array().into_iter().flatten();
+    let targets = packages.filter_map(|package| package["targets"].as_array());
+    let programs = targets
+        .flatten()
+        .filter(|target| target["kind"] == serde_json::json!(["test"]))
+        .filter(|target| target["required-features"].is_null());
+    let mut names: Vec<String> = programs
+        .filter_map(|target| target["name"].as_str().map(str::to_owned))
+        .collect();
+    names.sort();
+    names.dedup();
+    Ok(names)
 }
 
 #[derive(Default)]
@@ -252,6 +299,11 @@ struct Counts {
 }
 
 impl Counts {
+    const fn add(&mut self, other: &Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+    }
+
     /// Adds the numbers of a summary: `test result: ok. 12 passed; 0 failed; …`.
     fn take(&mut self, line: &str) {
         let Some(summary) = line.trim_start().strip_prefix("test result: ") else {
