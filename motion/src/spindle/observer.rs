@@ -21,6 +21,10 @@
 //!
 //! An encoder of few counts that moves seldom tells less, and the observer's bandwidth is then smaller: see `looks`.
 //!
+//! A counter that has not moved for as long as a count takes at a quarter of a turn a minute says that the spindle stands
+//! [D509]. Speed and acceleration are then zero: an old edge tells nothing of the speed, so the tracker would swing about
+//! the count for ever.
+//!
 //! The tick is constant work on integers: no division of 64 bits, no loop. Angles have 32 bits after the point, speed and
 //! acceleration have 48. With these units no rounding error grows until a lead could show it. Products are rounded to the
 //! nearest; the operators of `fixed` round down, so the products are made of the bits.
@@ -112,9 +116,7 @@ const fn short(value: U32F32) -> u32 {
 struct Few {
     /// The angle by which the poles turn in a tick where edges come often, 2⁻³²; one at most.
     pole: u32,
-    /// Ticks since the counter moved last.
-    ticks: u32,
-    /// Ticks from its movement before that to the last one.
+    /// Ticks from the last movement but one of the counter to the last.
     apart: u32,
 }
 
@@ -140,6 +142,11 @@ pub struct Observer {
     fastest: I32F32,
     /// A larger innovation, in turns, says that the spindle is lost.
     lost: U32F32,
+    /// Ticks that a count takes at the speed of a spindle that stands, 2⁻¹⁶; a second at most.
+    longest: u32,
+    /// A spindle whose counter has not moved for more ticks stands: as many, but no fewer than those for which an edge
+    /// tells something of the speed.
+    most: u32,
     // Where the counter is.
     last: Option<i32>,
     /// The counter's movement in the last tick that the observer believed. `None`: the observer believes the next
@@ -148,6 +155,10 @@ pub struct Observer {
     in_turn: u32,
     turn: i64,
     rising: Option<bool>,
+    /// Ticks since the counter moved last.
+    ticks: u32,
+    /// The last two movements of the counter went one way, and were no farther apart than those of a spindle that turns.
+    goes_on: bool,
     zero: Option<i32>,
     // The state: turns, turns per tick, turns per tick².
     angle: I32F32,
@@ -166,6 +177,7 @@ impl Observer {
         let tick_us = clamp(tick_us, 250, 10_000);
         let tick_ns = tick_us.wrapping_mul(1000);
         let scale = divide(1 << 63, counts as u64);
+        let longest = longest(counts, tick_us);
 
         Self {
             counts,
@@ -183,7 +195,6 @@ impl Observer {
             few: if counts < looks::FEW {
                 Some(Few {
                     pole: short(pole(bandwidth, tick_us)),
-                    ticks: 0,
                     apart: 0,
                 })
             } else {
@@ -195,11 +206,15 @@ impl Observer {
             ),
             // Two counts: that of the last tick and that of this one.
             lost: U32F32::from_bits((LARGEST_SURPRISE.to_bits() as u64).wrapping_add(scale >> 30)),
+            longest,
+            most: clamp(longest >> 16, OLDEST_EDGE_TICKS, u32::MAX),
             last: None,
             pace: None,
             in_turn: 0,
             turn: 0,
             rising: None,
+            ticks: 0,
+            goes_on: false,
             zero: None,
             angle: I32F32::ZERO,
             speed: I16F48::ZERO,
@@ -236,6 +251,7 @@ impl Observer {
             }
         };
         self.last = Some(sample.count);
+        let rising = self.rising;
         let delta = sample.count.wrapping_sub(last);
         let (moved, event) = match self.pace {
             Some(pace)
@@ -259,9 +275,16 @@ impl Observer {
             }
         };
 
-        let gains = match self.few {
+        self.ticks = self.ticks.saturating_add(1);
+        let apart = self.ticks;
+        if moved != 0 {
+            self.ticks = 0;
+            let longest = u64::from(moved.unsigned_abs()).wrapping_mul(self.longest.into()) >> 16;
+            self.goes_on = self.rising == rising && u64::from(apart) <= longest;
+        }
+        let gains = match &mut self.few {
             None => self.gains,
-            Some(_) => self.gains_of_few(moved, sample.edge_age_ns.is_some()),
+            Some(few) => gains_of_few(few, apart, moved, sample.edge_age_ns.is_some()),
         };
         // Predict one tick, measure, correct.
         let predicted = self
@@ -283,38 +306,34 @@ impl Observer {
         self.acceleration = self
             .acceleration
             .wrapping_add(I16F48::from_bits(by(gamma, 16)));
-        if self.few.is_some() && moved == 0 {
+        if self.ticks > self.most {
+            self.rest();
+        } else if self.few.is_some() && moved == 0 {
             self.slow_down();
         }
         event
-    }
-
-    /// The gains of a tick in which an encoder of few counts has moved by `moved`.
-    #[cold]
-    #[inline(never)]
-    fn gains_of_few(&mut self, moved: i32, is_timed: bool) -> Gains {
-        let Some(few) = &mut self.few else {
-            return self.gains;
-        };
-        few.ticks = few.ticks.saturating_add(1);
-        if moved != 0 {
-            few.apart = core::mem::take(&mut few.ticks);
-        }
-        looks::gains(few.pole, few.apart.max(few.ticks), is_timed)
     }
 
     /// The counter stands, so the spindle has not made a whole count for some ticks: its speed is no higher than that.
     #[cold]
     #[inline(never)]
     fn slow_down(&mut self) {
-        let ticks = self.few.map_or(0, |few| few.ticks);
         let width = u32::try_from(self.width.to_bits()).unwrap_or(u32::MAX);
-        let most = width.checked_div(ticks).unwrap_or(u32::MAX);
+        let most = width.checked_div(self.ticks).unwrap_or(u32::MAX);
         let most = I16F48::from_bits(i64::from(most) << 16);
         if self.speed.unsigned_abs() > most.unsigned_abs() {
             self.speed = self.speed.min(most).max(most.wrapping_neg());
             self.acceleration = I16F48::ZERO;
         }
+    }
+
+    /// The counter has stood for so long that the spindle stands.
+    #[cold]
+    #[inline(never)]
+    const fn rest(&mut self) {
+        self.goes_on = false;
+        self.speed = I16F48::ZERO;
+        self.acceleration = I16F48::ZERO;
     }
 
     /// Takes the angle from the sample, and the speed from the counter's movement in this tick. This is for a spindle
@@ -418,8 +437,13 @@ impl Observer {
 
     /// True while the spindle turns faster than a quarter of a turn a minute, either way. Below 240 counts a turn, one that
     /// has not moved by a count in a second stands: nobody waits longer for an edge that does not come.
+    ///
+    /// Where edges are seldom, the estimated speed swings between them; then the time from edge to edge tells it.
     #[must_use]
     pub const fn is_turning(&self) -> bool {
+        if self.goes_on {
+            return true;
+        }
         let count_a_second = self.width.to_bits();
         let speed = self.speed().abs().raw();
         speed > STANDING && speed > count_a_second
@@ -513,6 +537,30 @@ impl Observer {
             self.width.wrapping_add(way)
         };
         lower.wrapping_add(within.min(self.width).max(I32F32::ZERO))
+    }
+}
+
+/// The gains of a tick, `apart` ticks after the counter's last movement, in which an encoder of few counts has moved by
+/// `moved`.
+#[cold]
+#[inline(never)]
+fn gains_of_few(few: &mut Few, apart: u32, moved: i32, is_timed: bool) -> Gains {
+    if moved != 0 {
+        few.apart = apart;
+        return looks::gains(few.pole, apart, is_timed);
+    }
+    looks::gains(few.pole, few.apart.max(apart), is_timed)
+}
+
+/// Ticks that a count takes at the speed [`STANDING`], a second at most; 2⁻¹⁶.
+const fn longest(counts: u32, tick_us: u32) -> u32 {
+    let second = divide(1_000_000 << 16, tick_us as u64);
+    let longest = divide(second.wrapping_mul(240), counts as u64);
+    // At most 4000 ticks: 28 bits.
+    if longest < second {
+        longest as u32
+    } else {
+        second as u32
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod few;
 mod learned;
+mod rest;
 mod steady;
 mod swinging;
 

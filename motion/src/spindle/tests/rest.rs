@@ -1,0 +1,150 @@
+//! Spindles that come to rest somewhere between two counts, and spindles that creep.
+
+extern crate std;
+
+use leadscrew_seed::{amount, volume};
+
+use super::super::*;
+use crate::units::TurnRate;
+
+/// A spindle on an encoder.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    counts: u32,
+    bandwidth: u32,
+    tick_us: u32,
+    timed: bool,
+}
+
+/// An encoder with its observer.
+struct Seen {
+    case: Case,
+    observer: Observer,
+    /// Where the encoder stands, and the time of its last edge in seconds.
+    count: i64,
+    edge: Option<f64>,
+    tick: u32,
+}
+
+impl Seen {
+    fn new(case: Case) -> Self {
+        Self {
+            case,
+            observer: Observer::new(case.counts, case.bandwidth, case.tick_us),
+            count: 0,
+            edge: None,
+            tick: 0,
+        }
+    }
+
+    fn time(&self) -> f64 {
+        f64::from(self.tick) * f64::from(self.case.tick_us) * 1e-6
+    }
+
+    /// The next tick of a spindle that is `at` so many turns, and `passes` an angle at a time.
+    fn tick(&mut self, at: impl Fn(f64) -> f64, passes: impl Fn(f64) -> f64) {
+        self.tick += 1;
+        let t = self.time();
+        let count = (at(t) * f64::from(self.case.counts)).floor() as i64;
+        if count != self.count {
+            let boundary = if count > self.count { count } else { count + 1 };
+            self.edge = Some(passes(boundary as f64 / f64::from(self.case.counts)));
+            self.count = count;
+        }
+        let age = self.edge.map(|edge| ((t - edge).max(0.0) * 1e9) as u32);
+        self.observer.tick(EncoderSample {
+            count: count as i32,
+            edge_age_ns: age.filter(|_| self.case.timed),
+            index: None,
+        });
+    }
+}
+
+fn cases() -> impl Iterator<Item = Case> {
+    let counts = [16, 100, 999, 1000, 1024, 4096, 5000, 20_000, 1 << 20];
+    counts.into_iter().flat_map(|counts| {
+        [(250, 80), (1000, 35), (1000, 200), (2000, 15)]
+            .into_iter()
+            .flat_map(move |(tick_us, bandwidth)| {
+                [true, false].map(|timed| Case {
+                    counts,
+                    bandwidth,
+                    tick_us,
+                    timed,
+                })
+            })
+    })
+}
+
+/// From 0 to 1, another one with each call.
+fn random(bits: &mut u64) -> f64 {
+    *bits = bits
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
+    (*bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Where the tracker swung about the count for ever, a gear and the chuck were refused until the spindle was moved.
+#[test]
+fn a_spindle_that_comes_to_rest_anywhere_stands_within_a_second() {
+    volume(509, |seed| {
+        let mut bits = seed;
+        for case in cases() {
+            for _ in 0..amount(4, 40) {
+                let side = if random(&mut bits) < 0.5 { 1.0 } else { -1.0 };
+                // A stop of half a second to five, from 18 to 500 rpm.
+                let stop = 0.5 + 4.5 * random(&mut bits);
+                let speed = 0.3 + 8.0 * random(&mut bits);
+                let half = speed / stop / 2.0;
+                let rest = random(&mut bits) + half * stop * stop;
+                let at = |t: f64| side * (rest - half * (stop - t).max(0.0).powi(2));
+                let passes = |angle: f64| stop - ((rest - side * angle).max(0.0) / half).sqrt();
+                let mut seen = Seen::new(case);
+                while seen.time() < stop + 1.01 {
+                    seen.tick(at, passes);
+                }
+                for _ in 0..1000 {
+                    seen.tick(at, passes);
+                    let speed = seen.observer.speed();
+                    assert!(
+                        !seen.observer.is_turning() && speed == TurnRate::ZERO,
+                        "{case:?}: {} rpm at rest at {} of a count",
+                        speed.rpm().get(),
+                        (rest * f64::from(case.counts)).fract()
+                    );
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_spindle_that_creeps_faster_than_one_that_stands_turns() {
+    volume(510, |seed| {
+        let mut bits = seed;
+        for case in cases() {
+            for _ in 0..amount(2, 20) {
+                let side = if random(&mut bits) < 0.5 { 1.0 } else { -1.0 };
+                // A quarter of a turn a minute, or a count in a second.
+                let least = (1.0 / 240.0_f64).max(1.0 / f64::from(case.counts));
+                let speed = least * (1.1 + 3.0 * random(&mut bits));
+                let from = random(&mut bits);
+                let at = |t: f64| side * (from + speed * t);
+                let passes = |angle: f64| (side * angle - from) / speed;
+                let mut seen = Seen::new(case);
+                while seen.time() < 3.0 {
+                    seen.tick(at, passes);
+                }
+                for _ in 0..3000 {
+                    seen.tick(at, passes);
+                    assert!(
+                        seen.observer.is_turning(),
+                        "{case:?}: {} of the slowest speed at {}",
+                        speed / least,
+                        seen.time()
+                    );
+                }
+            }
+        }
+    });
+}
