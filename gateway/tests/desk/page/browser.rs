@@ -8,6 +8,7 @@ mod gone;
 mod hour;
 mod levels;
 mod long;
+mod lost;
 mod retract;
 mod shown;
 mod start;
