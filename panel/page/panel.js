@@ -227,6 +227,14 @@ function buttons(start) {
     });
     for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) one.addEventListener(kind, press.up);
     one.addEventListener("contextmenu", (event) => event.preventDefault());
+    // By key it is held, too. The page would end the press, as any other key does.
+    one.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || event.repeat || event.ctrlKey || press.isDown()) return;
+      event.stopPropagation();
+      move(axes, rapid);
+    });
+    one.addEventListener("keyup", (event) => { if (event.key === "Enter") press.up(); });
+    one.addEventListener("blur", press.up);
   }
   const away = () => { press.up(); start.end(); };
   for (const kind of ["blur", "pagehide", "resize"]) addEventListener(kind, away);

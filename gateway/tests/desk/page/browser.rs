@@ -6,6 +6,7 @@
 mod cut;
 mod gone;
 mod hour;
+mod keys;
 mod levels;
 mod long;
 mod lost;
