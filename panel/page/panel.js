@@ -27,6 +27,8 @@ let entries = null;
 let contacts = null;
 let heard = performance.now();
 let refused = null;
+// Since when the board is not heard, and why; null: it is heard.
+let lost = null;
 // The lease: that of this page, that which counts, whether this link looks only, whether this page is taking it.
 const holds = { own: null, now: null, notice: null, looks: false, takes: false };
 // What was told before this page has watched is over.
@@ -64,8 +66,7 @@ const age = () => performance.now() - heard + (last ? last.age_ms : Infinity);
 // Values have an age when they come, and grow older here.
 function grow() {
   if (press.isDown() && age() > OLD) press.up();
-  if (refused) show.banner(refused());
-  else show.age(last ? age() : performance.now() - heard);
+  show.age(last ? age() : performance.now() - heard, refused?.() ?? (lost && show.lost(lost)));
 }
 
 const owns = () => holds.own !== null && holds.own === holds.now;
@@ -226,6 +227,14 @@ function buttons(start) {
     });
     for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) one.addEventListener(kind, press.up);
     one.addEventListener("contextmenu", (event) => event.preventDefault());
+    // By key it is held, too. The page would end the press, as any other key does.
+    one.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || event.repeat || event.ctrlKey || press.isDown()) return;
+      event.stopPropagation();
+      move(axes, rapid);
+    });
+    one.addEventListener("keyup", (event) => { if (event.key === "Enter") press.up(); });
+    one.addEventListener("blur", press.up);
   }
   const away = () => { press.up(); start.end(); };
   for (const kind of ["blur", "pagehide", "resize"]) addEventListener(kind, away);
@@ -278,6 +287,15 @@ try {
       show.to_go(programs.state(s));
       sheets.state(s);
       touch.state(s);
+      grow();
+    },
+    board: (told) => {
+      lost = told.since_ms === null ? null : told;
+      if (lost) {
+        press.up();
+        start.end();
+        holds.takes = false;
+      }
       grow();
     },
     log: (list) => { entries = list; show.log(list); },

@@ -111,7 +111,7 @@ function read(bytes) {
 async function look() {
   const own = turn;
   const { name } = open;
-  at("found").replaceChildren(row("plain", word("checking")));
+  put([row("plain", word("checking"))]);
   const [check, way] = await Promise.all([view(name, "check", isChinese()), view(name, "path", isChinese())].map(asked));
   if (own !== turn) return;
   open.by = check?.by;
@@ -142,8 +142,14 @@ function row(tone, told, line) {
   return item;
 }
 
+// A row that goes does not take the keys with it.
+function put(rows) {
+  if (at("found").contains(document.activeElement)) at("start_look").focus();
+  at("found").replaceChildren(...rows);
+}
+
 function found(check) {
-  if (!check) return at("found").replaceChildren();
+  if (!check) return put([]);
   const rows = [["alarms", "bad", "▲"], ["warnings", "care", "!"]].flatMap(([key, tone, sign]) => check[key].map((one) => {
     const number = String(one.no).padStart(4, "0");
     // A line of a subprogram is none of this text.
@@ -153,7 +159,7 @@ function found(check) {
   const list = rows.map(({ tone, line, told }) => row(tone, told, line));
   if (check.more) list.push(row("care", check.more));
   if (!list.length) list.push(row("good", `✓ ${word("good")} · ${check.moves} ${word("moves")}`));
-  at("found").replaceChildren(...list);
+  put(list);
   text.mark(rows.toReversed().filter(({ line }) => line).map(({ line, tone }) => [line, tone]));
 }
 

@@ -118,16 +118,21 @@ export function step(increment) {
   for (const one of document.querySelectorAll("[data-by]")) one.setAttribute("aria-pressed", one.dataset.by === increment);
 }
 
-// How old the values are, in milliseconds.
-export function age(ms) {
+// Since when the board is not heard, and what is wrong.
+export function lost({ since_ms, en, zh }) {
+  const since = `${word("since")} ${new Date(since_ms).toLocaleTimeString()}`;
+  return `▲ ${word("lost")} · ${since} · ${word("no_orders")} · ${both([en, zh])}`;
+}
+
+// How old the values are, in milliseconds, and what else the banner has to say.
+export function age(ms, told) {
   const old = ms > 250;
   document.body.classList.toggle("old", old);
   put("age", old && Number.isFinite(ms) ? `${(ms / 1000).toFixed(1)} ${word("old")}` : "");
-  if (ms > 2000) banner(word("lost"));
-  else banner("");
+  banner(told ?? (ms > 2000 ? word("lost") : ""));
 }
 
-export function banner(text) {
+function banner(text) {
   put("banner", text);
   at("banner").hidden = text === "";
 }

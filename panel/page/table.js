@@ -87,6 +87,13 @@ export class Table {
     return this.section.querySelector(`[data-do=${name}]`);
   }
 
+  // A button that goes does not take the keys with it.
+  #hide(name, hidden) {
+    const button = this.#button(name);
+    if (hidden && button === document.activeElement) this.details.querySelector("summary").focus();
+    button.hidden = hidden;
+  }
+
   #cell(key, text) {
     const input = document.createElement("input");
     input.dataset.key = key;
@@ -150,8 +157,8 @@ export class Table {
   // the board's new values are read right after it.
   #disarm() {
     this.list.replaceChildren(...(this.written ?? []).map((note) => item("care", `! ${said(note)}`)));
-    this.#button("write").hidden = true;
-    for (const name of ["check", "drop"]) this.#button(name).hidden = this.typed.size === 0;
+    this.#hide("write", true);
+    for (const name of ["check", "drop"]) this.#hide(name, this.typed.size === 0);
     this.#count();
   }
 
@@ -187,7 +194,7 @@ export class Table {
   async #write() {
     const subject = this.#subject();
     const sent = new Map(this.typed);
-    this.#button("write").hidden = true;
+    this.#hide("write", true);
     const answer = await this.#order(false);
     // Nothing has come of it, as where what is shown is too old: what was reviewed can be ordered again.
     if (!answer && subject === this.#subject()) this.#button("write").hidden = false;

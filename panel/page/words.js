@@ -28,6 +28,8 @@ const WORDS = {
   remedy: ["Remedy", "处理"],
   old: ["s old", "秒前的数据"],
   lost: ["The machine is not heard: it may be moving. Look at the machine, and at the computer of the panel", "收不到机床数据：机床可能仍在运动。请查看机床和运行面板的计算机"],
+  since: ["not heard since", "失去联系于"],
+  no_orders: ["nothing can be ordered until the board is heard again, and what was on its way is taken back", "恢复联系之前无法下达指令，未送达的指令已撤回"],
   hold: ["HOLD", "进给保持"],
   stop: ["STOP", "停止"],
   start: ["START", "启动"],

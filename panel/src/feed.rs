@@ -32,6 +32,11 @@ impl Feed {
         self.news.notify_all();
     }
 
+    /// Who comes from now on is not told the newest message of this kind: it holds no more.
+    pub fn forget(&self, kind: &'static str) {
+        self.told().newest.remove(kind);
+    }
+
     /// Nothing will be told any more.
     pub fn end(&self) {
         self.told().over = true;
@@ -87,6 +92,12 @@ mod tests {
         ];
         assert_eq!(feed.behind(0, Duration::ZERO), Some(all.clone()));
         assert_eq!(feed.behind(3, Duration::ZERO), Some(all[2..].to_vec()));
+        assert_eq!(feed.behind(4, Duration::ZERO), Some(Vec::new()));
+        feed.forget("s");
+        assert_eq!(
+            feed.behind(0, Duration::ZERO),
+            Some(vec![all[0].clone(), all[1].clone()])
+        );
         assert_eq!(feed.behind(4, Duration::ZERO), Some(Vec::new()));
         feed.end();
         assert_eq!(feed.behind(0, Duration::ZERO), None);

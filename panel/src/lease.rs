@@ -109,6 +109,11 @@ impl Lease {
         self.holder.as_ref().map(|holder| holder.client.as_str())
     }
 
+    /// Nobody operates any more, and nobody waits for it.
+    pub fn end(&mut self) {
+        (self.holder, self.taker, self.pressed) = (None, None, None);
+    }
+
     /// The page that operates presses, or lets go.
     pub fn press(&mut self, is_down: bool, now: Instant) {
         self.pressed = is_down.then(|| now + PRESS);
@@ -220,6 +225,21 @@ mod tests {
         assert_eq!(bench.ask("a", Wish::Take, 9_000), notice(3_000));
         assert_eq!(bench.ask("b", Wish::Give, 9_001), Answer::NotYours);
         assert_eq!(bench.ask("a", Wish::Keep, 9_002), Answer::Yours(3));
+    }
+
+    #[test]
+    fn a_lease_that_is_ended_is_nobodys_and_who_waited_for_it_has_to_ask_anew() {
+        let mut bench = Bench::new();
+        assert_eq!(bench.ask("a", Wish::Take, 0), Answer::Yours(1));
+        assert_eq!(bench.ask("b", Wish::Take, 0), notice(3_000));
+        let now = bench.at(2_900);
+        bench.0.press(true, now);
+        bench.0.end();
+        assert_eq!(bench.0.told(now), (None, None));
+        assert_eq!(bench.ask("a", Wish::Keep, 2_901), Answer::NotYours);
+        let now = bench.at(3_000);
+        assert_eq!(bench.0.told(now), (None, None));
+        assert_eq!(bench.ask("a", Wish::Take, 3_001), Answer::Yours(2));
     }
 
     #[test]

@@ -161,6 +161,12 @@ impl Posted {
         }
     }
 
+    /// Nobody operates any more, and all pages are told.
+    pub fn release(&self) {
+        self.state().lease.end();
+        self.tell();
+    }
+
     fn state(&self) -> MutexGuard<'_, State> {
         // Nothing panics with it in hand; the numbers in it are whole all the same.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)

@@ -106,6 +106,11 @@ impl Server {
     pub fn attend(&self) {
         self.shared.posted.tell();
     }
+
+    /// Nobody operates any more: whoever wants to, takes the lease anew.
+    pub fn release(&self) {
+        self.shared.posted.release();
+    }
 }
 
 impl Drop for Server {

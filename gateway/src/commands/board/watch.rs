@@ -93,10 +93,12 @@ impl Watch {
     /// # Errors
     /// The board does not answer.
     pub fn new(link: &mut Link) -> LinkResult<Self> {
+        // A start meanwhile is one of those that are still to be attended to.
+        let starts = Starts::new(link);
         Ok(Self {
             zeros: Zeros::default(),
             last_event: link.newest_event()?.saturating_sub(BEFORE),
-            starts: Starts::new(link),
+            starts,
         })
     }
 
@@ -104,8 +106,8 @@ impl Watch {
     ///
     /// # Errors
     /// The board has gone.
-    pub fn attend(&mut self, link: &mut Link) -> Outcome {
-        self.starts.attend(link).map(drop)
+    pub fn attend(&mut self, link: &mut Link) -> Outcome<bool> {
+        self.starts.attend(link)
     }
 
     /// The entries of the log that have come since.

@@ -6,8 +6,10 @@
 mod cut;
 mod gone;
 mod hour;
+mod keys;
 mod levels;
 mod long;
+mod lost;
 mod retract;
 mod shown;
 mod start;

@@ -3,6 +3,7 @@
 #[cfg(feature = "browser")]
 mod browser;
 mod jog;
+mod lost;
 mod orders;
 mod programs;
 mod retract;

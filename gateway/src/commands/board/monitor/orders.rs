@@ -110,6 +110,7 @@ impl Orders {
             .map_or_else(BoardCommand::default, |(before, ..)| before);
         let both = BoardCommand {
             single_block: levels.single_block.or(before.single_block),
+            dry_run: levels.dry_run.or(before.dry_run),
             feed: levels.feed.or(before.feed),
             rapid: levels.rapid.or(before.rapid),
             spindle: levels.spindle.or(before.spindle),
@@ -255,6 +256,27 @@ mod tests {
         assert_eq!(sent(orders.frame(&heard(8), None, time.at(22))), hold(9));
         assert_eq!(orders.frame(&heard(9), None, time.at(23)), None);
         assert_eq!(orders.outcome(), Some(Outcome::Taken(Order::Hold)));
+    }
+
+    #[test]
+    fn a_level_that_is_set_behind_others_on_their_way_takes_none_of_them_back() {
+        let (mut orders, time) = (Orders::new(NODE), Time(Instant::now()));
+        let each: [fn(&mut BoardCommand); 5] = [
+            |levels| levels.dry_run = Some(true),
+            |levels| levels.single_block = Some(false),
+            |levels| levels.feed = Some(90),
+            |levels| levels.rapid = Some(25),
+            |levels| levels.spindle = Some(110),
+        ];
+        let mut all = BoardCommand::default();
+        for set in each {
+            let mut one = BoardCommand::default();
+            set(&mut one);
+            set(&mut all);
+            orders.set(one, time.at(0));
+        }
+        let frame = orders.frame(&heard(0), None, time.at(0)).unwrap();
+        assert_eq!(BoardCommand::decode(&frame), Some((NODE, all)));
     }
 
     #[test]

@@ -72,6 +72,12 @@ struct Shared {
     own: Option<Handle>,
     /// Holds and stops that were given.
     halts: u64,
+    /// Why nothing is ordered: the board is not heard.
+    lost: Option<Both>,
+    /// The last start of the board, by the number of its boot-up messages.
+    boots: u32,
+    /// How often all that was ordered has been taken back, and why the last time.
+    taken_back: (u64, Both),
 }
 
 /// What a page is told in answer to a frame of a press.
@@ -118,6 +124,9 @@ impl Desk {
                 typed: false,
                 own: None,
                 halts: 0,
+                lost: None,
+                boots: 0,
+                taken_back: (0, Both::default()),
             }),
             news: Condvar::new(),
             tables: Tables::new(Arc::clone(&views)),
@@ -133,6 +142,10 @@ impl Desk {
     /// Has what pages have ordered act, and gives the frames that follow.
     pub fn turn(&self, seen: &Seen, now: Instant) -> Vec<Frame> {
         let mut shared = self.shared();
+        if shared.boots != seen.boots {
+            shared.boots = seen.boots;
+            self.take_back(&mut shared, restarted());
+        }
         shared.hear(seen, self.session, now);
         while let Some(asked) = shared.waiting.pop_front() {
             shared.begin(asked, seen, now);
@@ -147,6 +160,44 @@ impl Desk {
         drop(shared);
         self.news.notify_all();
         frames
+    }
+
+    /// The board is not heard: whatever was ordered is taken back, and nothing is ordered until it is found.
+    pub fn lose(&self, why: Both) {
+        let mut shared = self.shared();
+        if shared.lost.is_none() {
+            self.take_back(&mut shared, why.clone());
+        }
+        shared.lost = Some(why);
+    }
+
+    /// The board is heard, by a link that has heard so many of its boot-up messages.
+    pub fn find(&self, boots: u32) {
+        let mut shared = self.shared();
+        shared.lost = None;
+        shared.boots = boots;
+    }
+
+    /// Nothing that is on its way is sent any more: those who have ordered it are told why.
+    fn take_back(&self, shared: &mut Shared, why: Both) {
+        shared.waiting.clear();
+        shared.orders = Orders::new(self.node);
+        shared.ordered = None;
+        shared.hand = Hand::new(self.node, self.session);
+        shared.step = None;
+        shared.homing = Homing::default();
+        shared.presses.clear();
+        shared.asks = Asks::default();
+        shared.typed = shared.own.is_some();
+        // What the machine has begun finds its end by itself; what is still checked or sent would begin on another start.
+        let begun = shared.told.status.flags.program;
+        if let Some(own) = shared.own.as_ref().filter(|_| !begun) {
+            own.interrupt();
+        }
+        shared.told = Told::default();
+        shared.statuses.1 = None;
+        shared.taken_back = (shared.taken_back.0 + 1, why);
+        self.news.notify_all();
     }
 
     /// What the panel's own thread is asked; each once.
@@ -202,7 +253,11 @@ impl Desk {
     fn order_wish(&self, wish: Wish, echo: Option<Beat>) -> Done {
         let mut shared = self.shared();
         shared.tickets += 1;
+        if let Some(why) = &shared.lost {
+            return Err(why.clone());
+        }
         let ticket = shared.tickets;
+        let (before, _) = shared.taken_back;
         let asked = Asked { ticket, wish, echo };
         // Hold and stop are not behind what others have ordered in the same moment.
         if asked.wish.halts() {
@@ -210,20 +265,32 @@ impl Desk {
         } else {
             shared.waiting.push_back(asked);
         }
-        let unanswered = |shared: &mut Shared| !shared.done.contains_key(&ticket);
+        let unanswered = |shared: &mut Shared| {
+            !shared.done.contains_key(&ticket) && shared.taken_back.0 == before
+        };
         let (mut shared, _) = self
             .news
             .wait_timeout_while(shared, ANSWERED, unanswered)
             .unwrap_or_else(PoisonError::into_inner);
         // What is not begun yet must not begin when nobody waits for it any more.
         shared.waiting.retain(|asked| asked.ticket != ticket);
-        shared.done.remove(&ticket).unwrap_or_else(|| {
-            Err(both!(
+        let done = shared.done.remove(&ticket);
+        done.unwrap_or_else(|| match &shared.taken_back {
+            (count, why) if *count != before => Err(why.clone()),
+            _ => Err(both!(
                 "the board has not answered to the order: look at the machine",
                 "控制板对指令没有应答：请查看机床"
-            ))
+            )),
         })
     }
+}
+
+/// The board has started again while something was on its way to it.
+fn restarted() -> Both {
+    both!(
+        "the board has started again: what was ordered before is taken back; look at the machine",
+        "控制板已重新启动：此前的指令已撤回；请查看机床"
+    )
 }
 
 impl Shared {
@@ -261,6 +328,12 @@ impl Shared {
         let age = self.told.beat.zip(echo);
         let age = age.and_then(|(newest, echo)| newest.age_of(echo));
         self.situation(now).old || age.is_none_or(|ms| Duration::from_millis(u64::from(ms)) > OLD)
+    }
+
+    /// Why no table is changed by what a page with this beat has seen.
+    fn no_change(&self, echo: Option<Beat>, now: Instant) -> Option<Both> {
+        let old = || self.is_old(echo, now).then(keys::old);
+        self.lost.clone().or_else(old)
     }
 
     /// A machine at rest takes no notice of a hold: what is being checked or sent would begin after it.
@@ -474,31 +547,40 @@ impl Machine for Desk {
 impl Desk {
     /// It waits for the bus in the thread of whoever has ordered it, so everybody else goes on.
     fn change(&self, change: &Change, echo: Option<Beat>) -> String {
-        if self.shared().is_old(echo, Instant::now()) {
-            return super::object(|json| fields(json, &Err(keys::old())));
+        let shared = self.shared();
+        let (before, _) = shared.taken_back;
+        let why = shared.no_change(echo, Instant::now());
+        drop(shared);
+        match why {
+            Some(why) => super::object(|json| fields(json, &Err(why))),
+            None => self.tables.change(change, &|| self.taken_back(before)),
         }
-        self.tables.change(change)
     }
 
     /// The same of a tool that is touched off.
     fn touch(&self, touching: &Touching, echo: Option<Beat>) -> String {
         let shared = self.shared();
+        let (before, _) = shared.taken_back;
         let now = Instant::now();
-        let why = if shared.is_old(echo, now) {
-            Some(keys::old())
-        } else {
-            keys::no_touch(shared.situation(now))
-        };
+        let why = shared.no_change(echo, now);
+        let why = why.or_else(|| keys::no_touch(shared.situation(now)));
         drop(shared);
         match why {
             Some(why) => super::object(|json| fields(json, &Err(why))),
-            None => self.tables.touch(touching),
+            None => self.tables.touch(touching, &|| self.taken_back(before)),
         }
+    }
+
+    /// Why what was ordered then does not hold any more.
+    fn taken_back(&self, before: u64) -> Option<Both> {
+        let shared = self.shared();
+        let (count, why) = &shared.taken_back;
+        (*count != before).then(|| why.clone())
     }
 
     fn press(&self, jog: &Jog, now: Instant) -> String {
         let mut shared = self.shared();
-        let why = shared.no_press(jog, now);
+        let why = shared.lost.clone().or_else(|| shared.no_press(jog, now));
         if why.is_none() && shared.presses.len() < FRAMES {
             let [x, z] = ways(jog).map(|way| way.map(|way| way.towards));
             let frame = JogRequest {

@@ -3,9 +3,11 @@
 //! What pages order goes by the [desk](Desk), which has its turn wherever the link waits. This must not know who watches or
 //! orders: sockets, tokens and refusals are those of `leadscrew_panel`.
 
+mod begun;
 mod contacts;
 mod cuts;
 mod desk;
+mod finding;
 mod path;
 mod reading;
 mod retract;
@@ -22,22 +24,19 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use leadscrew_core::alarm::{Alarm, Code, Lang};
 use leadscrew_core::board::device::objects::BEAT;
 use leadscrew_core::bus::Beat;
 use leadscrew_core::link::Status;
 use leadscrew_panel::{Feed, Pace, Programs, Server, Token, Tokens, fresh_token};
 
+use self::begun::Begun;
 use self::contacts::Contacts;
 use self::cuts::Cuts;
-use self::desk::{Asks, Desk, Line, Program, What};
-use self::sent::Sent;
+use self::desk::{Asks, Desk};
 use self::telling::{levels, places};
 use self::views::Views;
 use super::monitor::hand::broken;
 use super::monitor::told::Told;
-use super::monitor::typed::{self, Typed};
-use super::monitor::view::Tone;
 use super::watch::{Every, LOG, STATUS, Watch};
 use super::{mdi, open, single_block};
 use crate::cli::Global;
@@ -83,8 +82,6 @@ pub fn panel(
     let feed = Arc::new(Feed::default());
     let views = Arc::new(Views::new(global));
     let desk = Arc::new(Desk::new(link.node(), Arc::clone(&views)));
-    let turns = Arc::clone(&desk);
-    link.meanwhile(move |seen, now| turns.turn(seen, now));
     let machine = Arc::clone(&desk);
     let told = Arc::clone(&feed);
     let server = Server::start(listen, hosts, tokens, told, machine, programs.clone());
@@ -96,7 +93,16 @@ pub fn panel(
     })?;
     interrupt::defer(UnderWay::Computed);
     tell_links(global, server.address, hosts, tokens)?;
-    Side::new(global, link, feed, desk, views, programs)?.carry_out(&server)
+    feed.tell(
+        "hello",
+        object(|json| {
+            json.text("bus", &global.bus.to_string());
+            json.integer("node", i64::from(link.node().get()));
+            json.flag("programs", programs.is_some());
+        }),
+    );
+    let begun = Begun::new(global, feed, desk, views, programs);
+    finding::carry_out(begun, &server, link)
 }
 
 fn token() -> Outcome<Token> {
@@ -154,16 +160,10 @@ fn tell_links(global: &Global, address: SocketAddr, hosts: &[String], tokens: To
     output::write(text.as_bytes())
 }
 
-/// The side of the bus at work.
-struct Side<'a> {
-    global: &'a Global,
+/// The side of the bus at work, as long as the board is heard.
+struct Side<'a, 'b> {
+    begun: &'b mut Begun<'a>,
     link: Link,
-    feed: Arc<Feed>,
-    desk: Arc<Desk>,
-    views: Arc<Views>,
-    programs: Option<Arc<Programs>>,
-    typed: Option<Typed>,
-    sent: Option<Sent>,
     watch: Watch,
     cuts: Cuts,
     contacts: Contacts,
@@ -172,41 +172,27 @@ struct Side<'a> {
     status: (u64, Instant),
     /// In English, in Chinese.
     messages: VecDeque<[Told; 2]>,
+    /// The board has started again, and all of it is to be read anew.
+    anew: bool,
 }
 
-impl<'a> Side<'a> {
-    fn new(
-        global: &'a Global,
-        mut link: Link,
-        feed: Arc<Feed>,
-        desk: Arc<Desk>,
-        views: Arc<Views>,
-        programs: Option<Arc<Programs>>,
-    ) -> Outcome<Self> {
+impl<'a, 'b> Side<'a, 'b> {
+    /// Whatever was read of a board before is read anew.
+    fn new(begun: &'b mut Begun<'a>, mut link: Link) -> Outcome<Self> {
         let watch = Watch::new(&mut link)?;
-        feed.tell(
-            "hello",
-            object(|json| {
-                json.text("bus", &global.bus.to_string());
-                json.integer("node", i64::from(link.node().get()));
-                json.flag("programs", programs.is_some());
-            }),
-        );
+        begun.desk.find(link.seen.boots);
+        let turns = Arc::clone(&begun.desk);
+        link.meanwhile(move |seen, now| turns.turn(seen, now));
         Ok(Self {
-            global,
             status: (link.seen.statuses, Instant::now()),
+            contacts: Contacts::new(begun.global),
+            begun,
             link,
-            feed,
-            desk,
-            views,
-            programs,
-            typed: None,
-            sent: None,
             watch,
             cuts: Cuts::default(),
-            contacts: Contacts::new(global),
             record: None,
             messages: VecDeque::new(),
+            anew: false,
         })
     }
 
@@ -218,7 +204,8 @@ impl<'a> Side<'a> {
         Ok(read.ok())
     }
 
-    fn carry_out(mut self, server: &Server) -> Outcome {
+    /// Until the panel is interrupted; with a failure once the board is not heard.
+    fn carry_out(&mut self, server: &Server) -> Outcome {
         let (mut status, mut log) = (Every::new(STATUS), Every::new(LOG));
         let mut pace = Pace::new(Instant::now());
         loop {
@@ -229,7 +216,7 @@ impl<'a> Side<'a> {
             if status.is_due(now) {
                 let read = self.link.status();
                 if let Some(status) = self.tolerate(read)? {
-                    self.views.note_place(status.position);
+                    self.begun.views.note_place(status.position);
                     self.record = Some((status, Instant::now()));
                 }
                 self.ask_beat()?;
@@ -239,10 +226,13 @@ impl<'a> Side<'a> {
             server.attend();
             self.link
                 .listen(pace.next(Instant::now()), &mut |_| false)?;
-            self.watch.attend(&mut self.link)?;
+            if self.watch.attend(&mut self.link)? {
+                self.anew = true;
+                (self.record, log, status) = (None, Every::new(LOG), Every::new(STATUS));
+                self.begun.views.forget();
+            }
             self.do_asked()?;
             if interrupt::requested() {
-                self.desk.settle();
                 return Ok(());
             }
         }
@@ -258,14 +248,14 @@ impl<'a> Side<'a> {
         let read = self.link.mode();
         let mode = self.tolerate(read)?;
         if let (Some(beat), Some(mode)) = (beat, mode) {
-            self.desk.note_asked(Beat::new(beat as u16), mode);
+            self.begun.desk.note_asked(Beat::new(beat as u16), mode);
         }
         Ok(())
     }
 
     /// Answers what only a bus that answers knows, and carries out typed lines.
     fn do_asked(&mut self) -> Outcome {
-        let asks = self.desk.asks();
+        let asks = self.begun.desk.asks();
         let Asks { halts, .. } = asks;
         for ticket in asks.reasons {
             let done = match self.link.refusal() {
@@ -276,84 +266,17 @@ impl<'a> Side<'a> {
                     Err(Failure::from(trouble).words().unwrap_or_else(broken))
                 }
             };
-            self.desk.answer(ticket, done);
+            self.begun.desk.answer(ticket, done);
         }
         for line in asks.lines {
-            self.begin_line(line, halts);
+            self.begun.begin_line(line, halts);
         }
         for program in asks.programs {
-            self.begin_program(&program, halts);
-        }
-        self.end_own();
-        Ok(())
-    }
-
-    fn begin_line(&mut self, Line { ticket, what, zh }: Line, halts: u64) {
-        let lang = if zh { Lang::Zh } else { Lang::En };
-        let begun = if self.is_busy() {
-            Err(busy())
-        } else {
-            let begun = match what {
-                What::Line(text) => Typed::begin(self.global, &text, lang),
-                What::Retract(speed) => Typed::retract(self.global, speed, lang),
-            };
-            begun.map_err(|error| typed::not_begun(&error).0)
-        };
-        let done = begun.map(|typed| {
-            self.desk.note_begun(typed.handle(), halts);
-            self.typed = Some(typed);
-        });
-        self.desk.answer(ticket, done);
-    }
-
-    fn begin_program(&mut self, program: &Program, halts: u64) {
-        let begun = if self.is_busy() {
-            Err(busy())
-        } else {
             let from = self.record.map(|(record, _)| record.position);
-            let of = (self.views.tag(), from);
-            Sent::begin(self.global, self.programs.as_ref(), program, of)
-                .inspect(|_| self.views.begin(from))
-        };
-        let done = begun.map(|sent| {
-            self.desk.note_begun(sent.handle(), halts);
-            self.feed.tell("program", sent.told(None));
-            self.sent = Some(sent);
-        });
-        self.desk.answer(program.ticket, done);
-    }
-
-    /// One command of its own is under way at a time.
-    const fn is_busy(&self) -> bool {
-        self.typed.is_some() || self.sent.is_some()
-    }
-
-    /// A line and a program may take long: who has begun it is told of its end as everybody else is. Whoever hears of it
-    /// may write the program, or order the next one, at once: so all that it has kept is let go before.
-    fn end_own(&mut self) {
-        let mut ends = [None, None];
-        if let Some((words, tone)) = self.typed.as_ref().and_then(Typed::answer) {
-            self.typed = None;
-            let done = if tone == Tone::Good {
-                Ok(words)
-            } else {
-                Err(words)
-            };
-            ends[0] = Some(("line", object(|json| sent::end(json, &done))));
+            self.begun.begin_program(&program, from, halts);
         }
-        if let Some(sent) = &self.sent
-            && let Some(done) = sent.ended()
-        {
-            ends[1] = Some(("program", sent.told(Some(&done))));
-            self.sent = None;
-            self.views.begin(None);
-        }
-        if !self.is_busy() {
-            self.desk.note_ended();
-        }
-        for (event, told) in ends.into_iter().flatten() {
-            self.feed.tell(event, told);
-        }
+        self.begun.end_own();
+        Ok(())
     }
 
     fn tell_state(&mut self) -> Outcome {
@@ -378,7 +301,7 @@ impl<'a> Side<'a> {
                 Some(mode) => json.text("mode", mode.name()),
                 None => json.null("mode"),
             }
-            self.desk.beat(json);
+            self.begun.desk.beat(json);
             levels(json, &record, &status);
             match zero {
                 Some(zero) => {
@@ -395,19 +318,14 @@ impl<'a> Side<'a> {
                 Some(words) => json.text("modal", words),
                 None => json.null("modal"),
             }
-            match self.views.tag() {
+            match self.begun.views.tag() {
                 Some(tag) => json.text("by", &tag),
                 None => json.null("by"),
             }
         });
-        self.feed.tell("s", text);
+        self.begun.feed.tell("s", text);
         Ok(())
     }
-}
-
-/// A command of its own is under way.
-fn busy() -> Both {
-    alarm_words(&Alarm::of(Code::ProgramUnderWay, &[]))
 }
 
 fn object(fill: impl FnOnce(&mut Json)) -> String {

@@ -4,14 +4,27 @@
 
 use std::time::Instant;
 
+use super::super::watch::Watch;
+use super::contacts::Contacts;
+use super::cuts::Cuts;
 use super::telling::{in_both, log};
 use super::{KEPT, Side};
 use crate::certified::Judge;
 use crate::failure::Outcome;
 
-impl Side<'_> {
+impl Side<'_, '_> {
     /// Entries of the log, and what else changes seldom.
     pub(super) fn read_log(&mut self) -> Outcome {
+        if self.anew {
+            let read = Watch::new(&mut self.link);
+            let Some(watch) = self.tolerate(read)? else {
+                return Ok(());
+            };
+            (self.watch, self.anew) = (watch, false);
+            self.cuts = Cuts::default();
+            self.contacts = Contacts::new(self.begun.global);
+            self.messages.clear();
+        }
         let read = self.watch.log(&mut self.link);
         let entries = self.tolerate(read)?.unwrap_or_default();
         for entry in &entries {
@@ -23,12 +36,14 @@ impl Side<'_> {
             }
         }
         if !entries.is_empty() {
-            self.feed.tell("log", log(&self.messages));
+            self.begun.feed.tell("log", log(&self.messages));
         }
         if let Some((status, _)) = self.record {
-            let read = self.watch.follow(self.global, &mut self.link, &status);
+            let read = self
+                .watch
+                .follow(self.begun.global, &mut self.link, &status);
             self.tolerate(read)?;
-            self.views.note(self.watch.zeros.read(), &status);
+            self.begun.views.note(self.watch.zeros.read(), &status);
         }
         self.read_contacts()
     }
@@ -38,12 +53,12 @@ impl Side<'_> {
         let Some(contacts) = self.tolerate(read)? else {
             return Ok(());
         };
-        self.views.note_gear(contacts.gear);
+        self.begun.views.note_gear(contacts.gear);
         let Some((params, _)) = self.watch.zeros.read() else {
             return Ok(());
         };
         if let Some(text) = self.contacts.news(&contacts, params) {
-            self.feed.tell("io", text);
+            self.begun.feed.tell("io", text);
         }
         Ok(())
     }
@@ -59,7 +74,7 @@ impl Side<'_> {
         if let (Some((_, threads)), Some((params, _))) = (told, self.watch.zeros.read()) {
             let judge = Judge::new(params, None);
             if self.cuts.take(&threads, &judge, self.link.seen.boots, now) {
-                self.feed.tell("threads", self.cuts.json(&judge));
+                self.begun.feed.tell("threads", self.cuts.json(&judge));
             }
         }
         Ok(())

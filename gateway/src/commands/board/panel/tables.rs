@@ -205,8 +205,12 @@ impl Tables {
     }
 
     /// Looks at a change or writes it, one at a time, and says what has become of it, as JSON.
-    pub fn change(&self, change: &Change) -> String {
+    /// Where `void` says why by the time that it is its turn, nothing is done.
+    pub fn change(&self, change: &Change, void: &dyn Fn() -> Option<Both>) -> String {
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(why) = void() {
+            return Told::refused(why).json();
+        }
         let told = self.told(change);
         told.unwrap_or_else(|failure| Told::refused(said(failure)))
             .json()
@@ -218,8 +222,11 @@ impl Tables {
     }
 
     /// Looks at a touch or writes it, in turn with the changes.
-    pub fn touch(&self, touching: &Touching) -> String {
+    pub fn touch(&self, touching: &Touching, void: &dyn Fn() -> Option<Both>) -> String {
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(why) = void() {
+            return Told::refused(why).json();
+        }
         touching.answer(&self.global(touching.zh))
     }
 

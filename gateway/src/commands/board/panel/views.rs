@@ -5,7 +5,7 @@
 //! too.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use leadscrew_core::call::Position;
@@ -28,7 +28,7 @@ use crate::words::{self, Both, both, pick};
 #[derive(Debug)]
 struct Known {
     base: Base,
-    /// Names both: another one where either is another.
+    /// Names both: another one where either is another, and after each loss of the board.
     tag: String,
     /// Where its axes stand.
     position: Position,
@@ -44,6 +44,8 @@ pub struct Views {
     begun: Mutex<Option<Position>>,
     /// The gear that is in, as its program has to know.
     gear: AtomicU8,
+    /// How often the board was lost.
+    losses: AtomicU32,
     turn: Mutex<()>,
 }
 
@@ -59,6 +61,7 @@ impl Views {
             known: Mutex::default(),
             begun: Mutex::default(),
             gear: AtomicU8::new(0),
+            losses: AtomicU32::new(0),
             turn: Mutex::default(),
         }
     }
@@ -85,6 +88,14 @@ impl Views {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Nothing is known of the board any more. Another one may be found in its place, with a table of the same revision.
+    pub fn forget(&self) {
+        self.losses.fetch_add(1, Ordering::Relaxed);
+        *self.known() = None;
+        self.begin(None);
+        self.note_gear(0);
+    }
+
     /// Takes where the axes stand. A program is looked at from there at once, not from where they stood a second ago.
     pub fn note_place(&self, position: Position) {
         if let Some(known) = &mut *self.known() {
@@ -100,7 +111,8 @@ impl Views {
             return;
         };
         let revision = table.map_or(0, |table| table.revision.0);
-        let tag = format!("{revision}-{:08x}", status.parameters);
+        let losses = self.losses.load(Ordering::Relaxed);
+        let tag = format!("{revision}-{:08x}-{losses}", status.parameters);
         if known.as_ref().is_some_and(|known| known.tag == tag) {
             return;
         }

@@ -247,3 +247,65 @@ fn a_change_of_a_table_is_ordered_by_what_is_fresh() {
         "{fresh}"
     );
 }
+
+/// Orders of each kind on their way: one that was sent, one that waits, a program that is to be begun.
+fn under_way(desk: &Arc<Desk>, seen: &Seen, now: Instant) -> Vec<JoinHandle<Value>> {
+    let page = orders(desk, "start", Some(1_000));
+    assert_eq!(desk.turn(seen, now).len(), 1);
+    let args = json!({"name": "a.nc", "tag": "1-x"});
+    let program = orders_with(desk, "program", args, Some(1_000));
+    desk.turn(seen, now);
+    let levels = orders_with(desk, "feed", json!({"percent": 80}), Some(1_000));
+    let reset = orders(desk, "reset", None);
+    drop(levels);
+    vec![page, program, reset]
+}
+
+#[test]
+fn nothing_that_was_on_its_way_is_sent_when_the_board_is_heard_again() {
+    let (desk, now) = (Arc::new(desk()), Instant::now());
+    let automatic = |count, beat, boots| {
+        let mut seen = heard(count, beat);
+        seen.beat.as_mut().unwrap().mode = OperatingMode::Automatic;
+        seen.boots = boots;
+        seen
+    };
+    let seen = automatic(4, 1_000, 0);
+    desk.turn(&seen, now);
+    let pages = under_way(&desk, &seen, now);
+    desk.lose(both!("unheard", "无"));
+    for page in pages {
+        assert_eq!(page.join().unwrap()["en"], "unheard");
+    }
+    for op in ["hold", "reset", "start"] {
+        let page = orders(&desk, op, Some(1_000));
+        assert_eq!(page.join().unwrap()["en"], "unheard", "{op}");
+    }
+    let jog = Jog {
+        press: 1,
+        axes: [0, 0],
+        rapid: false,
+        mm_per_min: 0,
+        echo: 1_000,
+    };
+    desk.press(&jog, now);
+    desk.find(0);
+    let now = now + Duration::from_millis(40);
+    assert!(desk.turn(&automatic(4, 1_000, 0), now).is_empty());
+    assert!(desk.asks().programs.is_empty());
+    // It may be ordered again, and a start of the board in between takes it back as well.
+    let seen = automatic(4, 1_010, 0);
+    desk.turn(&seen, now);
+    let pages = under_way(&desk, &seen, now);
+    let seen = automatic(4, 1_010, 1);
+    assert!(desk.turn(&seen, now).is_empty());
+    for page in pages {
+        let told = page.join().unwrap();
+        assert!(
+            told["en"].as_str().unwrap().contains("started again"),
+            "{told}"
+        );
+    }
+    assert!(desk.turn(&seen, now + Duration::from_millis(40)).is_empty());
+    assert!(desk.asks().programs.is_empty());
+}
