@@ -26,7 +26,7 @@ use leadscrew_language::dialect::Control;
 
 pub use agent::{Access, Agent, Board};
 pub use by_hand::{
-    AxisWay, Handwheel, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Tuned,
+    AxisWay, HandWay, Handwheel, HomeAxis, Jog, ModeName, OverrideName, StepLength, Tune, Tuned,
 };
 pub use fleet::{Asked, FleetCommand};
 pub use machine::{Doctor, DrivesCommand, IoCommand, Record, SimCommand, Up};
@@ -466,7 +466,7 @@ pub enum Command {
         #[arg(value_enum)]
         mode: ModeName,
     },
-    /// Move an axis by hand (not with `--bus sim`)
+    /// Move an axis, or turn the spindle, by hand (not with `--bus sim`)
     ///
     /// The board moves only while this program lives: it comes to rest by itself when the frames stay away.
     #[command(after_help = examples::JOG)]

@@ -310,8 +310,9 @@ impl Bench {
             press: 1,
             x: None,
             z: Some(Towards::Minus),
+            spindle: None,
             rapid: true,
-            mm_per_min: 0,
+            speed: 0,
             echo: self.gateway.beat.beat,
         }
         .frame(NODE);

@@ -153,7 +153,7 @@ records! {
     HeartbeatWatch { node ms }
     BoardCommand { count order single_block dry_run feed rapid spindle echo }
     BoardBeat { beat mode session press state refused }
-    JogRequest { session press x z rapid mm_per_min echo }
+    JogRequest { session press x z spindle rapid speed echo }
     StepRequest { session count on_z way echo }
     WheelRequest { session leads factor claim count echo }
     BoardFlags { hold single_block dry_run program locked }

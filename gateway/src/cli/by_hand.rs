@@ -70,6 +70,53 @@ impl FromStr for AxisWay {
     }
 }
 
+/// What is moved by hand as long as it is held, and which way: an axis, or the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HandWay {
+    /// An axis.
+    Axis(AxisWay),
+    /// The spindle: plus as M03, minus as M04.
+    Spindle(Towards),
+}
+
+impl HandWay {
+    /// What a frame says of X or of Z.
+    #[must_use]
+    pub fn of_axis(self, on_z: bool) -> Option<Towards> {
+        match self {
+            Self::Axis(way) => (way.on_z == on_z).then_some(way.towards),
+            Self::Spindle(_) => None,
+        }
+    }
+
+    /// What a frame says of the spindle.
+    #[must_use]
+    pub const fn of_spindle(self) -> Option<Towards> {
+        match self {
+            Self::Axis(_) => None,
+            Self::Spindle(towards) => Some(towards),
+        }
+    }
+}
+
+impl FromStr for HandWay {
+    type Err = Mistake;
+
+    fn from_str(text: &str) -> Result<Self, Mistake> {
+        match text {
+            "S+" | "s+" => return Ok(Self::Spindle(Towards::Plus)),
+            "S-" | "s-" => return Ok(Self::Spindle(Towards::Minus)),
+            _ => {}
+        }
+        text.parse().map(Self::Axis).map_err(|_: Mistake| {
+            mistake!(
+                "expected an axis and a direction, `X+`, `X-`, `Z+` or `Z-`, or the spindle, `S+` (as M03) or `S-` (as M04)",
+                "应写轴与方向：`X+`、`X-`、`Z+` 或 `Z-`，或主轴：`S+`（同 M03）或 `S-`（同 M04）"
+            )
+        })
+    }
+}
+
 /// A length in millimetres above zero, to the tenth of a micrometre: of Z, or of the diameter of X.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepLength {
@@ -126,9 +173,9 @@ impl StepLength {
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("how far").args(["by", "hold"]).required(true))]
 pub struct Jog {
-    /// Axis and direction: `X+`, `X-`, `Z+`, `Z-`; with `--hold` one of each axis
+    /// Axis and direction: `X+`, `X-`, `Z+`, `Z-`; with `--hold` one of each axis, or the spindle: `S+` as M03, `S-` as M04
     #[arg(required = true, num_args = 1..=2, value_name = "AXIS")]
-    pub ways: Vec<AxisWay>,
+    pub ways: Vec<HandWay>,
     /// Go this far, in mm (X: of the diameter), and stop; at the speed of parameter 9041
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub by: Option<StepLength>,
@@ -141,6 +188,9 @@ pub struct Jog {
     /// With `--hold`: at jog rapid (parameter 9042)
     #[arg(long)]
     pub rapid: bool,
+    /// Of the spindle: its speed in rpm, on which the override acts [default: parameter 9049]
+    #[arg(long, value_name = "RPM", value_parser = clap::value_parser!(u16).range(1..), conflicts_with_all = ["feed", "rapid", "by"])]
+    pub speed: Option<u16>,
 }
 
 /// What a handwheel leads.

@@ -27,6 +27,7 @@ pub(super) const JOG: &str = "\
 Examples:
   leadscrew jog Z- --hold --bus can0             until Enter or Ctrl-C
   leadscrew jog X+ Z+ --hold --rapid --bus can0  both axes
+  leadscrew jog S+ --hold --bus can0             the spindle as M03 turns it, at the speed of 9049
   leadscrew jog X- --by 0.02 --bus can0          0.02 mm of the diameter
   leadscrew jog Z+ --by 25 --bus can0";
 

@@ -71,3 +71,32 @@ fn what_another_moves_by_hand_goes_on() {
     good(&user.does(&["mode", "automatic"]));
     bad(&press.wait_with_output().unwrap(), 4);
 }
+
+#[test]
+fn the_spindle_turns_while_a_command_holds_it() {
+    let user = patient();
+    let commanded = || user.json(&["status"])["rpm_commanded"].clone();
+    for (way, rpm) in [("S+", 80), ("S-", -80)] {
+        let mut press = moves(&user, &["jog", way, "--hold", "--speed", "80"]);
+        assert_eq!(commanded(), rpm);
+        good(&user.does(&["override", "spindle", "50"]));
+        assert_eq!(commanded(), rpm / 2);
+        good(&user.does(&["override", "spindle", "100"]));
+        // Whoever dies turns nothing.
+        press.kill().unwrap();
+        press.wait().unwrap();
+        user.wait_for("idle");
+        assert_eq!(commanded(), 0);
+    }
+    let press = moves(&user, &["jog", "S+", "--hold"]);
+    assert_eq!(commanded(), 50);
+    good(&user.does(&["hold"]));
+    let told = bad(&press.wait_with_output().unwrap(), 4);
+    assert!(told.contains("a feed hold has ended it"), "{told}");
+    assert_eq!(commanded(), 0);
+    let told = bad(&user.does(&["jog", "S+", "--hold"]), 1);
+    assert!(told.contains("4506"), "{told}");
+    good(&user.does(&["resume"]));
+    let told = bad(&user.does(&["jog", "S+", "--hold", "--speed", "5000"]), 1);
+    assert!(told.contains("4564 a spindle jog at 5000 rpm"), "{told}");
+}

@@ -1249,6 +1249,12 @@ codes! {
     /// M41 to M44 for a gear that there is not; {0} is the M code.
     GearMissing = 4558, "M{0} selects a gear that this machine does not have", "correct the code, or set the gear's parameters (9431 to 9444)",
         "M{0} 选择的档位不存在", "请改正代码，或设定该档的参数（9431 至 9444）";
+    /// The spindle is to be turned by hand, and its drive is in position mode.
+    SpindleHeld = 4563, "the spindle is held at an angle (M19, or rigid tapping): it is not turned by hand", "let it go with M05 (`leadscrew mdi M5`), then press again",
+        "主轴被保持在某一角度（M19 或刚性攻丝），不能点动", "请先用 M05 释放（`leadscrew mdi M5`），再重新点动";
+    /// The spindle is to be turned by hand too fast; {0} is the speed, {1} the highest.
+    SpindleJogTooFast = 4564, "a spindle jog at {0} rpm is above the spindle's {1} rpm (3772)", "ask for a lower speed, or lower 9049",
+        "主轴点动转速 {0} 超过主轴最高转速 {1}（参数 3772）", "请降低所要求的转速，或减小 9049";
     /// Something that holds the work has let go while the spindle was on; {0} is the interlock.
     ClampingLost = 4555, "{0} while the spindle is on: the tool is withdrawn, the spindle is stopped", "look at what holds the work before anything turns again; then reset",
         "主轴接通时{0}：刀具退出，主轴停止", "再次旋转前请检查工件夹持；然后复位";

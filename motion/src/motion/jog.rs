@@ -1,5 +1,5 @@
 //! Axes that are moved by hand: a press moves X, Z or both until it is over; a step moves one of them by a length; a
-//! handwheel leads one of them along (`wheel`).
+//! handwheel leads one of them along (`wheel`). A press may turn the spindle instead.
 //!
 //! ```text
 //! press (which way, how fast, until when) ─► a profile for each axis ─► position
@@ -22,7 +22,7 @@ use crate::alarm::Code;
 use crate::call::Position;
 use crate::operating::{PressState, Towards};
 use crate::params::Params;
-use crate::units::{Axis, Length};
+use crate::units::{Axis, Length, Rpm};
 use crate::zones::Point;
 
 mod wheel;
@@ -138,6 +138,8 @@ pub struct Press {
     pub x: Option<AxisPress>,
     /// What Z does.
     pub z: Option<AxisPress>,
+    /// How the spindle turns, before override; at rest: not by this press.
+    pub spindle: Rpm,
     /// The rapid override acts, else the feed override.
     pub at_rapid: bool,
     /// Planned for an open door: no axis is faster than 9043.
@@ -389,6 +391,13 @@ impl Jog {
         self.refusal = Some(why);
     }
 
+    /// How the press that is alive turns the spindle.
+    #[must_use]
+    pub fn turns(&self) -> Rpm {
+        let press = self.press.as_ref();
+        press.map_or(Rpm::STOPPED, |press| press.spindle)
+    }
+
     /// Why the last press was refused, if it was.
     #[must_use]
     pub const fn refusal(&self) -> Option<Code> {
@@ -451,13 +460,14 @@ impl Jog {
         drops
     }
 
-    /// A press in which every axis has gone its way is over.
+    /// A press in which every axis has gone its way is over. The spindle turns until it is let go.
     fn note_end(&mut self) {
         let Some(press) = &self.press else { return };
         let waits = |wanted: Option<AxisPress>, axis: &JogAxis| {
             wanted.is_some_and(|wanted| axis.arrived != Some(wanted.towards))
         };
-        if waits(press.x, &self.x) || waits(press.z, &self.z) {
+        let turns = press.spindle != Rpm::STOPPED;
+        if turns || waits(press.x, &self.x) || waits(press.z, &self.z) {
             return;
         }
         let state = match press.way {

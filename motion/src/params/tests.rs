@@ -403,6 +403,8 @@ const TABLES: &[(u16, u32)] = &[
     (2, 0x4696_6F76),
     // What a drive takes of its targets: 9077, 9078.
     (2, 0x8799_7FAA),
+    // The spindle by hand: 9049.
+    (2, 0xA9EA_3970),
 ];
 
 #[test]

@@ -111,8 +111,9 @@ impl Wish {
                 press: number,
                 x: self.x,
                 z: self.z,
+                spindle: None,
                 rapid: self.rapid,
-                mm_per_min: self.mm_per_min,
+                speed: self.mm_per_min,
                 echo,
             }
             .frame(NODE),

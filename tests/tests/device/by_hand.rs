@@ -95,8 +95,9 @@ impl Hand {
             press: self.press,
             x,
             z,
+            spindle: None,
             rapid: false,
-            mm_per_min: 1_000,
+            speed: 1_000,
             echo: self.gateway.beat.beat,
         }
         .frame(NODE)

@@ -71,8 +71,9 @@ impl Hand {
                 press: self.press,
                 x: (axis == Axis::X).then_some(towards),
                 z: (axis == Axis::Z).then_some(towards),
+                spindle: None,
                 rapid: false,
-                mm_per_min,
+                speed: mm_per_min,
                 echo: self.gateway.beat.beat,
             };
             self.sim.receive(&frame.frame(NODE));

@@ -15,6 +15,7 @@ mod pitch;
 mod position;
 mod programs;
 mod protection;
+mod spindle_by_hand;
 mod threads;
 mod wheel;
 mod wheel_program;

@@ -106,8 +106,9 @@ impl Bench {
                     press: self.hand.press,
                     x,
                     z,
+                    spindle: None,
                     rapid,
-                    mm_per_min: 3_000,
+                    speed: 3_000,
                     echo: self.hand.gateway.beat.beat,
                 };
                 self.hand.sim.receive(&frame.frame(NODE));

@@ -27,7 +27,7 @@ pub fn plan_press(
     limits: &Limits,
 ) -> Press {
     let tick_us = params.tick_us();
-    let speed = match asked.mm_per_min {
+    let speed = match asked.speed {
         Some(mm) => Feed::from_nm_per_min(i64::from(mm).saturating_mul(MM)),
         None => params.jog_feed(),
     };
@@ -58,6 +58,7 @@ pub fn plan_press(
         number: asked.number,
         x,
         z,
+        spindle: asked.spindle,
         at_rapid: asked.rapid,
         slow: door,
         tip: forbidden.tip.filter(|_| zones),

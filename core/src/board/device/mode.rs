@@ -15,6 +15,8 @@ pub enum Request {
     Step,
     /// Lead an axis by handwheel.
     Wheel,
+    /// Turn the spindle while a press is alive.
+    Turn,
     /// Find the reference.
     Home,
     /// Begin the program, or the line.
@@ -80,7 +82,7 @@ impl Doing {
 pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), Alarm> {
     use OperatingMode::{Automatic, Manual, Reference, Step, Wheel};
     let needed = match request {
-        Request::Jog => Manual,
+        Request::Jog | Request::Turn => Manual,
         Request::Step => Step,
         Request::Wheel => Wheel,
         Request::Home => Reference,
@@ -113,9 +115,8 @@ pub fn admit(mode: OperatingMode, request: Request, doing: Doing) -> Result<(), 
         (_, Doing::Starting | Doing::Stopping | Doing::Homing) => Code::NotAtRest,
         (_, _) if needed != mode => return Err(wrong(needed, mode)),
         // The next press, step or claim may come while the last one comes to rest.
-        (Request::Jog | Request::Step | Request::Wheel, Doing::ByHand) | (_, Doing::Nothing) => {
-            return Ok(());
-        }
+        (Request::Jog | Request::Step | Request::Wheel | Request::Turn, Doing::ByHand)
+        | (_, Doing::Nothing) => return Ok(()),
         (_, Doing::ByHand) => Code::NotAtRest,
     };
     Err(Alarm::of(refusal, &[]))
@@ -129,7 +130,7 @@ fn wrong(needed: OperatingMode, mode: OperatingMode) -> Alarm {
 mod tests {
     use super::*;
 
-    const REQUESTS: [Request; 9] = [
+    const REQUESTS: [Request; 10] = [
         Request::Jog,
         Request::Step,
         Request::Wheel,
@@ -139,23 +140,24 @@ mod tests {
         Request::Change,
         Request::Leave,
         Request::Offsets,
+        Request::Turn,
     ];
 
     fn answer(mode: OperatingMode, request: Request, doing: Doing) -> u16 {
         admit(mode, request, doing).map_or_else(|alarm| alarm.number(), |()| 0)
     }
 
-    /// Columns: jog, step, wheel, home, run, resume, change, leave, offsets.
+    /// Columns: jog, step, wheel, home, run, resume, change, leave, offsets, turn.
     #[test]
     fn the_table_at_rest() {
         use OperatingMode::{Automatic, Manual, Mdi, Reference, Step, Wheel};
         for (mode, wanted) in [
-            (Manual, [0, 4501, 4501, 4501, 4501, 0, 0, 0, 0]),
-            (Step, [4501, 0, 4501, 4501, 4501, 0, 0, 0, 0]),
-            (Wheel, [4501, 4501, 0, 4501, 4501, 0, 0, 0, 0]),
-            (Reference, [4501, 4501, 4501, 0, 4501, 0, 0, 0, 4501]),
-            (Mdi, [4501, 4501, 4501, 4501, 0, 0, 0, 0, 0]),
-            (Automatic, [4501, 4501, 4501, 4501, 0, 0, 0, 0, 0]),
+            (Manual, [0, 4501, 4501, 4501, 4501, 0, 0, 0, 0, 0]),
+            (Step, [4501, 0, 4501, 4501, 4501, 0, 0, 0, 0, 4501]),
+            (Wheel, [4501, 4501, 0, 4501, 4501, 0, 0, 0, 0, 4501]),
+            (Reference, [4501, 4501, 4501, 0, 4501, 0, 0, 0, 4501, 4501]),
+            (Mdi, [4501, 4501, 4501, 4501, 0, 0, 0, 0, 0, 4501]),
+            (Automatic, [4501, 4501, 4501, 4501, 0, 0, 0, 0, 0, 4501]),
         ] {
             let told = REQUESTS.map(|request| answer(mode, request, Doing::Nothing));
             assert_eq!(told, wanted, "{mode:?}");
@@ -168,48 +170,48 @@ mod tests {
         for (doing, by_hand, by_program) in [
             (
                 Doing::Program,
-                [4502, 4502, 4502, 4502, 4502, 0, 4502, 4502, 4580],
-                [4502, 4502, 4502, 4502, 4502, 0, 4502, 4502, 4580],
+                [4502, 4502, 4502, 4502, 4502, 0, 4502, 4502, 4580, 4502],
+                [4502, 4502, 4502, 4502, 4502, 0, 4502, 4502, 4580, 4502],
             ),
             (
                 Doing::Held,
-                [4502, 4502, 4502, 4502, 4502, 0, 4502, 0, 4580],
-                [4502, 4502, 4502, 4502, 4502, 0, 4502, 0, 4580],
+                [4502, 4502, 4502, 4502, 4502, 0, 4502, 0, 4580, 4502],
+                [4502, 4502, 4502, 4502, 4502, 0, 4502, 0, 4580, 4502],
             ),
             (
                 Doing::Left,
-                [0, 4501, 4501, 4502, 4502, 0, 4502, 0, 4580],
-                [4501, 4501, 4501, 4502, 4502, 0, 4502, 0, 4580],
+                [0, 4501, 4501, 4502, 4502, 0, 4502, 0, 4580, 4502],
+                [4501, 4501, 4501, 4502, 4502, 0, 4502, 0, 4580, 4502],
             ),
             (
                 Doing::ByHand,
-                [0, 4501, 4501, 4501, 4501, 0, 0, 0, 4507],
-                [4501, 4501, 4501, 4501, 4507, 0, 0, 0, 4507],
+                [0, 4501, 4501, 4501, 4501, 0, 0, 0, 4507, 0],
+                [4501, 4501, 4501, 4501, 4507, 0, 0, 0, 4507, 4501],
             ),
             (
                 Doing::Starting,
-                [4507, 4507, 4507, 4507, 4507, 0, 0, 0, 0],
-                [4507, 4507, 4507, 4507, 4507, 0, 0, 0, 0],
+                [4507, 4507, 4507, 4507, 4507, 0, 0, 0, 0, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 0, 0, 0, 4507],
             ),
             (
                 Doing::Homing,
-                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
-                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507, 4507],
             ),
             (
                 Doing::Stopping,
-                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
-                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507, 4507],
+                [4507, 4507, 4507, 4507, 4507, 0, 4507, 4507, 4507, 4507],
             ),
             (
                 Doing::Failing,
-                [4504, 4504, 4504, 4504, 4504, 0, 4504, 4504, 4507],
-                [4504, 4504, 4504, 4504, 4504, 0, 4504, 4504, 4507],
+                [4504, 4504, 4504, 4504, 4504, 0, 4504, 4504, 4507, 4504],
+                [4504, 4504, 4504, 4504, 4504, 0, 4504, 4504, 4507, 4504],
             ),
             (
                 Doing::Alarm,
-                [4504, 4504, 4504, 4504, 4504, 0, 0, 0, 0],
-                [4504, 4504, 4504, 4504, 4504, 0, 0, 0, 0],
+                [4504, 4504, 4504, 4504, 4504, 0, 0, 0, 0, 4504],
+                [4504, 4504, 4504, 4504, 4504, 0, 0, 0, 0, 4504],
             ),
         ] {
             let told = |mode| REQUESTS.map(|request| answer(mode, request, doing));

@@ -24,7 +24,7 @@ use crate::offsets::image::tip_of;
 use crate::operating::{Interlock, Led, OperatingMode, PressState, Towards};
 use crate::params::Params;
 use crate::tick::{AxisEnd, Command, State, interlocked};
-use crate::units::{Axes, Axis, Length};
+use crate::units::{Axes, Axis, Length, Rpm};
 use crate::zones::Zones;
 
 /// A step of this length or less is made whole, though nobody renews it.
@@ -42,7 +42,9 @@ pub struct Asked {
     /// At rapid.
     pub rapid: bool,
     /// Speed of the slide in mm/min; `None`: 9041.
-    pub mm_per_min: Option<u16>,
+    pub speed: Option<u16>,
+    /// How the spindle is to turn; at rest: not by this.
+    pub spindle: Rpm,
     /// A step of this length; how far a handwheel has been turned since its claim.
     pub way: Option<Length>,
     /// A handwheel leads the axis.
@@ -333,8 +335,12 @@ impl ObjectValues {
             return;
         }
         if is_new {
+            let kind = match request.spindle {
+                Some(_) => Request::Turn,
+                None => Request::Jog,
+            };
             let admitted = self
-                .admit_by_hand(Request::Jog)
+                .admit_by_hand(kind)
                 .and_then(|()| self.off_limits(Axis::X, request.x))
                 .and_then(|()| self.off_limits(Axis::Z, request.z));
             self.count_press(request.session, request.press, admitted);
@@ -347,7 +353,8 @@ impl ObjectValues {
             x: request.x,
             z: request.z,
             rapid: request.rapid,
-            mm_per_min: (request.mm_per_min != 0).then_some(request.mm_per_min),
+            speed: (request.speed != 0).then_some(request.speed),
+            spindle: turns_of(request, params),
             until: Some(until),
             ..Asked::default()
         });
@@ -571,6 +578,19 @@ impl ObjectValues {
             }
             Err(alarm) => self.deny(&alarm),
         }
+    }
+}
+
+/// How a press is to turn the spindle.
+fn turns_of(request: &JogRequest, params: &Params) -> Rpm {
+    let rpm = match request.speed {
+        0 => params.spindle_jog_rpm() as i32,
+        speed => speed.into(),
+    };
+    match request.spindle {
+        None => Rpm::STOPPED,
+        Some(Towards::Plus) => Rpm::new(rpm),
+        Some(Towards::Minus) => Rpm::new(rpm.saturating_neg()),
     }
 }
 

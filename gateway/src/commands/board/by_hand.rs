@@ -13,7 +13,7 @@ use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 
 use super::monitor::hand::broken;
 use super::open;
-use crate::cli::{AxisWay, Global, Jog, ModeName, StepLength};
+use crate::cli::{AxisWay, Global, HandWay, Jog, ModeName, StepLength};
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
@@ -86,12 +86,14 @@ pub fn jog(global: &Global, jog: &Jog) -> Outcome {
 enum Wish {
     /// A step of one axis, signed, in 0.1 µm of the slide.
     Step { on_z: bool, way: i32 },
-    /// Axes move until the end.
+    /// Axes move, or the spindle turns, until the end.
     Hold {
         x: Option<Towards>,
         z: Option<Towards>,
+        spindle: Option<Towards>,
         rapid: bool,
-        mm_per_min: u16,
+        /// Of the slide in mm/min, of the spindle in rpm; 0: the machine's own.
+        speed: u16,
     },
 }
 
@@ -105,13 +107,33 @@ impl Wish {
                  or go with `--hold` instead of `--by`",
                 "步进以参数 9041 乘以进给倍率的速度移动：请用 `leadscrew override feed` 改变倍率，或用 `--hold` 代替 `--by`"
             )),
-            (Some(by), &[way]) => Self::step(by, way),
+            (Some(by), &[HandWay::Axis(way)]) => Self::step(by, way),
+            (Some(_), &[HandWay::Spindle(_)]) => usage(both!(
+                "the spindle turns as long as it is held: give it `--hold`",
+                "主轴只在按住期间转动：请用 `--hold`"
+            )),
             (Some(_), _) => usage(both!(
                 "`--by` moves one axis: give the other one a step of its own",
                 "`--by` 只移动一个轴：请对另一轴另行给出步距"
             )),
-            (None, &[way]) => Ok(Self::hold(jog, &[way])),
-            (None, ways @ &[one, other]) if one.on_z != other.on_z => Ok(Self::hold(jog, ways)),
+            (None, &[HandWay::Spindle(_)]) if jog.feed.is_some() || jog.rapid => usage(both!(
+                "`--feed` and `--rapid` are of axes: the spindle has `--speed`",
+                "`--feed` 和 `--rapid` 用于轴：主轴请用 `--speed`"
+            )),
+            (None, &[HandWay::Axis(_)]) | (None, &[_, _]) if jog.speed.is_some() => usage(both!(
+                "`--speed` is of the spindle: an axis has `--feed`",
+                "`--speed` 用于主轴：轴请用 `--feed`"
+            )),
+            (None, ways @ &[_]) => Ok(Self::hold(jog, ways)),
+            (None, ways @ &[HandWay::Axis(one), HandWay::Axis(other)])
+                if one.on_z != other.on_z =>
+            {
+                Ok(Self::hold(jog, ways))
+            }
+            (None, ways) if ways.iter().any(|way| way.of_spindle().is_some()) => usage(both!(
+                "the spindle is turned alone: give the axis a command of its own",
+                "主轴只能单独点动：轴请另用一条命令"
+            )),
             (None, _) => usage(both!(
                 "an axis goes one way at a time: give X and Z once each",
                 "一个轴一次只能向一个方向移动：X 与 Z 各给一次"
@@ -129,16 +151,14 @@ impl Wish {
         }
     }
 
-    fn hold(jog: &Jog, ways: &[AxisWay]) -> Self {
-        let towards = |on_z| {
-            let way = ways.iter().find(|way| way.on_z == on_z);
-            way.map(|way| way.towards)
-        };
+    fn hold(jog: &Jog, ways: &[HandWay]) -> Self {
+        let towards = |on_z| ways.iter().find_map(|way| way.of_axis(on_z));
         Self::Hold {
             x: towards(false),
             z: towards(true),
+            spindle: ways.iter().find_map(|way| way.of_spindle()),
             rapid: jog.rapid,
-            mm_per_min: jog.feed.unwrap_or(0),
+            speed: jog.feed.or(jog.speed).unwrap_or(0),
         }
     }
 }
@@ -191,15 +211,17 @@ impl Press {
             Wish::Hold {
                 x,
                 z,
+                spindle,
                 rapid,
-                mm_per_min,
+                speed,
             } => JogRequest {
                 session: self.session,
                 press: self.number,
                 x: x.filter(|_| !released),
                 z: z.filter(|_| !released),
+                spindle: spindle.filter(|_| !released),
                 rapid,
-                mm_per_min,
+                speed,
                 echo,
             }
             .frame(link.node()),
@@ -261,8 +283,9 @@ impl Held {
             Wish::Hold {
                 x: towards(false),
                 z: towards(true),
+                spindle: None,
                 rapid: false,
-                mm_per_min,
+                speed: mm_per_min,
             },
         ))
     }

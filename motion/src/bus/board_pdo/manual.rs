@@ -4,9 +4,10 @@
 //! |---|---|---|
 //! | RPDO2 | 0 | session of the operator, 1–255 |
 //! | | 1 | press: a new number for every press |
-//! | | 2 | axes, two bits each from bit 0 on: X, Z; 01 towards plus, 10 towards minus; all 0: released |
-//! | | 3 | bit 0: rapid |
-//! | | 4–5 | speed of the slide in mm/min |
+//! | | 2 | bits 0–3 axes, two each: X, Z; 01 towards plus, 10 towards minus. Bits 6–7 spindle 1, alone: 01 as M03, 10 as
+//! | | | M04. All 0: released |
+//! | | 3 | bit 0: rapid; not of the spindle |
+//! | | 4–5 | speed of the slide in mm/min, of the spindle in rpm; 0: that of 9041, 9049 |
 //! | | 6–7 | echo: the newest beat that the sender has heard |
 //! | RPDO3 | 0 | session of the operator, 1–255 |
 //! | | 1 | count: a new number for every step |
@@ -45,10 +46,12 @@ pub struct JogRequest {
     pub x: Option<Towards>,
     /// Which way Z is to go.
     pub z: Option<Towards>,
+    /// Which way the spindle is to turn, alone: plus as M03.
+    pub spindle: Option<Towards>,
     /// At rapid instead of `speed`.
     pub rapid: bool,
-    /// Speed of the slide in millimetres per minute.
-    pub mm_per_min: u16,
+    /// Speed of the slide in millimetres per minute, of the spindle in turns per minute; 0: the machine's own.
+    pub speed: u16,
     /// The newest beat that the sender has heard.
     pub echo: Beat,
 }
@@ -64,14 +67,14 @@ impl JogRequest {
                 Some(Towards::Minus) => 2,
             }
         }
-        let [a, b] = self.mm_per_min.to_le_bytes();
+        let [a, b] = self.speed.to_le_bytes();
         let [c, d] = self.echo.ms().to_le_bytes();
         Frame::of(
             CobId::of(Service::Rpdo2, node),
             [
                 self.session,
                 self.press,
-                bits(self.x) | bits(self.z) << 2,
+                bits(self.x) | bits(self.z) << 2 | bits(self.spindle) << 6,
                 self.rapid as u8,
                 a,
                 b,
@@ -101,7 +104,10 @@ impl JogRequest {
             }
         }
         let [session, press, axes, flags, a, b, c, d] = frame.exactly()?;
-        if session == 0 || axes > 0x0F || flags > 1 {
+        // An axis and the spindle would need a speed each.
+        let spindle_alone = axes & 0x3F == 0 && flags == 0;
+        let axes_alone = axes <= 0x0F && flags <= 1;
+        if session == 0 || !spindle_alone && !axes_alone {
             return None;
         }
         Some(Self {
@@ -109,16 +115,17 @@ impl JogRequest {
             press,
             x: towards(axes)?,
             z: towards(axes >> 2)?,
+            spindle: towards(axes >> 6)?,
             rapid: flags != 0,
-            mm_per_min: u16::from_le_bytes([a, b]),
+            speed: u16::from_le_bytes([a, b]),
             echo: Beat::new(u16::from_le_bytes([c, d])),
         })
     }
 
-    /// No axis is to move.
+    /// Nothing is to move.
     #[must_use]
     pub const fn is_release(&self) -> bool {
-        self.x.is_none() && self.z.is_none()
+        self.x.is_none() && self.z.is_none() && self.spindle.is_none()
     }
 }
 
@@ -335,20 +342,35 @@ mod tests {
             press: 200,
             x: Some(Towards::Plus),
             z: Some(Towards::Minus),
+            spindle: None,
             rapid: true,
-            mm_per_min: 0x0102,
+            speed: 0x0102,
             echo: Beat::new(0x0304),
         };
         let frame = press.frame(NODE);
         assert_eq!(frame.id().get(), 0x301);
         assert_eq!(frame.payload(), [7, 200, 0b1001, 1, 2, 1, 4, 3]);
         assert_eq!(JogRequest::decode(&frame), Some((NODE, press)));
-        // Both ways at once, unknown axes, unknown flags, nobody.
+        let turn = JogRequest {
+            x: None,
+            z: None,
+            spindle: Some(Towards::Minus),
+            rapid: false,
+            ..press
+        };
+        let frame = turn.frame(NODE);
+        assert_eq!(frame.payload(), [7, 200, 0b1000_0000, 0, 2, 1, 4, 3]);
+        assert_eq!(JogRequest::decode(&frame), Some((NODE, turn)));
+        // Both ways at once, unknown axes, unknown flags, nobody, the spindle beside an axis, or at rapid.
         for bytes in [
             [1, 0, 3, 0, 0, 0, 0, 0],
             [1, 0, 16, 0, 0, 0, 0, 0],
             [1, 0, 1, 2, 0, 0, 0, 0],
             [0, 0, 1, 0, 0, 0, 0, 0],
+            [1, 0, 0xC0, 0, 0, 0, 0, 0],
+            [1, 0, 0x41, 0, 0, 0, 0, 0],
+            [1, 0, 0x50, 0, 0, 0, 0, 0],
+            [1, 0, 0x40, 1, 0, 0, 0, 0],
         ] {
             assert_eq!(JogRequest::decode(&Frame::of(frame.id(), bytes)), None);
         }

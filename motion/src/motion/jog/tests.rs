@@ -1,7 +1,7 @@
 use super::*;
 use crate::motion::Limits;
 use crate::params::Params;
-use crate::units::Feed;
+use crate::units::{Feed, Rpm};
 
 const MM: i64 = 1_000_000;
 
@@ -58,6 +58,7 @@ impl Bench {
             number,
             x,
             z,
+            spindle: Rpm::STOPPED,
             at_rapid: false,
             slow: false,
             tip: None,
@@ -74,6 +75,7 @@ impl Bench {
             number,
             x: None,
             z: Some(z),
+            spindle: Rpm::STOPPED,
             at_rapid: false,
             slow: false,
             tip: None,
@@ -92,6 +94,7 @@ impl Bench {
             number,
             x: None,
             z,
+            spindle: Rpm::STOPPED,
             at_rapid: false,
             slow: false,
             tip: None,

@@ -219,6 +219,7 @@ impl Ticker {
                 }
             }
             State::ByHand => {
+                self.turn_by_hand();
                 if !self.jog.is_busy() && !self.begin_leg() {
                     self.transition_from_by_hand();
                 }

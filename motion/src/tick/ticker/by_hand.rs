@@ -1,16 +1,16 @@
-//! Axes that are moved by hand.
+//! Axes that are moved by hand, and a spindle that is turned so.
 //!
 //! Says when a press may move the machine, and ends it where something else does. Must not know who presses.
 
 use super::{Ends, Outcome, State, Ticker, emit};
-use crate::alarm::{Alarm, Code, Span};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::motion::{AxisTravel, JogConditions, Press};
 use crate::operating::{Interlock, PressState};
 use crate::tick::Event;
 use crate::tick::hard_limits::AxisEnd;
 use crate::tick::machine::interlocked;
 use crate::tick::queue::EventIn;
-use crate::units::Axis;
+use crate::units::{Axis, Rpm};
 
 impl Ticker {
     /// Takes a press, if the machine may be moved by hand now. The background has asked the same of an older state.
@@ -34,6 +34,7 @@ impl Ticker {
             .clear_of(&self.given.zones, press, position, travel);
         let [x, z] = &self.free;
         self.jog.press(press, x, z);
+        self.turn_by_hand();
         if self.jog.is_busy() {
             self.transition_to_by_hand();
         }
@@ -41,8 +42,11 @@ impl Ticker {
 
     /// Why the machine may not be moved by this press.
     fn refuses_by_hand(&self, press: &Press) -> Option<Alarm> {
+        let turns = press.spindle != Rpm::STOPPED;
         let stands = match self.state {
             State::Idle => !self.course.in_program() && self.executor.is_free(),
+            // The spindle is needed as it is when a program that was left goes on.
+            State::Held | State::ByHand if turns && self.has_left() => false,
             State::ByHand => !self.is_coming_back(),
             State::Held => self.has_left(),
             State::Alarm(alarm) | State::Stopping(Outcome::Alarm(alarm)) => return Some(alarm),
@@ -61,8 +65,31 @@ impl Ticker {
             _ if !stands => Some(Alarm::of(Code::NotAtRest, &[])),
             Some(by) => Some(interlocked(by, Span::default())),
             None if self.journal.has_hole() => self.journal.hole_alarm(),
+            None if turns => self.refuses_to_turn(press.spindle),
             None => self.refuses_towards(press).map(AxisEnd::alarm),
         }
+    }
+
+    /// Why the spindle may not be turned by hand at this speed: by what keeps M03, and by a drive that keeps its angle.
+    fn refuses_to_turn(&self, rpm: Rpm) -> Option<Alarm> {
+        if let Some(by) = self.refuses_spindle() {
+            return Some(interlocked(by, Span::default()));
+        }
+        if self.spindle.holds() {
+            return Some(Alarm::of(Code::SpindleHeld, &[]));
+        }
+        let (asked, most) = (rpm.abs(), self.given.most_rpm);
+        if asked > most {
+            let figures = [asked, most].map(|figure| Arg::Int(figure.into()));
+            return Some(Alarm::of(Code::SpindleJogTooFast, &figures));
+        }
+        self.refuses_by_gear(asked, Span::default())
+    }
+
+    /// The spindle turns as the press that is alive says. It stops with that: what a program has commanded before does not
+    /// come back [D525].
+    pub(super) fn turn_by_hand(&mut self) {
+        self.spindle.turn_by_hand(self.jog.turns());
     }
 
     /// How far X and Z may go. Where an axis without a reference is, nobody knows: it has no limits.

@@ -192,7 +192,7 @@ impl Ticker {
     }
 
     /// What keeps the spindle from turning.
-    fn refuses_spindle(&self) -> Option<Interlock> {
+    pub(super) fn refuses_spindle(&self) -> Option<Interlock> {
         self.machine.interlocks().against_start()
     }
 

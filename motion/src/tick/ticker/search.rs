@@ -22,7 +22,7 @@ use crate::bus::Inputs;
 use crate::motion::{AxisPress, AxisTravel, Limits, PathRate, Press};
 use crate::operating::{PressState, Towards};
 use crate::params::{HomeSwitch, Params};
-use crate::units::{Axis, Length};
+use crate::units::{Axis, Length, Rpm};
 
 /// Samples of the switch that have to agree, so that no disturbance ends a stage.
 const LOOKS: u8 = 3;
@@ -318,6 +318,7 @@ impl Ticker {
             number: 0,
             x: None,
             z: None,
+            spindle: Rpm::STOPPED,
             at_rapid: true,
             slow: false,
             tip: None,

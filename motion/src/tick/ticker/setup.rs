@@ -79,6 +79,8 @@ pub(super) struct Given {
     pub limits: Switches,
     pub wiring: Wiring,
     pub gears: Gears,
+    /// Highest speed of spindle 1, in turns per minute.
+    pub most_rpm: u32,
     pub changer: Changer,
 }
 
@@ -118,6 +120,7 @@ impl Given {
             limits: Switches::of(params),
             wiring: Wiring::of(params),
             gears: Gears::of(params),
+            most_rpm: params.spindle_max_rpm(),
             changer: Changer::of(params),
         })
     }

@@ -41,6 +41,8 @@ pub(super) struct SpindleMode {
     /// S with M03/M04, before override. Under constant surface speed its sign counts alone.
     speed: Rpm,
     surface: Option<Surface>,
+    /// The part of `speed` that a press commands: all of it, or none.
+    by_hand: Rpm,
     /// Ticks for which leaving position mode has waited.
     waited: u32,
     /// The door has stopped the spindle, and the program has not been resumed.
@@ -56,6 +58,7 @@ impl SpindleMode {
             percent: 100,
             speed: Rpm::STOPPED,
             surface: None,
+            by_hand: Rpm::STOPPED,
             waited: 0,
             suspended: false,
         }
@@ -112,7 +115,16 @@ impl SpindleMode {
     pub(super) const fn stop(&mut self) {
         self.speed = Rpm::STOPPED;
         self.surface = None;
+        self.by_hand = Rpm::STOPPED;
         self.suspended = false;
+    }
+
+    /// A press turns the spindle so from now on, or no longer: then it stops.
+    pub(super) fn turn_by_hand(&mut self, rpm: Rpm) {
+        if rpm != self.by_hand {
+            self.turn(rpm, None);
+            self.by_hand = rpm;
+        }
     }
 
     /// The spindle stops, and turns again when the program goes on.
@@ -154,6 +166,11 @@ impl SpindleMode {
             Rigid::On | Rigid::Leaving | Rigid::Turning(_) | Rigid::Oriented => Rigid::Leaving,
             Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
         };
+    }
+
+    /// A spindle is in position mode, or on its way there: it has an angle to keep.
+    pub(super) const fn holds(&self) -> bool {
+        !matches!(self.rigid, Rigid::Off | Rigid::Leaving)
     }
 
     /// In position mode at an angle: another gear would give the increments of the drive another meaning.

@@ -311,8 +311,9 @@ fn frame(doing: Doing, session: u8, number: u8, echo: Beat, node: NodeId) -> Fra
                 press: number,
                 x: towards(false),
                 z: towards(true),
+                spindle: None,
                 rapid,
-                mm_per_min: 0,
+                speed: 0,
                 echo,
             }
             .frame(node)

@@ -588,8 +588,9 @@ impl Desk {
                 press: jog.press,
                 x,
                 z,
+                spindle: None,
                 rapid: jog.rapid,
-                mm_per_min: jog.mm_per_min,
+                speed: jog.mm_per_min,
                 echo: Beat::new(jog.echo),
             };
             shared.presses.push_back(frame.frame(self.node));

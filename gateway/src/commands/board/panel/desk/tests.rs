@@ -166,8 +166,9 @@ fn a_press_is_as_many_frames_as_came_and_a_release_always_goes() {
         press: 9,
         x,
         z: None,
+        spindle: None,
         rapid: false,
-        mm_per_min: 300,
+        speed: 300,
         echo: Beat::new(echo),
     };
     let pressed = expected(Some(Towards::Minus), 990);
