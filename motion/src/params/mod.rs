@@ -80,6 +80,13 @@ impl Params {
             within => within,
         }
     }
+
+    /// By how much the latencies of X and Z differ, µs.
+    #[must_use]
+    pub fn latency_apart_us(&self) -> u64 {
+        let [x, z] = [Axis::X, Axis::Z].map(|axis| self.latency_us(axis));
+        x.abs_diff(z).into()
+    }
 }
 
 impl Default for Params {

@@ -327,24 +327,30 @@ impl Stop {
     ///
     /// Corners have 3/5 of an axis' acceleration and its jerk. With the relative speed 1 − u²·(3 − 2·u) over a time T, the
     /// stop needs at most 3/2·v/T of the acceleration and 6·v/T² of the jerk, and for a corner of the time C another
-    /// 9/4·j·C/T. Where the drives of the axes differ in latency by n ticks, the way by which one axis is ahead goes with
-    /// the pace, so its acceleration steps by 6·v·n/T² ticks where the stop begins and ends. So T is at least 15/4·v/a,
-    /// √((40 + 12·n)·v/j) and 16/5·C: the acceleration holds, and the jerks add to less than twice the limit [D53].
+    /// 9/4·j·C/T. Where the latencies of the drives differ by τ, that is n ticks, the way v·τ by which one axis is ahead
+    /// goes with the relative speed: another 6·v·τ/T² of the acceleration, which steps by as much where the stop begins and
+    /// ends. So T is at least 15/4·v/a + √(15·v·τ/a), √((40 + 12·n)·v/j) and 16/5·C: the acceleration holds, and the jerks
+    /// add to less than twice the limit [D53].
     fn ticks(&self, params: &Params) -> u32 {
         const NS: u64 = 1_000_000_000;
         let least = bounds(params, Axis::X).least(&bounds(params, Axis::Z));
         let Bounds { acceleration, jerk } = least;
         let by_speed = mul_div_up(self.speed.saturating_mul(15) >> 2, NS, acceleration.max(1));
         let tick_us = u64::from(params.tick_us()).max(1);
-        let (of_x, of_z) = (params.latency_us(Axis::X), params.latency_us(Axis::Z));
-        let apart = mul_div(u64::from(of_x.abs_diff(of_z)), 12, tick_us);
+        let apart_us = params.latency_apart_us();
+        let by_lead = root_mul_div_up(
+            self.speed.saturating_mul(apart_us.saturating_mul(15)),
+            NS.wrapping_mul(1000),
+            acceleration.max(1),
+        );
+        let apart = mul_div(apart_us, 12, tick_us);
         let by_jerk = root_mul_div_up(
             self.speed.saturating_mul(apart.saturating_add(40)),
             NS.wrapping_mul(NS),
             jerk.max(1),
         );
         let by_corner = self.corner.saturating_mul(16) / 5;
-        let time = by_speed.max(by_jerk).max(by_corner);
+        let time = by_speed.saturating_add(by_lead).max(by_jerk).max(by_corner);
         mul_div_up(time, 1, tick_us.saturating_mul(1000))
             .saturating_add(1)
             .min(u64::from(u32::MAX)) as u32

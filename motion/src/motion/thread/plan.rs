@@ -197,7 +197,7 @@ impl ThreadPlan {
         self.taper = shape.taper;
         self.run_in_rise = self.run_in.beside_at_start();
         let slopes = [self.run_in.slope, self.run_out.slope].map(i64::unsigned_abs);
-        self.stop = machine.straight(slopes[0].max(slopes[1]));
+        self.stop = machine.stop(slopes[0].max(slopes[1]), params.latency_apart_us());
         pace.retract(shape, &machine, &mut self.retract);
         self.retract_inverse = inverse(self.retract.slope as u64);
         let per_tick = mul_div(machine.speed << 16, u64::from(params.tick_us()), 1_000_000);
@@ -247,10 +247,8 @@ impl ThreadPlan {
             Turns::from_raw(signed(raw))
         };
         let lead = shape.thread.lead;
-        let lag = params
-            .latency_us(Axis::X)
-            .abs_diff(params.latency_us(Axis::Z));
-        let straight = during(STRAIGHT_US.saturating_add(u64::from(lag)));
+        let lag = params.latency_apart_us();
+        let straight = during(STRAIGHT_US.saturating_add(lag));
         let turns = turns_of(lead, shape.fine_length());
         self.link.goes_on = true;
         self.link.turns = turns;

@@ -140,6 +140,20 @@ impl Machine {
         self.following(slope, &self.short)
     }
 
+    /// The long axis' ease for a stop on this slope. Where the latencies of the drives differ by τ, the short axis is ahead
+    /// by v·τ, which goes with the pace v: that takes τ·v″ beside v′. Half of its acceleration is for each.
+    pub fn stop(&self, slope: u64, apart_us: u64) -> Ease {
+        let half = self.short.acceleration / 2;
+        let bounds = match mul_div(half, 1_000_000, apart_us.max(1)) {
+            _ if apart_us == 0 => self.short,
+            jerk => Bounds {
+                acceleration: half,
+                jerk: self.short.jerk.min(jerk),
+            },
+        };
+        self.following(slope, &bounds)
+    }
+
     /// The long axis' ease while the short axis follows a slope in addition to the taper within `bounds`.
     #[inline(never)]
     fn following(&self, slope: u64, bounds: &Bounds) -> Ease {

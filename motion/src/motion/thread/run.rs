@@ -398,8 +398,8 @@ impl ThreadRun {
         }
     }
 
-    /// Delays a stop that may begin at `from` until it meets no corner of the short axis and ends before the end plane.
-    /// `None` if the pass should rather end as planned.
+    /// Delays a stop that may begin at `from` until neither axis meets a corner and it ends before the end plane. The short
+    /// axis may be ahead of the long one, or behind. `None` if the pass should rather end as planned.
     #[inline]
     fn stop_from(&self, plan: &ThreadPlan, from: Fine) -> Option<Fine> {
         if self.out.is_some() {
@@ -407,14 +407,18 @@ impl ThreadRun {
         }
         let stop = plan.stop.half();
         let corner = |ease: &Ease| ease.half().wrapping_mul(2);
-        if from.wrapping_add(stop) <= plan.run_in.at.wrapping_sub(corner(&plan.run_in.ease)) {
+        let (ahead, behind) = (self.lead_way.max(0), self.lead_way.min(0));
+        let clear_of = |place: Fine| place.wrapping_sub(behind);
+        let from = from.max(clear_of(plan.join.half()));
+        let reach = from.wrapping_add(stop).wrapping_add(ahead);
+        if reach <= plan.run_in.at.wrapping_sub(corner(&plan.run_in.ease)) {
             return Some(from);
         }
-        let from = from.max(plan.run_in.at);
+        let from = from.max(clear_of(plan.run_in.at));
         let end = from.wrapping_add(stop);
-        let before = plan.run_out.slope == 0 || end <= plan.run_out.at;
-        let behind = from >= plan.run_out.at.wrapping_add(corner(&plan.run_out.ease));
-        (end <= self.length && (before || behind)).then_some(from)
+        let before = plan.run_out.slope == 0 || end.wrapping_add(ahead) <= plan.run_out.at;
+        let past = from >= clear_of(plan.run_out.at.wrapping_add(corner(&plan.run_out.ease)));
+        (end <= self.length && (before || past)).then_some(from)
     }
 
     /// Lets the angle come to rest from its present pace.
