@@ -142,7 +142,7 @@ pub struct Observer {
     fastest: I32F32,
     /// A larger innovation, in turns, says that the spindle is lost.
     lost: U32F32,
-    /// Ticks that a count takes at the speed of a spindle that stands, 2⁻¹⁶; a second at most.
+    /// Whole ticks in which a count goes by at the speed of a spindle that stands; a second at most.
     longest: u32,
     /// A spindle whose counter has not moved for more ticks stands: as many, but no fewer than those for which an edge
     /// tells something of the speed.
@@ -207,7 +207,7 @@ impl Observer {
             // Two counts: that of the last tick and that of this one.
             lost: U32F32::from_bits((LARGEST_SURPRISE.to_bits() as u64).wrapping_add(scale >> 30)),
             longest,
-            most: clamp(longest >> 16, OLDEST_EDGE_TICKS, u32::MAX),
+            most: clamp(longest, OLDEST_EDGE_TICKS, u32::MAX),
             last: None,
             pace: None,
             in_turn: 0,
@@ -279,8 +279,7 @@ impl Observer {
         let apart = self.ticks;
         if moved != 0 {
             self.ticks = 0;
-            let longest = u64::from(moved.unsigned_abs()).wrapping_mul(self.longest.into()) >> 16;
-            self.goes_on = self.rising == rising && u64::from(apart) <= longest;
+            self.goes_on = self.rising == rising && apart <= self.longest;
         }
         let gains = match &mut self.few {
             None => self.gains,
@@ -552,11 +551,11 @@ fn gains_of_few(few: &mut Few, apart: u32, moved: i32, is_timed: bool) -> Gains 
     looks::gains(few.pole, few.apart.max(apart), is_timed)
 }
 
-/// Ticks that a count takes at the speed [`STANDING`], a second at most; 2⁻¹⁶.
+/// Whole ticks in which a count goes by at the speed [`STANDING`], a second at most.
 const fn longest(counts: u32, tick_us: u32) -> u32 {
-    let second = divide(1_000_000 << 16, tick_us as u64);
-    let longest = divide(second.wrapping_mul(240), counts as u64);
-    // At most 4000 ticks: 28 bits.
+    let second = divide(1_000_000, tick_us as u64);
+    let longest = divide(second.wrapping_mul(240), counts as u64).wrapping_add(1);
+    // At most 4000 ticks.
     if longest < second {
         longest as u32
     } else {
