@@ -116,7 +116,8 @@ pub fn returns(sim: &mut Sim, params: &Params, hole: &TapHole) {
     let written = sim.flash().written();
     go(sim, &calls("G30 P99\nM30\n", params), &mut told, |_, _| {});
     assert_eq!(told.alarm(), None);
-    for _ in 0..40 {
+    // The spindle stands once its counter has not moved for 59 ticks; then it leaves position mode.
+    for _ in 0..80 {
         told.rows.extend(sim.step());
     }
     sim.last_rows(|row| told.rows.push(row));

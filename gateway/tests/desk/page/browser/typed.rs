@@ -1,10 +1,12 @@
 //! What is typed or pasted: no line end is lost, and no line becomes part of another one.
 
+use std::time::Instant;
+
 use serde_json::json;
 
 use super::super::programs::with_programs;
 use super::{Browser, found};
-use crate::User;
+use crate::{LIMIT, User};
 
 /// A carriage return where others end with line feeds: `check` refuses it, and the text keeps it until somebody takes it
 /// out.
@@ -84,10 +86,18 @@ fn the_end_of_a_line_is_not_taken_back_by_an_answer_that_comes_late() {
     ));
     tab.operate();
     tab.mode("mdi");
-    tab.says("document.getElementById('typed').focus()");
-    tab.types("G1 Q");
-    tab.enter();
-    tab.wait("window.came === true");
-    let told = tab.says(answer);
+    let end = Instant::now() + LIMIT;
+    let told = loop {
+        tab.says(&format!("(window.came = false, {answer} = '')"));
+        tab.says("(document.getElementById('typed').value = '', document.getElementById('typed').focus())");
+        tab.types("G1 Q");
+        tab.enter();
+        tab.wait("window.came === true");
+        let told = tab.says(answer);
+        // On a busy computer what is shown may be too old to order by.
+        if !told.as_str().unwrap().contains(" old") || Instant::now() > end {
+            break told;
+        }
+    };
     assert!(told.as_str().unwrap().starts_with("4"), "{told}");
 }
