@@ -4,7 +4,7 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Row, Sim};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Command, Event, State};
-use leadscrew_core::call::Call;
+use leadscrew_core::call::{Call, CallKind};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Events, Options};
 
@@ -37,6 +37,22 @@ pub fn calls(text: &str, params: &Params) -> Vec<Call> {
             program::Event::Warning(_) => None,
         })
         .collect()
+}
+
+/// The calls of a line that is typed: its end is that of a line, not of a program.
+///
+/// # Panics
+/// As [`calls`].
+#[must_use]
+pub fn calls_of_line(text: &str, params: &Params) -> Vec<Call> {
+    let mut line = calls(text, params);
+    let over = Call {
+        kind: CallKind::LineOver,
+        ..line[0]
+    };
+    line.retain(|call| call.kind != CallKind::Over);
+    line.push(over);
+    line
 }
 
 /// A machine just switched on.

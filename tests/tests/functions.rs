@@ -17,7 +17,7 @@ use leadscrew_core::params::{Contact, Params};
 use leadscrew_core::units::Length;
 use leadscrew_tests::gateway::{Gateway, NODE};
 use leadscrew_tests::limits::first_excess;
-use leadscrew_tests::machine::{Ran, calls, machine, run};
+use leadscrew_tests::machine::{Ran, calls, calls_of_line, machine, run};
 use leadscrew_tests::params::with;
 
 /// M8 switches output 1 on, and input 1 answers within 2 s, M9 turns it off. M60 pulses output 2 for 200 ms. M61 switches
@@ -376,13 +376,7 @@ fn the_spindle_is_not_switched_on_with_a_door_or_a_chuck_open_or_without_pressur
 /// Carries out a line that was typed: the machine's state after it, and what it was told.
 fn typed(bench: &mut Bench, line: &str, params: &Params) -> (State, Vec<u16>) {
     bench.codes.clear();
-    let mut line = calls(line, params);
-    let over = Call {
-        kind: CallKind::LineOver,
-        ..line[0]
-    };
-    line.retain(|call| call.kind != CallKind::Over);
-    for call in line.iter().chain([&over]) {
+    for call in &calls_of_line(line, params) {
         while !bench.sim.offer(call) {
             bench.run(1);
         }

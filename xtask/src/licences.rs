@@ -1,7 +1,6 @@
 //! Every dependency has a licence that lets anyone use and change the whole.
 
-use anyhow::{Context, Result, anyhow, bail};
-use serde_json::Value;
+use anyhow::{Result, anyhow, bail};
 use spdx::{Expression, ParseMode};
 
 use crate::run;
@@ -26,8 +25,7 @@ pub fn check() -> Result<()> {
     let mut refused = Vec::new();
     let mut count = 0_usize;
     for dir in [run::root(), run::firmware()] {
-        let text = run::read(run::cargo(&dir, &["metadata", "--format-version", "1"]))?;
-        let metadata: Value = serde_json::from_str(&text).context("cargo metadata is not JSON")?;
+        let metadata = run::metadata(&dir, &[])?;
         let packages = metadata["packages"]
             .as_array()
             .ok_or_else(|| anyhow!("cargo metadata lists no packages"))?;

@@ -5,7 +5,7 @@
 //! does, up to the upload: cargo itself chooses the crates and their order, asks the index whether a version is there
 //! already, and builds each from what was packed. Whether crates.io takes the names and categories, only it can say.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use serde_json::Value;
 
 use crate::run;
@@ -34,9 +34,7 @@ pub fn build() -> Result<()> {
 
 /// The names of the crates that are published, where nothing is wrong with them.
 fn good() -> Result<Vec<String>> {
-    let metadata = ["metadata", "--format-version", "1", "--no-deps"];
-    let text = run::read(run::cargo(&run::root(), &metadata))?;
-    let metadata: Value = serde_json::from_str(&text).context("cargo metadata is not JSON")?;
+    let metadata = run::metadata(&run::root(), &["--no-deps"])?;
     let empty = Vec::new();
     let all = metadata["packages"].as_array().unwrap_or(&empty);
     let wrong = wrong(all);

@@ -76,6 +76,13 @@ pub fn test_program(name: &str) -> Result<PathBuf> {
         .with_context(|| format!("cargo named no program of the tests `{name}`"))
 }
 
+/// What cargo says of a workspace. The lock file stays as it is.
+pub fn metadata(workspace: &Path, more: &[&str]) -> Result<serde_json::Value> {
+    let ask = ["metadata", "--locked", "--format-version", "1"];
+    let text = read(cargo(workspace, &[&ask[..], more].concat()))?;
+    serde_json::from_str(&text).context("cargo metadata is not JSON")
+}
+
 /// The tests in what a program of tests prints for `--list`.
 pub fn listed(list: &str) -> impl Iterator<Item = &str> {
     list.lines().filter_map(|line| line.strip_suffix(": test"))

@@ -138,10 +138,7 @@ fn format() -> Result<()> {
 /// The lock files must be as committed: then the test builds the same as everybody.
 fn lock_files() -> Result<()> {
     for dir in [run::root(), run::firmware(), run::root().join("fuzz")] {
-        run::read(run::cargo(
-            &dir,
-            &["metadata", "--locked", "--format-version", "1"],
-        ))?;
+        run::metadata(&dir, &[])?;
     }
     Ok(())
 }
@@ -275,9 +272,7 @@ fn some_tests(which: &[&str], counts: &mut Counts) -> Result<()> {
 
 /// The names of the programs in the folders `tests` that need no feature.
 fn test_programs() -> Result<Vec<String>> {
-    let args = ["metadata", "--no-deps", "--format-version", "1"];
-    let told = run::read(run::cargo(&run::root(), &args))?;
-    let metadata: serde_json::Value = serde_json::from_str(&told)?;
+    let metadata = run::metadata(&run::root(), &["--no-deps"])?;
     let packages = metadata["packages"].as_array().into_iter().flatten();
     let targets = packages.filter_map(|package| package["targets"].as_array());
     let programs = targets

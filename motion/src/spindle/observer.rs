@@ -546,7 +546,6 @@ impl Observer {
 fn gains_of_few(few: &mut Few, apart: u32, moved: i32, is_timed: bool) -> Gains {
     if moved != 0 {
         few.apart = apart;
-        return looks::gains(few.pole, apart, is_timed);
     }
     looks::gains(few.pole, few.apart.max(apart), is_timed)
 }

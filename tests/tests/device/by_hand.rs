@@ -57,6 +57,18 @@ impl Hand {
         self.run(20);
     }
 
+    /// What a press ended for is over: reset, gone on, and manual mode.
+    pub fn sets_right(&mut self) {
+        for order in [
+            Order::Reset,
+            Order::Resume,
+            Order::Mode(OperatingMode::Manual),
+        ] {
+            self.gateway.order(&mut self.sim, order);
+            self.run(200);
+        }
+    }
+
     pub fn tick(&mut self) {
         self.ticks += 1;
         self.sim.step();
@@ -250,15 +262,7 @@ fn a_hold_an_alarm_and_a_change_of_mode_end_a_press_and_nothing_goes_on_by_itsel
             }
         };
         renewals(&mut hand);
-        // What the press ended for is over.
-        for order in [
-            Order::Reset,
-            Order::Resume,
-            Order::Mode(OperatingMode::Manual),
-        ] {
-            hand.gateway.order(&mut hand.sim, order);
-            hand.run(200);
-        }
+        hand.sets_right();
         assert_eq!(hand.gateway.status.state, BoardState::Idle, "{order:?}");
         renewals(&mut hand);
     }

@@ -2,21 +2,17 @@
 
 use leadscrew_core::board::Inputs;
 use leadscrew_core::bus::{BoardCommand, BoardState, Frame, JogRequest, Order};
-use leadscrew_core::call::{Call, CallKind};
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::units::Rpm;
 use leadscrew_tests::gateway::{NODE, Upload};
-use leadscrew_tests::machine::calls;
+use leadscrew_tests::machine::{calls, calls_of_line};
 use leadscrew_tests::params::with;
 
 use super::by_hand::{BRAKING, Hand, RENEWAL, WINDOW};
 
 /// The spindle comes to any speed of these tests, or to a stand, within this, in ticks.
 const RAMP: u64 = 500;
-
-/// What is measured of a spindle that stands after it has turned as M04 may still be so much, in rpm.
-const NEAR_REST: u32 = 3;
 
 /// Inputs 1 to 3: the door, the chuck and its pressure are as they ought to be.
 const WELL: u16 = 0b111;
@@ -74,13 +70,7 @@ impl Hand {
     /// Carries out a line that is typed, in its mode.
     fn line(&mut self, text: &str, params: &Params) {
         self.mode(OperatingMode::Mdi);
-        let mut line = calls(text, params);
-        let over = Call {
-            kind: CallKind::LineOver,
-            ..line[0]
-        };
-        line.retain(|call| call.kind != CallKind::Over);
-        for call in line.iter().chain([&over]) {
+        for call in &calls_of_line(text, params) {
             while !self.sim.offer(call) {
                 self.tick();
             }
@@ -114,7 +104,7 @@ fn it_turns_while_the_press_is_renewed_and_stands_after_its_release() {
             hand.run(2);
             assert_eq!(hand.commanded(), 0);
             hand.run(4 * RAMP);
-            assert!(hand.turns().abs() <= NEAR_REST, "{:?}", hand.turns());
+            assert_eq!(hand.turns(), Rpm::STOPPED);
             assert_eq!(hand.gateway.beat.state, PressState::Ended);
             assert_eq!(hand.gateway.status.state, BoardState::Idle);
         }
@@ -169,7 +159,7 @@ fn what_m03_has_commanded_does_not_come_back() {
         }
         hand.run(WINDOW + 4 * RAMP);
         assert_eq!(hand.commanded(), 0);
-        assert!(hand.turns().abs() <= NEAR_REST, "{:?}", hand.turns());
+        assert_eq!(hand.turns(), Rpm::STOPPED);
         // An axis does not bring it back, nor does the mode for lines.
         hand.hold(Towards::Minus, 60);
         hand.run(WINDOW + BRAKING);
@@ -229,14 +219,7 @@ fn what_ends_a_press_ends_it_and_nothing_turns_on_by_itself() {
         hand.renew_spindle(Towards::Plus, 0, 100);
         // What it ended for is over.
         hand.sim.set_pins(inputs(WELL));
-        for order in [
-            Order::Reset,
-            Order::Resume,
-            Order::Mode(OperatingMode::Manual),
-        ] {
-            hand.gateway.order(&mut hand.sim, order);
-            hand.run(200);
-        }
+        hand.sets_right();
         assert_eq!(hand.gateway.status.state, BoardState::Idle, "{name}");
         hand.renew_spindle(Towards::Plus, 0, 100);
         assert_eq!(hand.commanded(), 0, "{name}");

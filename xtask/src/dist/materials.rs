@@ -33,14 +33,11 @@ fn write(bill: &Value, path: &Path) -> Result<()> {
 }
 
 fn metadata(workspace: &Path, targets: &[&str]) -> Result<Value> {
-    let mut ask = run::cargo(
-        workspace,
-        &["metadata", "--locked", "--format-version", "1"],
-    );
-    for target in targets {
-        ask.args(["--filter-platform", target]);
-    }
-    serde_json::from_str(&run::read(ask)?).context("cargo metadata is not JSON")
+    let platforms: Vec<&str> = targets
+        .iter()
+        .flat_map(|target| ["--filter-platform", target])
+        .collect();
+    run::metadata(workspace, &platforms)
 }
 
 /// The bill of a package. What only builds or tests it is not in it.

@@ -30,7 +30,7 @@ use crate::zones::Zones;
 /// A step of this length or less is made whole, though nobody renews it.
 const SHORT: Length = Length::from_nm(1_000_000);
 
-/// What is asked of the axes by hand, before it is planned.
+/// What is asked of the axes, or of the spindle, by hand, before it is planned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Asked {
     /// Number of the press, as the board counts.
@@ -41,7 +41,7 @@ pub struct Asked {
     pub z: Option<Towards>,
     /// At rapid.
     pub rapid: bool,
-    /// Speed of the slide in mm/min; `None`: 9041.
+    /// Speed of the slide in mm/min; `None`: 9041. It means nothing where the spindle turns.
     pub speed: Option<u16>,
     /// How the spindle is to turn; at rest: not by this.
     pub spindle: Rpm,

@@ -11,8 +11,8 @@ use leadscrew_core::call::Position;
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 
+use super::heard;
 use super::monitor::hand::broken;
-use super::open;
 use crate::cli::{AxisWay, Global, HandWay, Jog, ModeName, StepLength};
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -35,9 +35,7 @@ static ENTER: AtomicBool = AtomicBool::new(false);
 
 /// Changes the mode.
 pub fn mode(global: &Global, name: ModeName) -> Outcome {
-    let mut link = open(global)?;
-    link.greet()?;
-    link.hear_status()?;
+    let mut link = heard(global)?;
     link.change_mode(name.mode())?;
     let mode = link.mode()?;
     if global.json {
@@ -56,12 +54,10 @@ pub fn mode(global: &Global, name: ModeName) -> Outcome {
     output::write(text.get(global.lang()).as_bytes())
 }
 
-/// Moves axes by hand.
+/// Moves axes, or turns the spindle, by hand.
 pub fn jog(global: &Global, jog: &Jog) -> Outcome {
     let wish = Wish::of(jog)?;
-    let mut link = open(global)?;
-    link.greet()?;
-    link.hear_status()?;
+    let mut link = heard(global)?;
     let mode = match wish {
         Wish::Step { .. } => OperatingMode::Step,
         Wish::Hold { .. } => OperatingMode::Manual,

@@ -9,7 +9,7 @@ use leadscrew_core::bus::WheelRequest;
 use leadscrew_core::operating::{Led, OperatingMode, PressState};
 
 use super::by_hand::{ANSWER, End, RENEWAL, own, refusal, tell};
-use super::open;
+use super::heard;
 use crate::cli::{Global, Handwheel};
 use crate::failure::Outcome;
 use crate::interrupt;
@@ -24,9 +24,7 @@ const STANDS: Duration = Duration::from_millis(150);
 
 /// Turns it.
 pub fn handwheel(global: &Global, wheel: &Handwheel) -> Outcome {
-    let mut link = open(global)?;
-    link.greet()?;
-    link.hear_status()?;
+    let mut link = heard(global)?;
     let leads = wheel.axis.led();
     if leads != Led::Path {
         link.set_mode(OperatingMode::Wheel)?;

@@ -47,6 +47,14 @@ pub fn open(global: &Global) -> Outcome<Link> {
     )?)
 }
 
+/// The same once it has answered and its status is heard. Its switches are left as they are.
+fn heard(global: &Global) -> Outcome<Link> {
+    let mut link = open(global)?;
+    link.greet()?;
+    link.hear_status()?;
+    Ok(link)
+}
+
 /// Sets the switch of the machine where an option says so; else it stays as the operator has it [D513].
 fn single_block(global: &Global, link: &mut Link) -> Outcome {
     if global.single_block.is_some() {

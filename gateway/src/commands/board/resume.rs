@@ -7,7 +7,7 @@ use leadscrew_core::bus::{BoardState, Order};
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::OperatingMode;
 
-use super::{open, operate, single_block};
+use super::{heard, operate, single_block};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::link::Link;
@@ -20,9 +20,7 @@ const LOOK: Duration = Duration::from_millis(20);
 
 /// Lets the program go on, or its axes go back to where it was left.
 pub fn resume(global: &Global) -> Outcome {
-    let mut link = open(global)?;
-    link.greet()?;
-    link.hear_status()?;
+    let mut link = heard(global)?;
     single_block(global, &mut link)?;
     let status = link.status()?;
     if status.left.is_some() && !link.mode()?.runs() {

@@ -143,13 +143,14 @@ impl Machine {
     /// The long axis' ease for a stop on this slope. Where the latencies of the drives differ by τ, the short axis is ahead
     /// by v·τ, which goes with the pace v: that takes τ·v″ beside v′. Half of its acceleration is for each.
     pub fn stop(&self, slope: u64, apart_us: u64) -> Ease {
+        if apart_us == 0 {
+            return self.straight(slope);
+        }
         let half = self.short.acceleration / 2;
-        let bounds = match mul_div(half, 1_000_000, apart_us.max(1)) {
-            _ if apart_us == 0 => self.short,
-            jerk => Bounds {
-                acceleration: half,
-                jerk: self.short.jerk.min(jerk),
-            },
+        let jerk = mul_div(half, 1_000_000, apart_us);
+        let bounds = Bounds {
+            acceleration: half,
+            jerk: self.short.jerk.min(jerk),
         };
         self.following(slope, &bounds)
     }

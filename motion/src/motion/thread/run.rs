@@ -407,8 +407,9 @@ impl ThreadRun {
         }
         let stop = plan.stop.half();
         let corner = |ease: &Ease| ease.half().wrapping_mul(2);
-        let (ahead, behind) = (self.lead_way.max(0), self.lead_way.min(0));
-        let clear_of = |place: Fine| place.wrapping_sub(behind);
+        let ahead = self.lead_way.max(0);
+        let behind = self.lead_way.wrapping_neg().max(0);
+        let clear_of = |place: Fine| place.wrapping_add(behind);
         let from = from.max(clear_of(plan.join.half()));
         let reach = from.wrapping_add(stop).wrapping_add(ahead);
         if reach <= plan.run_in.at.wrapping_sub(corner(&plan.run_in.ease)) {

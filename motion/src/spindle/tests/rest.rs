@@ -84,67 +84,68 @@ fn random(bits: &mut u64) -> f64 {
     (*bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
+/// Tries each encoder this often: `try_one` has the way it turns, 1 or −1, and random bits.
+fn each(number: u64, often: (usize, usize), try_one: impl Fn(Case, f64, &mut u64)) {
+    volume(number, |seed| {
+        let mut bits = seed;
+        for case in cases() {
+            for _ in 0..amount(often.0, often.1) {
+                let side = if random(&mut bits) < 0.5 { 1.0 } else { -1.0 };
+                try_one(case, side, &mut bits);
+            }
+        }
+    });
+}
+
 /// Where the tracker swung about the count for ever, a gear and the chuck were refused until the spindle was moved.
 #[test]
 fn a_spindle_that_comes_to_rest_anywhere_stands_within_a_second() {
-    volume(509, |seed| {
-        let mut bits = seed;
-        for case in cases() {
-            for _ in 0..amount(4, 40) {
-                let side = if random(&mut bits) < 0.5 { 1.0 } else { -1.0 };
-                // A stop of half a second to five, from 18 to 500 rpm.
-                let stop = 0.5 + 4.5 * random(&mut bits);
-                let speed = 0.3 + 8.0 * random(&mut bits);
-                let half = speed / stop / 2.0;
-                let rest = random(&mut bits) + half * stop * stop;
-                let at = |t: f64| side * (rest - half * (stop - t).max(0.0).powi(2));
-                let passes = |angle: f64| stop - ((rest - side * angle).max(0.0) / half).sqrt();
-                let mut seen = Seen::new(case);
-                while seen.time() < stop + 1.01 {
-                    seen.tick(at, passes);
-                }
-                for _ in 0..1000 {
-                    seen.tick(at, passes);
-                    let speed = seen.observer.speed();
-                    assert!(
-                        !seen.observer.is_turning() && speed == TurnRate::ZERO,
-                        "{case:?}: {} rpm at rest at {} of a count",
-                        speed.rpm().get(),
-                        (rest * f64::from(case.counts)).fract()
-                    );
-                }
-            }
+    each(509, (4, 40), |case, side, bits| {
+        // A stop of half a second to five, from 18 to 500 rpm.
+        let stop = 0.5 + 4.5 * random(bits);
+        let speed = 0.3 + 8.0 * random(bits);
+        let half = speed / stop / 2.0;
+        let rest = random(bits) + half * stop * stop;
+        let at = |t: f64| side * (rest - half * (stop - t).max(0.0).powi(2));
+        let passes = |angle: f64| stop - ((rest - side * angle).max(0.0) / half).sqrt();
+        let mut seen = Seen::new(case);
+        while seen.time() < stop + 1.01 {
+            seen.tick(at, passes);
+        }
+        for _ in 0..1000 {
+            seen.tick(at, passes);
+            let speed = seen.observer.speed();
+            assert!(
+                !seen.observer.is_turning() && speed == TurnRate::ZERO,
+                "{case:?}: {} rpm at rest at {} of a count",
+                speed.rpm().get(),
+                (rest * f64::from(case.counts)).fract()
+            );
         }
     });
 }
 
 #[test]
 fn a_spindle_that_creeps_faster_than_one_that_stands_turns() {
-    volume(510, |seed| {
-        let mut bits = seed;
-        for case in cases() {
-            for _ in 0..amount(2, 20) {
-                let side = if random(&mut bits) < 0.5 { 1.0 } else { -1.0 };
-                // A quarter of a turn a minute, or a count in a second.
-                let least = (1.0 / 240.0_f64).max(1.0 / f64::from(case.counts));
-                let speed = least * (1.1 + 3.0 * random(&mut bits));
-                let from = random(&mut bits);
-                let at = |t: f64| side * (from + speed * t);
-                let passes = |angle: f64| (side * angle - from) / speed;
-                let mut seen = Seen::new(case);
-                while seen.time() < 3.0 {
-                    seen.tick(at, passes);
-                }
-                for _ in 0..3000 {
-                    seen.tick(at, passes);
-                    assert!(
-                        seen.observer.is_turning(),
-                        "{case:?}: {} of the slowest speed at {}",
-                        speed / least,
-                        seen.time()
-                    );
-                }
-            }
+    each(510, (2, 20), |case, side, bits| {
+        // A quarter of a turn a minute, or a count in a second.
+        let least = (1.0 / 240.0_f64).max(1.0 / f64::from(case.counts));
+        let speed = least * (1.1 + 3.0 * random(bits));
+        let from = random(bits);
+        let at = |t: f64| side * (from + speed * t);
+        let passes = |angle: f64| (side * angle - from) / speed;
+        let mut seen = Seen::new(case);
+        while seen.time() < 3.0 {
+            seen.tick(at, passes);
+        }
+        for _ in 0..3000 {
+            seen.tick(at, passes);
+            assert!(
+                seen.observer.is_turning(),
+                "{case:?}: {} of the slowest speed at {}",
+                speed / least,
+                seen.time()
+            );
         }
     });
 }

@@ -13,7 +13,7 @@ use leadscrew_core::board::device::objects::CYCLE_PERIOD;
 use leadscrew_core::bus::BoardStatus;
 use leadscrew_core::link::{Logged, Status, ThreadCertificate, ThreadState};
 
-use super::super::open;
+use super::super::heard;
 use super::super::watch::{Starts, THREADS, bit_rates};
 use super::cut::Cuts;
 use super::reader::Reader;
@@ -66,9 +66,7 @@ impl<'a> Reading<'a> {
     /// # Errors
     /// There is no bus, or no board on it.
     pub fn begin(global: &'a Global, reader: &mut Reader) -> Outcome<Self> {
-        let mut link = open(global)?;
-        link.greet()?;
-        link.hear_status()?;
+        let mut link = heard(global)?;
         let rates = bit_rates(&mut link);
         // The load of the bus is everybody's.
         link.hear_everything()?;

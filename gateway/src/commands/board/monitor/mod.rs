@@ -35,7 +35,7 @@ use self::panel::{Ask, Open, Panel};
 use self::typed::Typed;
 use self::view::{Tone, View};
 use super::watch::{Every, LOG, STATUS, Watch, bit_rates};
-use super::{by_hand, mdi, open, single_block};
+use super::{by_hand, heard, mdi, single_block};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -58,9 +58,7 @@ pub fn monitor(global: &Global, watch: bool) -> Outcome {
             "`monitor` 需要终端，而标准输出不是终端；程序请用 `status --json`"
         )));
     }
-    let mut link = open(global)?;
-    link.greet()?;
-    link.hear_status()?;
+    let mut link = heard(global)?;
     if !watch {
         single_block(global, &mut link)?;
     }

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use leadscrew_panel::Server;
 
-use super::super::open;
+use super::super::heard;
 use super::begun::Begun;
 use super::{Side, object};
 use crate::failure::{Failure, Outcome};
@@ -29,11 +29,8 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// Gives out the page until it is interrupted, whether the board of this link is heard or not.
 pub fn carry_out(mut begun: Begun<'_>, server: &Server, link: Link) -> Outcome {
     let mut link = Some(link);
-    loop {
-        let Some(heard) = link.take() else {
-            return Ok(());
-        };
-        let (failure, silent) = match Side::new(&mut begun, heard) {
+    while let Some(own) = link.take() {
+        let (failure, silent) = match Side::new(&mut begun, own) {
             Err(failure) => (failure, Duration::ZERO),
             Ok(mut side) => {
                 // Who had the lease before looks at the machine first.
@@ -54,6 +51,7 @@ pub fn carry_out(mut begun: Begun<'_>, server: &Server, link: Link) -> Outcome {
         };
         link = lost.look_for(&mut begun, server, failure);
     }
+    Ok(())
 }
 
 /// The board is not heard.
@@ -70,9 +68,8 @@ impl Lost {
         mut self,
         begun: &mut Begun<'_>,
         server: &Server,
-        failure: Failure,
+        mut failure: Failure,
     ) -> Option<Link> {
-        let mut failure = failure;
         begun.views.forget();
         // What was told last is no state of the machine for who comes now.
         begun.feed.forget("s");
@@ -94,7 +91,7 @@ impl Lost {
                 server.attend();
                 std::thread::sleep(GLANCE);
             }
-            match found(begun) {
+            match heard(begun.global) {
                 Ok(link) => return Some(link),
                 Err(other) => failure = other,
             }
@@ -132,14 +129,6 @@ impl Begun<'_> {
             self.feed.tell("log", "[]".to_owned());
         }
     }
-}
-
-/// The board, where it answers. Its switches are left as they are.
-fn found(begun: &Begun<'_>) -> Outcome<Link> {
-    let mut link = open(begun.global)?;
-    link.greet()?;
-    link.hear_status()?;
-    Ok(link)
 }
 
 /// Of a failure that has told its reason elsewhere.

@@ -38,7 +38,7 @@ use self::views::Views;
 use super::monitor::hand::broken;
 use super::monitor::told::Told;
 use super::watch::{Every, LOG, STATUS, Watch};
-use super::{mdi, open, single_block};
+use super::{heard, mdi, single_block};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -69,9 +69,7 @@ pub fn panel(
         })?)),
         None => None,
     };
-    let mut link = open(global)?;
-    link.greet()?;
-    link.hear_status()?;
+    let mut link = heard(global)?;
     if !look {
         single_block(global, &mut link)?;
     }

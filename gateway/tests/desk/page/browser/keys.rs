@@ -70,31 +70,22 @@ fn holds(user: &User, tab: &mut Tab<'_>, (key, number): (&str, u32), axis: &str,
     let place = || user.json(&["status"])[axis].as_f64().unwrap();
     let (end, mut from) = (Instant::now() + LIMIT, place());
     let goal = from - far;
-    operate(tab);
-    go(
-        tab,
-        if axis == "mz" {
-            "[data-jog=\"Z-\"]"
-        } else {
-            "[data-jog=\"X-\"]"
-        },
-    );
-    down(tab, key, number, false);
+    let pad = match axis {
+        "mz" => "[data-jog=\"Z-\"]",
+        _ => "[data-jog=\"X-\"]",
+    };
+    let press = |tab: &mut Tab<'_>| {
+        operate(tab);
+        go(tab, pad);
+        down(tab, key, number, false);
+    };
+    press(tab);
     while from > goal {
         down(tab, key, number, true);
         let now = place();
         if now == from {
             up(tab, key, number);
-            operate(tab);
-            go(
-                tab,
-                if axis == "mz" {
-                    "[data-jog=\"Z-\"]"
-                } else {
-                    "[data-jog=\"X-\"]"
-                },
-            );
-            down(tab, key, number, false);
+            press(tab);
         }
         from = now;
         assert!(Instant::now() < end, "{axis} {now}");
