@@ -20,6 +20,9 @@ let tell = () => {};
 // The start at a line that was shown, and may be ordered.
 let start = null;
 
+// What the panel knows of the board, by which it looks at programs; null where it knows nothing.
+let known = null;
+
 // A program follows the handwheel.
 const by_wheel = () => at("by_wheel").getAttribute("aria-pressed") === "true";
 const both = (key) => ({ en: word(key), zh: word(key) });
@@ -111,10 +114,11 @@ function read(bytes) {
 async function look() {
   const own = turn;
   const { name } = open;
+  open.by = known;
   put([row("plain", word("checking"))]);
   const [check, way] = await Promise.all([view(name, "check", isChinese()), view(name, "path", isChinese())].map(asked));
   if (own !== turn) return;
-  open.by = check?.by;
+  if (check) open.by = check.by;
   found(check);
   path.show(way);
   at("path_note").textContent = way ? said(way, check) : "";
@@ -247,6 +251,7 @@ export function under_way(one) {
 
 // Gives the way to go.
 export function state(s) {
+  known = s.by;
   if (start && s.by && s.by !== start.by) {
     drop();
     tell(both("start_gone"));
@@ -255,9 +260,6 @@ export function state(s) {
   text.here(own ? Number(s.line) || null : null);
   // What was started at a line counts its moves from there on: none of them is a piece's.
   path.at(s.mx / 2, s.mz, own && runs.start === null ? s.move : null);
-  if (open && !open.changed && open.by && s.by && s.by !== open.by) {
-    open.by = s.by;
-    look();
-  }
+  if (open && !open.changed && known && known !== open.by) look();
   return own && fits(runs) ? path.to_go : null;
 }

@@ -23,8 +23,11 @@ use crate::wave::{Angle, Differences, Unit, Wave, learn};
 /// Orders of the turn whose swings are learned, from 1 on.
 const ORDERS: usize = 2;
 
-/// Looks a turn that the swings of all orders need: four in each of their periods.
-const LOOKS: u32 = 8;
+/// Counts a turn that the swings of all orders need: four in each of their periods.
+const COUNTS: u32 = 8;
+
+/// Ticks that a swing needs in each of its periods.
+const TICKS: u32 = 4;
 
 /// Bandwidth of the tracker in Hz, where looks and turns come often.
 const BANDWIDTH: u32 = 8;
@@ -317,9 +320,10 @@ impl Tracker {
         }
     }
 
-    /// True where counts and ticks come often enough in a turn to tell the swings of all orders.
-    fn sees_orders(&self) -> bool {
-        self.counts >= LOOKS && self.turn() <= u32::MAX / LOOKS
+    /// True where counts and ticks come often enough to tell the swing that returns `order` times a turn.
+    fn sees(&self, order: u32) -> bool {
+        let ticks = TICKS.wrapping_mul(order);
+        self.counts >= COUNTS && self.turn().checked_mul(ticks).is_some()
     }
 
     /// True where each tick moves the counter by a count or more.
@@ -420,10 +424,9 @@ impl Tracker {
         let count = u64::from(u32::MAX.checked_div(self.counts).unwrap_or(0)) << 16;
         let error = self.speed.unsigned_abs().to_bits().min(count) >> 1;
         let [first, second] = self.orders;
-        let sees_orders = self.sees_orders();
         let waves = [
-            (first, sees_orders),
-            (second, sees_orders),
+            (first, self.sees(1)),
+            (second, self.sees(2)),
             (self.free.wave, self.free.given != 0),
         ];
         for ((wave, is_seen), is_told) in waves.iter().zip(&mut self.is_told) {
@@ -544,7 +547,7 @@ impl Tracker {
                 return;
             }
         };
-        if !self.sees_orders() {
+        if !self.sees(order) {
             return;
         }
         let turn = (looks::TWO_PI.wrapping_mul(self.turn().into()) >> 28) as i64;

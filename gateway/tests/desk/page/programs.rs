@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 use super::{Client, Page, wait};
 use crate::{LONG, SHORT, User, bad, good};
 
-/// A panel with a folder of programs.
 /// A page with these programs, in a folder of this user.
 pub fn with_programs(user: &User, programs: &[(&str, &str)]) -> Page {
     let folder = user.0.join("parts");

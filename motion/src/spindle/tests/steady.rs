@@ -146,6 +146,28 @@ fn the_error_of_whole_counts_is_not_followed_as_a_swing() {
     }
 }
 
+/// Four ticks a turn are enough for a swing that returns once a turn: where eight were asked for, the axis was beside the
+/// helix by all of the swing.
+#[test]
+fn a_swing_once_a_turn_is_followed_with_seven_ticks_a_turn_and_with_four() {
+    for (counts, rpm) in [(1_002, 2_296), (1_002, 3_700), (500, 1_900), (120, 2_500)] {
+        let case = Case {
+            counts,
+            rpm,
+            tick_us: 4_000,
+            lead_um: 131,
+            acceleration: 0.6,
+            jerk: 200.0,
+            swing: 0.06,
+        };
+        let (beside, swing) = (case.beside_um(), case.swing / TAU * 131.0);
+        assert!(
+            beside < case.said_um().min(swing / 2.0),
+            "{case:?}: {beside:.2} µm beside the helix, and the spindle swings by {swing:.2}"
+        );
+    }
+}
+
 #[test]
 fn whole_counts_never_take_an_axis_farther_than_is_said() {
     leadscrew_seed::volume(1, |seed| {

@@ -224,9 +224,8 @@ fn unfound(unfound: Unfound) -> Failure {
 
 fn unread() -> Both {
     both!(
-        "the parameters and the tool table of the board are not read yet, or the table is damaged: look at the alarms, then open \
-         the program again",
-        "尚未读到控制板的参数和刀具表，或刀具表已损坏：请查看报警，然后重新打开程序"
+        "the parameters and the tool table of the board are not read yet, or the table is damaged: look at the alarms",
+        "尚未读到控制板的参数和刀具表，或刀具表已损坏：请查看报警"
     )
 }
 

@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::super::Page;
-use super::Browser;
+use super::super::programs::{PART, with_programs};
+use super::{Browser, found};
 use crate::{User, good};
 
 #[test]
@@ -52,4 +53,22 @@ fn a_page_says_that_the_board_is_not_heard_and_orders_nothing_when_it_is_heard_a
     tab.operate();
     tab.mode("automatic");
     assert_eq!(user.json(&["status"])["mode"], "automatic");
+}
+
+/// What the panel cannot look at yet is looked at as soon as it can, without being opened again.
+#[test]
+fn a_program_that_was_opened_without_a_board_is_looked_at_once_there_is_one() {
+    let user = User::with_machine();
+    let page = with_programs(&user, &[("part.nc", PART)]);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    tab.wait("document.querySelectorAll('#programs option').length === 2");
+    good(&user.does(&["down"]));
+    tab.wait("!document.getElementById('banner').hidden");
+    tab.choose("part.nc");
+    tab.wait("document.getElementById('answer').textContent.includes('not read yet')");
+    assert_eq!(tab.says(&found("moves")), json!(false));
+    good(&user.does(&["up"]));
+    tab.wait(&found("moves"));
+    tab.wait("document.getElementById('path_note').textContent.includes('pieces')");
 }
