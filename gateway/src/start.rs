@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::io::{self, IsTerminal as _};
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang, Span};
-use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position};
+use leadscrew_core::call::{Aux, Call, CallKind, FeedRate, Position, SpindleCall, SpindleMode};
 use leadscrew_core::params::{Params, gear_of_code};
 use leadscrew_core::units::{Axis, Feed, Length, Rpm};
 use leadscrew_core::zones::Zones;
@@ -204,11 +204,7 @@ pub fn shown(start: &Start, setup: &Setup) -> Both {
             row("gear     ", "档位    ", &format!("M{code}"));
         }
         if let Some(spindle) = &start.spindle {
-            row(
-                "spindle  ",
-                "主轴    ",
-                &format!("{} rpm", spindle.rpm.get()),
-            );
+            row("spindle  ", "主轴    ", turning(spindle).get(lang));
         }
         if start.coolant {
             row("coolant  ", "冷却    ", "M08");
@@ -243,6 +239,25 @@ pub fn shown(start: &Start, setup: &Setup) -> Both {
     Both {
         en: in_lang(Lang::En),
         zh: in_lang(Lang::Zh),
+    }
+}
+
+/// What the spindle does when the line begins.
+fn turning(spindle: &SpindleCall) -> Both {
+    let rpm = spindle.rpm.get();
+    match spindle.mode {
+        SpindleMode::Orient(angle) => {
+            let angle = number::text::<6>(angle.udeg());
+            both!(
+                "at {angle}°, and held there (M19)",
+                "定向在 {angle}° 并保持（M19）"
+            )
+        }
+        SpindleMode::Surface(_) => both!(
+            "{rpm} rpm, by the distance from the centre (G96)",
+            "{rpm} rpm，随直径变化（G96）"
+        ),
+        SpindleMode::Speed | SpindleMode::Rigid(_) => Both::same(format!("{rpm} rpm")),
     }
 }
 

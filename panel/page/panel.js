@@ -135,16 +135,16 @@ function held(button, act) {
   return { begin, end };
 }
 
-// A key that moves an axis, or a button of the pad.
-function move(axes, fast) {
+// A key that moves an axis, or a button that moves an axis or turns the spindle.
+function move(way, fast) {
   if (age() > OLD) return tell(words("stale"));
-  if (last.mode === "step") {
-    const [x, z] = axes;
+  if (last.mode === "step" && !way.spindle) {
+    const [x, z] = way.axes;
     const axis = x ? `X${x > 0 ? "+" : "-"}` : `Z${z > 0 ? "+" : "-"}`;
     return give("step", { axis, by: step });
   }
   tell({ ok: true });
-  press.down(axes, fast, (answer) => {
+  press.down(way, fast, (answer) => {
     if (answer?.pressed === "limit") tell(words("limit"));
     else if (!answer || answer.en) tell(answer);
   });
@@ -178,7 +178,7 @@ function keys(start) {
     if (pressed || inField(event.target) || event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key in ARROWS) {
       event.preventDefault();
-      move(ARROWS[event.key], event.shiftKey);
+      move({ axes: ARROWS[event.key], spindle: 0 }, event.shiftKey);
     } else if (event.key in STEPS) {
       step = STEPS[event.key];
       show.step(step);
@@ -217,13 +217,13 @@ function buttons(start) {
     at("rapidly").setAttribute("aria-pressed", rapid);
   };
   for (const one of document.querySelectorAll("[data-jog]")) {
-    const [axis, sign] = one.dataset.jog;
-    const way = sign === "+" ? 1 : -1;
-    const axes = axis === "X" ? [way, 0] : [0, way];
+    const [which, sign] = one.dataset.jog;
+    const by = (name) => (which === name ? Number(`${sign}1`) : 0);
+    const way = { axes: [by("X"), by("Z")], spindle: by("S") };
     one.addEventListener("pointerdown", (event) => {
       if (!event.isPrimary || event.button !== 0) return press.up();
       one.setPointerCapture(event.pointerId);
-      move(axes, rapid);
+      move(way, rapid);
     });
     for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) one.addEventListener(kind, press.up);
     one.addEventListener("contextmenu", (event) => event.preventDefault());
@@ -231,7 +231,7 @@ function buttons(start) {
     one.addEventListener("keydown", (event) => {
       if (event.key !== "Enter" || event.repeat || event.ctrlKey || press.isDown()) return;
       event.stopPropagation();
-      move(axes, rapid);
+      move(way, rapid);
     });
     one.addEventListener("keyup", (event) => { if (event.key === "Enter") press.up(); });
     one.addEventListener("blur", press.up);

@@ -1,4 +1,4 @@
-// Axes moved by hand: one press at a time, while a finger or a key is down, by frames that this page alone sends. It must not
+// Axes and the spindle moved by hand: one press at a time, while a finger or a key is down, by frames that this page alone sends. It must not
 // know what the page looks like.
 //
 // A frame carries the newest beat that this page has; the board moves until that is older than its dead man. So a page that
@@ -22,12 +22,14 @@ export function hear(s) {
 
 export const isDown = () => press !== null;
 
-// Begins a press: axes as [X, Z], each -1, 0 or 1. `told` gets what is wrong with it.
-export function down(axes, rapid, told) {
+const LET_GO = { axes: [0, 0], spindle: 0 };
+
+// Begins a press: which `way` is axes as [X, Z] and the spindle, each -1, 0 or 1. `told` gets what is wrong with it.
+export function down(way, rapid, told) {
   if (press || beat === null) return;
   const number = ((last ?? 0) + 1) % 256;
   last = number;
-  press = { number, axes, rapid, told, waiting: 0, timer: setInterval(send, RENEWAL) };
+  press = { number, way, rapid, told, waiting: 0, timer: setInterval(send, RENEWAL) };
   send();
 }
 
@@ -37,7 +39,7 @@ export function up() {
   const { number, rapid, timer } = press;
   clearInterval(timer);
   press = null;
-  jog({ press: number, axes: [0, 0], rapid, speed: 0, echo: beat }).catch(() => {});
+  jog({ press: number, ...LET_GO, rapid, speed: 0, echo: beat }).catch(() => {});
 }
 
 async function send() {
@@ -45,7 +47,7 @@ async function send() {
   if (own.waiting >= UNDER_WAY) return;
   own.waiting += 1;
   try {
-    const answer = await jog({ press: own.number, axes: own.axes, rapid: own.rapid, speed: 0, echo: beat });
+    const answer = await jog({ press: own.number, ...own.way, rapid: own.rapid, speed: 0, echo: beat });
     if (typeof answer.beat === "number") beat = answer.beat;
     const over = answer.press === own.number && ["ended", "limit", "refused"].includes(answer.pressed);
     if (press === own && (over || answer.ok !== true)) {

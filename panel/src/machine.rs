@@ -4,17 +4,19 @@ use std::path::Path;
 
 use serde_json::Value;
 
-/// One frame of a press.
+/// One frame of a press. Where no way is told, it is let go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Jog {
     /// The number of the press.
     pub press: u8,
-    /// Which way X and Z are to go: above 0 towards plus, below towards minus. Both 0: let go.
+    /// Which way X and Z are to go: above 0 towards plus, below towards minus.
     pub axes: [i8; 2],
+    /// Which way the spindle is to turn, alone: above 0 as M03, below as M04.
+    pub spindle: i8,
     /// At the rapid of moving by hand.
     pub rapid: bool,
-    /// Speed of the slide in mm/min; 0: the machine's own.
-    pub mm_per_min: u16,
+    /// Speed of the slide in mm/min, of the spindle in rpm; 0: the machine's own.
+    pub speed: u16,
     /// The newest beat that the page has.
     pub echo: u16,
 }

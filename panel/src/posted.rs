@@ -110,7 +110,7 @@ impl Posted {
         }
     }
 
-    /// `{c, press, axes, rapid, speed, echo}`: one frame.
+    /// `{c, press, axes, spindle, rapid, speed, echo}`: one frame.
     pub fn jog(&self, cookie: &str, body: &[u8]) -> Result<Answer, Refusal> {
         let body = parsed(body)?;
         let client = client(cookie, &body)?;
@@ -120,7 +120,9 @@ impl Posted {
         if !state.lease.is_of(&client, now) {
             return Err(Refusal::NotOperating);
         }
-        state.lease.press(jog.axes != [0; 2], now);
+        state
+            .lease
+            .press(jog.axes != [0; 2] || jog.spindle != 0, now);
         drop(state);
         Ok((OK, self.machine.jog(&jog)))
     }
@@ -208,17 +210,20 @@ fn order_of(body: &Value) -> Option<Order> {
 }
 
 fn jog_of(body: &Value) -> Option<Jog> {
-    let axis = |at: usize| -> Option<i8> {
-        let way = body["axes"][at].as_i64()?;
+    let way = |told: &Value| -> Option<i8> {
+        let way = told.as_i64()?;
         (-1..=1).contains(&way).then_some(way as i8)
     };
-    Some(Jog {
+    let jog = Jog {
         press: body["press"].as_u64()?.try_into().ok()?,
-        axes: [axis(0)?, axis(1)?],
+        axes: [way(&body["axes"][0])?, way(&body["axes"][1])?],
+        spindle: way(&body["spindle"])?,
         rapid: body["rapid"].as_bool()?,
-        mm_per_min: body["speed"].as_u64()?.try_into().ok()?,
+        speed: body["speed"].as_u64()?.try_into().ok()?,
         echo: echo_of(body)?,
-    })
+    };
+    // A frame on the bus has one speed.
+    (jog.axes == [0; 2] || jog.spindle == 0).then_some(jog)
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ usage: cargo xtask COMMAND
 
   demo       checks, runs and draws examples/shaft.nc on the simulated machine
   setup      what the other commands need: Debian packages, a few Python packages, the ARM target
-  test       what a change must pass first, in ten minutes; installs what it needs
+  test       what a change must pass first; installs what it needs
   test --full  everything that a change must pass, in full volume
   vcan       the tests on a CAN bus alone (vcan NAME: those with this in their name)
   emulated   the board on the emulated Cortex-M4F, driven by `leadscrew` (emulated NAME: tests with this in their name)

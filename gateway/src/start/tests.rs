@@ -93,3 +93,14 @@ fn what_was_shown_begins_and_nothing_else() {
     part.write("O0078.nc", "O78\nM99\n");
     assert_eq!(part.agrees("--lang zh", shown), Ok(3));
 }
+
+#[test]
+fn a_spindle_that_stands_at_an_angle_is_not_shown_as_one_of_no_speed() {
+    use leadscrew_core::units::Angle;
+    let shown = |spindle: SpindleCall| turning(&spindle).en;
+    assert_eq!(
+        shown(SpindleCall::orient(Angle::from_udeg(30_500_000))),
+        "at 30.5°, and held there (M19)"
+    );
+    assert_eq!(shown(SpindleCall::speed(Rpm::new(-300))), "-300 rpm");
+}

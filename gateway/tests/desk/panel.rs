@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use nix::fcntl::{FcntlArg, FdFlag, fcntl};
 use nix::pty::{OpenptyResult, Winsize, openpty};
 use nix::sys::termios::{Termios, tcgetattr};
 use serde_json::Value;
@@ -39,6 +40,10 @@ impl Terminal {
             ws_ypixel: 0,
         };
         let ends = openpty(Some(&size), None).unwrap();
+        for end in [&ends.master, &ends.slave] {
+            // A machine that is started meanwhile goes on, and would keep the terminal open.
+            fcntl(end, FcntlArg::F_SETFD(FdFlag::FD_CLOEXEC)).unwrap();
+        }
         let before = tcgetattr(&ends.slave).unwrap();
         let end = || ends.slave.try_clone().unwrap();
         let child = user
@@ -196,6 +201,43 @@ fn keys_change_the_mode_run_a_line_jog_hold_and_leave() {
     assert!(drawn.contains("\x1b[>3u"), "{drawn:?}");
     let behind = "\x1b[<1u\x1b[?1004l\x1b[?2004l\x1b[?1049l";
     assert!(drawn.ends_with(behind), "{drawn:?}");
+}
+
+#[test]
+fn the_panel_stays_when_its_machine_is_gone_and_operates_the_next_one() {
+    let user = User::with_machine();
+    let mut terminal = Terminal::start(&user, &[], WITH_RELEASE);
+    good(&user.does(&["down"]));
+    terminal.wait_for("nothing is ordered");
+    // Keys order nothing, now or later.
+    terminal.types("mds r\r");
+    good(&user.does(&["up"]));
+    terminal.wait_for("heard again after");
+    let status = user.json(&["status", "--node", "1"]);
+    assert_eq!(
+        (&status["state"], &status["mode"], &status["hold"]),
+        (&"idle".into(), &"manual".into(), &false.into())
+    );
+    let end = Instant::now() + LIMIT;
+    while user.json(&["status", "--node", "1"])["mode"] != "mdi" {
+        terminal.types("md");
+        assert!(Instant::now() < end);
+    }
+    terminal.types("q");
+    assert_eq!(terminal.end().0, Some(0));
+}
+
+#[test]
+fn a_panel_whose_machine_is_gone_is_left_by_a_key() {
+    let user = User::new();
+    for args in [&[][..], &["--watch"]] {
+        good(&user.does(&["up"]));
+        let mut terminal = Terminal::start(&user, args, WITHOUT);
+        good(&user.does(&["down"]));
+        terminal.wait_for("nothing is ordered");
+        terminal.types("q");
+        assert_eq!(terminal.end().0, Some(0));
+    }
 }
 
 #[test]

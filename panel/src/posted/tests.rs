@@ -119,21 +119,37 @@ fn the_same_order_has_the_same_answer_and_acts_once_also_while_it_is_done() {
 #[test]
 fn a_press_is_passed_on_frame_by_frame_for_who_operates() {
     let bench = Bench::new();
-    let jog = |client: &str, axes: Value| {
-        let body =
-            json!({"c": client, "press": 3, "axes": axes, "rapid": true, "speed": 0, "echo": 9});
+    let turn = |client: &str, axes: Value, spindle: Value| {
+        let body = json!({"c": client, "press": 3, "axes": axes, "spindle": spindle, "rapid": true, "speed": 0, "echo": 9});
         bench.posted.jog("cookie", body.to_string().as_bytes())
     };
+    let jog = |client: &str, axes: Value| turn(client, axes, json!(0));
     assert_eq!(jog("a", json!([0, 1])), Err(Refusal::NotOperating));
     bench.lease("a", "take");
     let frame = Jog {
         press: 3,
         axes: [0, -1],
+        spindle: 0,
         rapid: true,
-        mm_per_min: 0,
+        speed: 0,
         echo: 9,
     };
     assert_eq!(jog("a", json!([0, -1])), ok(&format!("{frame:?}")));
+    let turned = Jog {
+        axes: [0, 0],
+        spindle: 1,
+        ..frame
+    };
+    assert_eq!(
+        turn("a", json!([0, 0]), json!(1)),
+        ok(&format!("{turned:?}"))
+    );
+    // The spindle is pressed as an axis is: nobody takes the lease meanwhile.
+    assert!(bench.lease("b", "take").contains("notice_ms"));
+    assert_eq!(turn("a", json!([1, 0]), json!(1)), Err(Refusal::Malformed));
+    for wrong in [json!(2), json!("S+"), Value::Null] {
+        assert_eq!(turn("a", json!([0, 0]), wrong), Err(Refusal::Malformed));
+    }
     for wrong in [json!([0]), json!([2, 0]), json!("X+"), Value::Null] {
         assert_eq!(jog("a", wrong), Err(Refusal::Malformed));
     }

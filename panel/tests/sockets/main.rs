@@ -273,7 +273,7 @@ fn an_order_needs_a_link_to_operate_and_comes_from_this_page() {
     let hold = "{\"c\":\"a\",\"n\":1,\"op\":\"hold\"}";
     let start = "{\"c\":\"a\",\"n\":2,\"op\":\"start\"}";
     let take = "{\"c\":\"a\",\"do\":\"take\"}";
-    let jog = "{\"c\":\"a\",\"press\":1,\"axes\":[1,0],\"rapid\":false,\"speed\":0,\"echo\":1}";
+    let jog = "{\"c\":\"a\",\"press\":1,\"axes\":[1,0],\"spindle\":0,\"rapid\":false,\"speed\":0,\"echo\":1}";
     for (path, body) in [("/order", hold), ("/lease", take), ("/jog", jog)] {
         refused(&bench.post(path, body), Refusal::Login);
         refused(&bench.post_as(&looks, path, body), Refusal::Looks);

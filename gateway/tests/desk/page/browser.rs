@@ -419,6 +419,15 @@ fn somebody_operates_the_machine_with_mouse_and_keys() {
     tab.mouse("[data-jog=\"Z-\"]", "mouseReleased");
     let at = user.wait_for("idle")["mz"].clone();
     assert_eq!(user.wait_for("idle")["mz"], at);
+    tab.until(
+        "Number(document.getElementById('rpm').textContent) > 40",
+        |tab| {
+            tab.mouse("[data-jog=\"S+\"]", "mouseReleased");
+            tab.mouse("[data-jog=\"S+\"]", "mousePressed");
+        },
+    );
+    tab.mouse("[data-jog=\"S+\"]", "mouseReleased");
+    tab.wait("Number(document.getElementById('rpm').textContent) === 0");
     // A start that is not held is none; one that is held is told that nothing waits.
     tab.until(
         "document.querySelector('[data-mode=\"automatic\"]').ariaPressed === 'true'",

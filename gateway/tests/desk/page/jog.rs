@@ -39,7 +39,7 @@ impl Press {
     /// One frame with the newest beat that is known.
     fn frame(&mut self, client: &Client<'_>, released: bool) -> Value {
         let way = if released { 0 } else { self.way };
-        let body = json!({"c": client.name, "press": self.number, "axes": [0, way], "rapid": false, "speed": 0,
+        let body = json!({"c": client.name, "press": self.number, "axes": [0, way], "spindle": 0, "rapid": false, "speed": 0,
             "echo": self.echoes[1]});
         let mut sent = client.page.post(&client.cookie, "/jog", &body);
         if sent.0 == 409 {
@@ -54,7 +54,7 @@ impl Press {
 
     /// One frame that comes late: with a beat that was new before.
     fn late(&self, client: &Client<'_>, delay: Duration) {
-        let body = json!({"c": client.name, "press": self.number, "axes": [0, self.way], "rapid": false, "speed": 0,
+        let body = json!({"c": client.name, "press": self.number, "axes": [0, self.way], "spindle": 0, "rapid": false, "speed": 0,
             "echo": self.echoes[1]});
         std::thread::sleep(delay);
         client.page.post(&client.cookie, "/jog", &body);
@@ -165,8 +165,7 @@ fn a_press_moves_an_axis_until_it_is_let_go_and_a_step_moves_it_once() {
     let (at, _) = rest(&user, &one, &press);
     assert!(at <= from - 0.5);
     // The page goes; nothing but the press was at stake.
-    let jog =
-        json!({"c": "two", "press": 1, "axes": [0, 1], "rapid": false, "speed": 0, "echo": 0});
+    let jog = json!({"c": "two", "press": 1, "axes": [0, 1], "spindle": 0, "rapid": false, "speed": 0, "echo": 0});
     assert_eq!(page.post(&one.cookie, "/jog", &jog).0, 409);
     one.does("mode", &json!({"mode": "step"}));
     one.does("step", &json!({"axis": "Z+", "by": "0.1"}));

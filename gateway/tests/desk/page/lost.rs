@@ -78,8 +78,7 @@ fn the_panel_outlives_its_machine_and_reads_the_next_one_anew() {
     one.is_kept_from("program", &program);
     let set = json!({"seen": "1", "set": {"T1.X": "1"}, "check": true});
     one.is_kept_from("tools", &set);
-    let jog =
-        json!({"c": "one", "press": 1, "axes": [0, -1], "rapid": false, "speed": 0, "echo": 1});
+    let jog = json!({"c": "one", "press": 1, "axes": [0, -1], "spindle": 0, "rapid": false, "speed": 0, "echo": 1});
     assert_eq!(page.post(&one.cookie, "/jog", &jog).1["ok"], false);
     let (_, _, none) = one.get("/params");
     assert!(none.contains("not read yet"), "{none}");

@@ -1,4 +1,4 @@
-//! Axes moved by the arrow keys: a press while its key is held, or one step.
+//! Axes and the spindle moved by keys: a press while its key is held, or one step.
 //!
 //! Time and what was heard are arguments; frames come out. A press lives while the terminal goes on telling that its key is
 //! down [D321]: a terminal that is gone tells no release.
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use leadscrew_core::bus::{Beat, BoardState, Frame, JogRequest, NodeId, StepRequest};
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 
-use crate::cli::AxisWay;
+use crate::cli::HandWay;
 use crate::link::Seen;
 use crate::words::{Both, both};
 
@@ -69,7 +69,7 @@ pub fn broken() -> Both {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Doing {
     Press {
-        way: AxisWay,
+        way: HandWay,
         rapid: bool,
         /// The key is held.
         held: bool,
@@ -136,7 +136,7 @@ impl Hand {
     }
 
     /// Begins a press.
-    pub fn press(&mut self, way: AxisWay, rapid: bool, seen: &Seen, now: Instant) {
+    pub fn press(&mut self, way: HandWay, rapid: bool, seen: &Seen, now: Instant) {
         let doing = Doing::Press {
             way,
             rapid,
@@ -170,7 +170,7 @@ impl Hand {
     }
 
     /// The terminal tells that a key is still down. Another one, or Shift let go, ends the press.
-    pub fn still_held(&mut self, which: AxisWay, fast: bool, now: Instant) {
+    pub fn still_held(&mut self, which: HandWay, fast: bool, now: Instant) {
         let Some(Active {
             doing:
                 Doing::Press {
@@ -303,15 +303,13 @@ fn frame(doing: Doing, session: u8, number: u8, echo: Beat, node: NodeId) -> Fra
         Doing::Press {
             way, rapid, held, ..
         } => {
-            let towards = |on_z: bool| -> Option<Towards> {
-                (held && way.on_z == on_z).then_some(way.towards)
-            };
+            let told = |towards: Option<Towards>| towards.filter(|_| held);
             JogRequest {
                 session,
                 press: number,
-                x: towards(false),
-                z: towards(true),
-                spindle: None,
+                x: told(way.of_axis(false)),
+                z: told(way.of_axis(true)),
+                spindle: told(way.of_spindle()),
                 rapid,
                 speed: 0,
                 echo,

@@ -7,7 +7,7 @@ use leadscrew_core::bus::BoardState;
 use leadscrew_core::operating::{Interlock, OperatingMode, Towards};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
-use crate::cli::{AxisWay, OverrideName, StepLength};
+use crate::cli::{AxisWay, HandWay, OverrideName, StepLength};
 use crate::diagnostics::alarm_words;
 use crate::words::{Both, both};
 
@@ -34,8 +34,8 @@ pub enum Wish {
     SingleBlock,
     /// The way of a step.
     Increment(StepLength),
-    /// An arrow.
-    Arrow(AxisWay, Speed),
+    /// What moves by hand.
+    ByHand(HandWay, Speed),
     /// Show positions by the next work coordinate system.
     NextSystem,
     /// Show positions by the next tool.
@@ -48,7 +48,7 @@ pub enum Wish {
     Quit,
 }
 
-/// How fast an arrow is meant.
+/// How fast an axis is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Speed {
     /// Parameter 9041.
@@ -86,7 +86,10 @@ pub fn wish(key: KeyEvent) -> Option<Wish> {
         } else {
             Speed::Feed
         };
-        Some(Wish::Arrow(AxisWay { on_z, towards }, speed))
+        Some(Wish::ByHand(
+            HandWay::Axis(AxisWay { on_z, towards }),
+            speed,
+        ))
     };
     let letter = match key.code {
         KeyCode::Up => return arrow(false, Towards::Plus),
@@ -108,6 +111,8 @@ pub fn wish(key: KeyEvent) -> Option<Wish> {
         'k' => Wish::Override(OverrideName::Rapid, -25),
         'o' => Wish::Override(OverrideName::Spindle, 10),
         'l' => Wish::Override(OverrideName::Spindle, -10),
+        'f' => Wish::ByHand(HandWay::Spindle(Towards::Plus), Speed::Feed),
+        'v' => Wish::ByHand(HandWay::Spindle(Towards::Minus), Speed::Feed),
         'b' => Wish::SingleBlock,
         '1'..='4' => {
             let index = usize::from(letter as u8 - b'1');
@@ -203,14 +208,14 @@ pub fn refusal(wish: Wish, now: Situation) -> Option<Both> {
             | Wish::Modes
             | Wish::Override(..)
             | Wish::SingleBlock
-            | Wish::Arrow(..)
+            | Wish::ByHand(..)
             | Wish::Line
     );
     if acts && now.old {
         return Some(old());
     }
     match wish {
-        Wish::Arrow(..) => arrow(now),
+        Wish::ByHand(way, _) => by_hand(way, now),
         Wish::Home => by_mode(now, &[OperatingMode::Reference]),
         Wish::Start => by_mode(now, &[OperatingMode::Automatic, OperatingMode::Mdi]),
         Wish::Line if now.typed => Some(alarm_words(&Alarm::of(Code::ProgramUnderWay, &[]))),
@@ -256,13 +261,16 @@ pub fn old() -> Both {
     )
 }
 
-/// The same of an arrow.
-fn arrow(now: Situation) -> Option<Both> {
-    let modes = [OperatingMode::Manual, OperatingMode::Step];
+/// The same of what moves by hand. The spindle turns while it is held, and has no steps.
+fn by_hand(way: HandWay, now: Situation) -> Option<Both> {
+    let modes: &[OperatingMode] = match way {
+        HandWay::Axis(_) => &[OperatingMode::Manual, OperatingMode::Step],
+        HandWay::Spindle(_) => &[OperatingMode::Manual],
+    };
     // A program in these modes is held and was left: its axes may move.
     let is_left = now.mode.is_some_and(|mode| modes.contains(&mode));
     let program = now.program && !is_left;
-    if let Some(words) = by_mode(Situation { program, ..now }, &modes) {
+    if let Some(words) = by_mode(Situation { program, ..now }, modes) {
         return Some(words);
     }
     if now.hold {
@@ -275,13 +283,19 @@ fn arrow(now: Situation) -> Option<Both> {
             "此控制板不发送节拍（TPDO5，节点 1 至 31），没有节拍不能手动移动"
         ));
     }
-    if now.mode == Some(OperatingMode::Manual) && !now.tells_release {
-        return Some(both!(
+    if now.mode != Some(OperatingMode::Manual) || now.tells_release {
+        return None;
+    }
+    Some(match way {
+        HandWay::Axis(_) => both!(
             "this terminal does not tell when a key is let go: arrows move in steps, in mode step (m i)",
             "此终端不报告按键松开：方向键只能按增量移动，请切换到增量方式（m i）"
-        ));
-    }
-    None
+        ),
+        HandWay::Spindle(_) => both!(
+            "this terminal does not tell when a key is let go: turn the spindle by `leadscrew jog S+ --hold`",
+            "此终端不报告按键松开：请用 `leadscrew jog S+ --hold` 转动主轴"
+        ),
+    })
 }
 
 /// What a program, an alarm and another mode than these refuse.

@@ -7,9 +7,11 @@
 //!                        └ asks ─► here: reads the board, begins typed lines (typed), has it drawn (view, draw)
 //! ```
 //!
+//! Where the board is not heard any more, the panel stays and looks for it (`finding`).
 //! The panel has its turn wherever the link waits ([`Link::meanwhile`]): no transfer delays a hold or a release.
 
 mod draw;
+mod finding;
 pub(super) mod hand;
 pub(super) mod homing;
 pub(super) mod keys;
@@ -28,9 +30,8 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::board::device::objects::BEAT;
 use leadscrew_core::bus::{Beat, BoardSpindle, Frame, NodeId};
-use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{Event as Input, KeyCode, KeyEventKind};
 
+use self::finding::{Screen, leaves};
 use self::panel::{Ask, Open, Panel};
 use self::typed::Typed;
 use self::view::{Tone, View};
@@ -62,19 +63,25 @@ pub fn monitor(global: &Global, watch: bool) -> Outcome {
     if !watch {
         single_block(global, &mut link)?;
     }
-    // The load of the bus is everybody's.
-    link.hear_everything()?;
     interrupt::defer(UnderWay::Computed);
     interrupt::before_the_end(terminal::give_back);
     let keys = !watch && terminal::has_keys();
     let result = terminal::take()
         .and_then(|drawn| Ok((drawn, keys && terminal::listen()?)))
-        .map_err(|error| Failure::stdout(&error))
         .and_then(|(drawn, tells_release)| {
-            Session::new(global, link, keys, tells_release)?.carry_out(drawn)
+            let node = link.node().get();
+            let screen = Screen {
+                global,
+                keys,
+                tells_release,
+                drawn,
+                view: View::new(&global.bus.to_string(), node, global.lang()),
+                typed: None,
+            };
+            screen.carry_out(link)
         });
     terminal::give_back();
-    result
+    result.map_err(|error| Failure::stdout(&error))
 }
 
 /// What the terminal and the bus share.
@@ -101,7 +108,7 @@ impl Shared {
                     if self.keys {
                         self.panel.input(input, seen, now);
                     } else {
-                        self.over |= ends(input);
+                        self.over |= leaves(input);
                     }
                 }
             }
@@ -112,37 +119,28 @@ impl Shared {
     }
 }
 
-/// A key that ends a view without keys.
-fn ends(input: &Input) -> bool {
-    let Input::Key(key) = input else {
-        return false;
-    };
-    key.kind == KeyEventKind::Press
-        && (matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) || keys::is_control(*key, 'c'))
-}
-
-/// One panel at work.
-struct Session<'a> {
-    global: &'a Global,
+/// One panel at work, as long as the board is heard.
+struct Session<'a, 'b> {
+    screen: &'b mut Screen<'a>,
     link: Link,
     shared: Arc<Mutex<Shared>>,
-    keys: bool,
-    view: View,
     watch: Watch,
-    typed: Option<Typed>,
     rates: [u64; 2],
     record_read: Option<Instant>,
 }
 
-impl<'a> Session<'a> {
-    fn new(global: &'a Global, mut link: Link, keys: bool, tells_release: bool) -> Outcome<Self> {
+impl<'a, 'b> Session<'a, 'b> {
+    /// Whatever was read of a board before is read anew.
+    fn new(screen: &'b mut Screen<'a>, mut link: Link) -> Outcome<Self> {
+        // The load of the bus is everybody's.
+        link.hear_everything()?;
         let rates = bit_rates(&mut link);
         let watch = Watch::new(&mut link)?;
-        let node = link.node();
+        let (node, lang) = (link.node(), screen.global.lang());
         let session = by_hand::session();
         let shared = Arc::new(Mutex::new(Shared {
-            panel: Panel::new(node, session, global.lang(), tells_release),
-            keys,
+            panel: Panel::new(node, session, lang, screen.tells_release),
+            keys: screen.keys,
             shown: false,
             over: false,
             trouble: None,
@@ -150,17 +148,20 @@ impl<'a> Session<'a> {
         let turns = Arc::clone(&shared);
         link.meanwhile(move |seen, now| locked(&turns).turn(seen, now));
         link.seen.traffic = Traffic::default();
+        screen.view = View::new(&screen.global.bus.to_string(), node.get(), lang);
         Ok(Self {
-            global,
-            keys,
-            view: View::new(&global.bus.to_string(), node.get(), global.lang()),
+            screen,
             link,
             shared,
             watch,
-            typed: None,
             rates,
             record_read: None,
         })
+    }
+
+    /// When the board was heard last.
+    fn last(&self) -> Option<Instant> {
+        self.link.seen.last
     }
 
     fn shared(&self) -> MutexGuard<'_, Shared> {
@@ -185,19 +186,33 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn carry_out(mut self, mut drawn: DefaultTerminal) -> Outcome {
+    /// Until a key ends it, or the terminal fails; with a failure once the board is not heard.
+    fn carry_out(&mut self) -> Outcome<io::Result<()>> {
         let (mut status, mut log, mut load) =
             (Every::new(STATUS), Every::new(LOG), Every::new(LOAD));
         let mut loaded = Instant::now();
         self.read_log()?;
         self.read_status()?;
         // What was typed before anything could be seen was not meant for a machine.
-        terminal::said().map_err(|error| Failure::stdout(&error))?;
+        if let Err(error) = terminal::said() {
+            return Ok(Err(error));
+        }
         self.shared().shown = true;
-        self.draw(&mut drawn)?;
         loop {
+            if let Err(error) = self.draw() {
+                return Ok(Err(error));
+            }
+            let mut shared = self.shared();
+            if let Some(error) = shared.trouble.take() {
+                return Ok(Err(error));
+            }
+            // Ctrl-C is a key here; where the signal comes from elsewhere, the terminal is left as it was all the same.
+            if shared.over || interrupt::requested() {
+                return Ok(Ok(()));
+            }
+            drop(shared);
             let node = self.link.node();
-            let errors = &mut self.view.errors;
+            let errors = &mut self.screen.view.errors;
             self.link.listen(Instant::now() + PICTURE, &mut |frame| {
                 note_error(errors, frame, node);
                 false
@@ -208,7 +223,8 @@ impl<'a> Session<'a> {
                 let ms = loaded.elapsed().as_millis() as u64;
                 let traffic = std::mem::take(&mut self.link.seen.traffic);
                 let [kbit, fd_kbit] = self.rates;
-                self.view.load_percent = traffic.load(kbit, fd_kbit, ms.max(1)).min(999);
+                let percent = traffic.load(kbit, fd_kbit, ms.max(1)).min(999);
+                self.screen.view.load_percent = percent;
                 loaded = Instant::now();
             }
             if log.is_due(now) {
@@ -218,15 +234,6 @@ impl<'a> Session<'a> {
                 self.read_status()?;
             }
             self.do_asked()?;
-            self.draw(&mut drawn)?;
-            let mut shared = self.shared();
-            if let Some(error) = shared.trouble.take() {
-                return Err(Failure::stdout(&error));
-            }
-            // Ctrl-C is a key here; where the signal comes from elsewhere, the terminal is left as it was all the same.
-            if shared.over || interrupt::requested() {
-                return Ok(());
-            }
         }
     }
 
@@ -235,7 +242,7 @@ impl<'a> Session<'a> {
         if let Some(status) = self.tolerate(read)? {
             let now = Instant::now();
             self.record_read = Some(now);
-            self.view.record = Some((status, Duration::ZERO));
+            self.screen.view.record = Some((status, Duration::ZERO));
             self.shared().panel.note_record(status, now);
         }
         if self.link.seen.beat.is_none() {
@@ -254,15 +261,17 @@ impl<'a> Session<'a> {
     fn read_log(&mut self) -> Outcome {
         let read = self.watch.log(&mut self.link);
         for entry in self.tolerate(read)?.unwrap_or_default() {
-            if let Some(told) = told::told(&entry, self.view.lang) {
-                if self.view.messages.len() == KEPT {
-                    self.view.messages.pop_front();
+            if let Some(told) = told::told(&entry, self.screen.view.lang) {
+                if self.screen.view.messages.len() == KEPT {
+                    self.screen.view.messages.pop_front();
                 }
-                self.view.messages.push_back(told);
+                self.screen.view.messages.push_back(told);
             }
         }
-        if let Some((status, _)) = self.view.record {
-            let read = self.watch.follow(self.global, &mut self.link, &status);
+        if let Some((status, _)) = self.screen.view.record {
+            let read = self
+                .watch
+                .follow(self.screen.global, &mut self.link, &status);
             self.tolerate(read)?;
         }
         Ok(())
@@ -283,35 +292,39 @@ impl<'a> Session<'a> {
                         _ => {}
                     }
                 }
-                Ask::Line(line) => match Typed::begin(self.global, &line, self.global.lang()) {
-                    Ok(typed) => {
-                        self.typed = Some(typed);
-                        let words = both!("under way: {line}", "正在执行：{line}");
-                        self.answer(&words, Tone::Plain);
+                Ask::Line(line) => {
+                    match Typed::begin(self.screen.global, &line, self.screen.global.lang()) {
+                        Ok(typed) => {
+                            self.screen.typed = Some(typed);
+                            let words = both!("under way: {line}", "正在执行：{line}");
+                            self.answer(&words, Tone::Plain);
+                        }
+                        Err(error) => {
+                            let (words, tone) = typed::not_begun(&error);
+                            self.answer(&words, tone);
+                        }
                     }
-                    Err(error) => {
-                        let (words, tone) = typed::not_begun(&error);
-                        self.answer(&words, tone);
-                    }
-                },
+                }
                 Ask::NextSystem => self.watch.zeros.next_system(),
                 Ask::NextTool => self.watch.zeros.next_tool(),
             }
         }
-        if let Some((words, tone)) = self.typed.as_ref().and_then(Typed::answer) {
-            self.typed = None;
+        if let Some((words, tone)) = self.screen.typed.as_ref().and_then(Typed::answer) {
+            self.screen.typed = None;
             self.answer(&words, tone);
         }
-        self.shared().panel.typed = self.typed.is_some();
+        self.shared().panel.typed = self.screen.typed.is_some();
         Ok(())
     }
 
-    fn draw(&mut self, drawn: &mut DefaultTerminal) -> Outcome {
+    fn draw(&mut self) -> io::Result<()> {
         let now = Instant::now();
         let seen = &self.link.seen;
         let shared = locked(&self.shared);
         let panel = &shared.panel;
-        let view = &mut self.view;
+        let Screen {
+            view, drawn, keys, ..
+        } = &mut *self.screen;
         view.pdo = seen.status.zip(panel.age(now));
         if let (Some((_, age)), Some(read)) = (&mut view.record, self.record_read) {
             *age = now.saturating_duration_since(read);
@@ -322,7 +335,7 @@ impl<'a> Session<'a> {
         view.zero = self.watch.zeros.zero();
         view.modal = self.watch.zeros.carried.as_ref().map(mdi::modal_words);
         let mut page = Vec::new();
-        if self.keys {
+        if *keys {
             view.prompt = panel.prompt();
             view.hint = panel.hint(seen);
             if panel.open == Open::Help {
@@ -330,15 +343,13 @@ impl<'a> Session<'a> {
             }
         }
         drop(shared);
-        drawn
-            .draw(|frame| {
-                draw::draw(frame, view);
-                if !page.is_empty() {
-                    draw::draw_help(frame, view, &page);
-                }
-            })
-            .map(|_| ())
-            .map_err(|error| Failure::stdout(&error))
+        let picture = |frame: &mut ratatui::Frame| {
+            draw::draw(frame, view);
+            if !page.is_empty() {
+                draw::draw_help(frame, view, &page);
+            }
+        };
+        drawn.draw(picture).map(drop)
     }
 }
 

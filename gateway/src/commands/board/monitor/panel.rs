@@ -19,7 +19,7 @@ use super::homing::Homing;
 use super::keys::{self, INCREMENTS, Situation, Speed, Wish};
 use super::orders::{self, Orders, Outcome};
 use super::view::{OLD, Row, Tone};
-use crate::cli::{AxisWay, OverrideName, StepLength};
+use crate::cli::{HandWay, OverrideName, StepLength};
 use crate::link::Seen;
 use crate::words::Both;
 
@@ -190,11 +190,11 @@ impl Panel {
     }
 
     fn key(&mut self, key: KeyEvent, seen: &Seen, now: Instant) {
-        let arrow = match keys::wish(key) {
-            Some(Wish::Arrow(way, speed)) => Some((way, speed)),
+        let by_hand = match keys::wish(key) {
+            Some(Wish::ByHand(way, speed)) => Some((way, speed)),
             _ => None,
         };
-        match (key.kind, arrow) {
+        match (key.kind, by_hand) {
             (KeyEventKind::Release, Some(_)) => return self.hand.release(now),
             (KeyEventKind::Release, None) => return,
             (KeyEventKind::Repeat, Some((way, speed))) if self.hand.presses() => {
@@ -311,7 +311,7 @@ impl Panel {
                 self.orders.set(levels, now);
             }
             Wish::Increment(increment) => self.increment = increment,
-            Wish::Arrow(way, speed) => self.arrow(way, speed, seen, now),
+            Wish::ByHand(way, speed) => self.by_hand(way, speed, seen, now),
             Wish::NextSystem => self.asks.push(Ask::NextSystem),
             Wish::NextTool => self.asks.push(Ask::NextTool),
             Wish::Quit => self.quit = true,
@@ -342,14 +342,13 @@ impl Panel {
         }
     }
 
-    fn arrow(&mut self, way: AxisWay, speed: Speed, seen: &Seen, now: Instant) {
-        if self.mode(seen) == Some(OperatingMode::Step) {
-            match self.increment.of_slide(way) {
+    fn by_hand(&mut self, way: HandWay, speed: Speed, seen: &Seen, now: Instant) {
+        match (way, self.mode(seen)) {
+            (HandWay::Axis(way), Some(OperatingMode::Step)) => match self.increment.of_slide(way) {
                 Ok(slide) => self.hand.step(way.on_z, slide, seen, now),
                 Err(mistake) => self.answer(&mistake.0, Tone::Care),
-            }
-        } else {
-            self.hand.press(way, speed == Speed::Rapid, seen, now);
+            },
+            _ => self.hand.press(way, speed == Speed::Rapid, seen, now),
         }
     }
 

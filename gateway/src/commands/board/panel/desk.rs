@@ -30,7 +30,7 @@ use super::super::own::Handle;
 use super::tables::{Change, Tables, Touching};
 use super::views::Views;
 use super::wish::Wish;
-use crate::cli::AxisWay;
+use crate::cli::{AxisWay, HandWay};
 use crate::json::Json;
 use crate::link::Seen;
 use crate::words::{Both, both};
@@ -481,8 +481,13 @@ impl Shared {
 
     /// Why this frame of a press is not passed on; a release always is.
     fn no_press(&self, jog: &Jog, now: Instant) -> Option<Both> {
-        let way = ways(jog).into_iter().flatten().next()?;
-        keys::refusal(keys::Wish::Arrow(way, Speed::Feed), self.situation(now))
+        let axes = ways(jog).into_iter().flatten().map(HandWay::Axis);
+        let spindle = towards(jog.spindle).map(HandWay::Spindle);
+        let mut why = axes.chain(spindle).filter_map(|way| {
+            let wish = keys::Wish::ByHand(way, Speed::Feed);
+            keys::refusal(wish, self.situation(now))
+        });
+        why.next()
     }
 }
 
@@ -588,9 +593,9 @@ impl Desk {
                 press: jog.press,
                 x,
                 z,
-                spindle: None,
+                spindle: towards(jog.spindle),
                 rapid: jog.rapid,
-                speed: jog.mm_per_min,
+                speed: jog.speed,
                 echo: Beat::new(jog.echo),
             };
             shared.presses.push_back(frame.frame(self.node));
@@ -606,16 +611,20 @@ impl Desk {
 
 /// Which way each axis of a press goes.
 fn ways(jog: &Jog) -> [Option<AxisWay>; 2] {
-    let way = |on_z, way: i8| {
-        let towards = match way {
-            0 => return None,
-            1.. => Towards::Plus,
-            _ => Towards::Minus,
-        };
+    let way = |on_z, way| {
+        let towards = towards(way)?;
         Some(AxisWay { on_z, towards })
     };
     let [x, z] = jog.axes;
     [way(false, x), way(true, z)]
+}
+
+const fn towards(way: i8) -> Option<Towards> {
+    match way {
+        0 => None,
+        1.. => Some(Towards::Plus),
+        _ => Some(Towards::Minus),
+    }
 }
 
 /// An order in whose place a hold or a stop was given.

@@ -27,7 +27,8 @@ fn at_rest(mode: OperatingMode) -> Situation {
 #[test]
 fn each_key_has_its_wish() {
     use OverrideName::{Feed, Rapid, Spindle};
-    let way = |on_z, towards| AxisWay { on_z, towards };
+    let way = |on_z, towards| HandWay::Axis(AxisWay { on_z, towards });
+    let spindle = |towards| Some(Wish::ByHand(HandWay::Spindle(towards), Speed::Feed));
     for (keys, expected) in [
         ("  ", Some(Wish::Hold)),
         ("\u{3000}", Some(Wish::Hold)),
@@ -43,6 +44,8 @@ fn each_key_has_its_wish() {
         ("k", Some(Wish::Override(Rapid, -25))),
         ("o", Some(Wish::Override(Spindle, 10))),
         ("l", Some(Wish::Override(Spindle, -10))),
+        ("fF", spindle(Towards::Plus)),
+        ("vV", spindle(Towards::Minus)),
         ("b", Some(Wish::SingleBlock)),
         ("1", Some(Wish::Increment(StepLength { tenths: 10 }))),
         ("2", Some(Wish::Increment(StepLength { tenths: 100 }))),
@@ -53,7 +56,7 @@ fn each_key_has_its_wish() {
         (":：", Some(Wish::Line)),
         ("?？", Some(Wish::Help)),
         ("q", Some(Wish::Quit)),
-        ("acdfnpvxyz05-+.,/", None),
+        ("acdnpxyz05-+.,/", None),
     ] {
         for one in keys.chars() {
             assert_eq!(wish(letter(one)), expected, "{one:?}");
@@ -65,7 +68,7 @@ fn each_key_has_its_wish() {
         (KeyCode::Right, way(true, Towards::Plus)),
         (KeyCode::Left, way(true, Towards::Minus)),
     ] {
-        let arrow = |speed| Some(Wish::Arrow(expected, speed));
+        let arrow = |speed| Some(Wish::ByHand(expected, speed));
         assert_eq!(wish(key(code)), arrow(Speed::Feed));
         let shifted = KeyEvent::new(code, KeyModifiers::SHIFT);
         assert_eq!(wish(shifted), arrow(Speed::Rapid));
@@ -97,13 +100,14 @@ fn each_mode_has_its_letter() {
 /// Mode by mode: what is passed on is a dot, what is refused its alarm.
 #[test]
 fn what_a_mode_refuses_says_which_mode_is_needed() {
-    let arrow = Wish::Arrow(
-        AxisWay {
+    let arrow = Wish::ByHand(
+        HandWay::Axis(AxisWay {
             on_z: false,
             towards: Towards::Plus,
-        },
+        }),
         Speed::Feed,
     );
+    let spindle = Wish::ByHand(HandWay::Spindle(Towards::Plus), Speed::Feed);
     let table = |situation: &dyn Fn(OperatingMode) -> Situation, wish: Wish| {
         TODAY
             .map(|mode| match refusal(wish, situation(mode)) {
@@ -114,6 +118,7 @@ fn what_a_mode_refuses_says_which_mode_is_needed() {
     };
     for (wish, expected) in [
         (arrow, ". . 4501 4501 4501 4501"),
+        (spindle, ". 4501 4501 4501 4501 4501"),
         (Wish::Home, "4501 4501 4501 . 4501 4501"),
         (Wish::Start, "4501 4501 4501 4501 . ."),
         (Wish::Line, "4501 4501 4501 4501 . 4501"),
@@ -157,11 +162,11 @@ fn what_a_mode_refuses_says_which_mode_is_needed() {
 
 #[test]
 fn arrows_need_a_key_that_is_let_go_a_beat_and_no_hold() {
-    let arrow = Wish::Arrow(
-        AxisWay {
+    let arrow = Wish::ByHand(
+        HandWay::Axis(AxisWay {
             on_z: true,
             towards: Towards::Minus,
-        },
+        }),
         Speed::Rapid,
     );
     let told = |now| refusal(arrow, now).map_or(String::new(), |words| words.en);
@@ -183,6 +188,10 @@ fn arrows_need_a_key_that_is_let_go_a_beat_and_no_hold() {
         "{manual}"
     );
     assert_eq!(told(silent(OperatingMode::Step)), "");
+    let spindle = Wish::ByHand(HandWay::Spindle(Towards::Minus), Speed::Feed);
+    let words = refusal(spindle, silent(OperatingMode::Manual)).unwrap().en;
+    assert!(words.contains("leadscrew jog S+ --hold"), "{words}");
+    assert_eq!(refusal(spindle, at_rest(OperatingMode::Manual)), None);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_core::bus::{JogRequest, NmtCommand, NmtState, StepRequest};
 use leadscrew_core::call::Position;
-use leadscrew_core::operating::PressState;
+use leadscrew_core::operating::{PressState, Towards};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Length;
 
@@ -125,7 +125,7 @@ impl Bench {
         }
     }
 
-    /// Holds an arrow for so long, as a keyboard does: it repeats behind half a second.
+    /// Holds a key for so long, as a keyboard does: it repeats behind half a second.
     fn hold(&mut self, code: KeyCode, ms: u64) {
         self.key(code, KeyEventKind::Press);
         for passed in 0..ms {
@@ -283,6 +283,30 @@ fn a_press_that_the_board_ends_is_told_and_not_begun_again() {
     assert_eq!(bench.at(), place);
     bench.hold(KeyCode::Up, 600);
     assert!(bench.x() > place.x);
+}
+
+#[test]
+fn the_spindle_turns_while_its_key_is_held_and_not_in_steps() {
+    for (key, towards) in [('f', Towards::Plus), ('v', Towards::Minus)] {
+        let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+        bench.hold(KeyCode::Char(key), 600);
+        assert_eq!(bench.seen.beat.unwrap().state, PressState::Runs);
+        for jog in bench.sent.iter().filter_map(JogRequest::decode) {
+            let (_, told) = jog;
+            assert_eq!((told.x, told.z, told.spindle), (None, None, Some(towards)));
+        }
+        // Parameter 9049 as built in.
+        let rpm = if towards == Towards::Plus { 50 } else { -50 };
+        assert_eq!(bench.sim.spindle_command().get(), rpm);
+        bench.key(KeyCode::Char(key), KeyEventKind::Release);
+        bench.pass(100);
+        assert_eq!(bench.seen.beat.unwrap().state, PressState::Ended);
+        assert_eq!(bench.sim.spindle_command().get(), 0);
+    }
+    let mut bench = Bench::in_mode(OperatingMode::Step, true);
+    bench.hold(KeyCode::Char('f'), 300);
+    assert_eq!(bench.sent, []);
+    assert!(bench.panel.prompt().text.starts_with("4501 "));
 }
 
 #[test]

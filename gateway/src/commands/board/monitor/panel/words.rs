@@ -52,8 +52,8 @@ impl Panel {
         let step = number::text::<4>(self.increment.tenths);
         let arrows = match self.mode(seen) {
             Some(OperatingMode::Manual) if self.tells_release => both!(
-                "arrows: while held (Shift rapid)",
-                "方向键：按住移动（Shift 快速）"
+                "arrows, f v: held, Shift rapid",
+                "方向键、f v：按住，Shift 快速"
             ),
             Some(OperatingMode::Manual) => both!(
                 "no key release here: m i for steps",
@@ -81,7 +81,7 @@ impl Panel {
 /// The page of help.
 #[must_use]
 pub fn help(lang: Lang) -> Vec<Row> {
-    let rows: [(&str, &str, &str); 16] = [
+    let rows: [(&str, &str, &str); 17] = [
         ("Space, F8", "feed hold, at once", "进给保持，立即"),
         (
             "s, F9",
@@ -110,6 +110,11 @@ pub fn help(lang: Lang) -> Vec<Row> {
             "",
             "manual: while held, Shift at rapid; step: one step",
             "手动方式：按住移动，Shift 快速；增量方式：一步",
+        ),
+        (
+            "f v",
+            "manual: turn the spindle while held, as M03, as M04",
+            "手动方式：按住转动主轴，同 M03、同 M04",
         ),
         (
             "1 2 3 4",

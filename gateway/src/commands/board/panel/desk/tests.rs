@@ -143,8 +143,9 @@ fn a_press_is_as_many_frames_as_came_and_a_release_always_goes() {
         let jog = Jog {
             press: 9,
             axes: [way, 0],
+            spindle: 0,
             rapid: false,
-            mm_per_min: 300,
+            speed: 300,
             echo,
         };
         let answer = desk.press(&jog, now);
@@ -285,8 +286,9 @@ fn nothing_that_was_on_its_way_is_sent_when_the_board_is_heard_again() {
     let jog = Jog {
         press: 1,
         axes: [0, 0],
+        spindle: 0,
         rapid: false,
-        mm_per_min: 0,
+        speed: 0,
         echo: 1_000,
     };
     desk.press(&jog, now);
