@@ -175,7 +175,7 @@ fn file_to_json() -> Result<Row> {
         let path = dir.join(name);
         let mut text = String::from("O1000\nG0 X80 Z10 M3 S300\n");
         for _ in 0..cycles {
-            text.push_str("G76 P010560 Q100 R0.1\nG76 X60.64 Z-62 P36800 Q4850 F6\n");
+            text.push_str("G76 P010560 Q10 R0.01\nG76 X60.64 Z-62 P3680 Q495 F6\n");
         }
         text.push_str("M30\n");
         fs::write(&path, text)?;

@@ -1,4 +1,4 @@
-//! A program of a hundred megabytes through a board with 4 KiB for it, in virtual time: four ways give one hash.
+//! A program of a hundred megabytes through a board with 2 KiB for it, in virtual time: four ways give one hash.
 
 use anyhow::Result;
 

@@ -10,8 +10,8 @@ use crate::{audit, run, target};
 const TICK_LIMIT: u64 = 2450;
 /// Rows whose name begins like this count whole ticks of the board.
 const WHOLE_TICK: &str = "board/";
-/// The rows with a higher limit: three more spindles are three more drives, a joined cut rounds two axes besides, and the
-/// lag of a drive costs some 50 instructions, with feed-forward 120.
+/// The rows with a higher limit: three more spindles are three more drives, a joined cut rounds two axes besides, and
+/// taking off the lag of drives is one more step for two axes.
 const DEARER: [&str; 5] = [
     "board/seven-drives",
     "board/lags",

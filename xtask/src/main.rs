@@ -57,7 +57,7 @@ usage: cargo xtask COMMAND
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
   bench can  the cost of receiving and recording a CAN frame, likewise
   bench real-time  how a board in real time keeps a beat of 1 kHz on this host, likewise
-  bench long a program of a hundred megabytes through a board with 4 KiB for it, likewise; takes minutes
+  bench long a program of a hundred megabytes through a board with 2 KiB for it, likewise; takes minutes
   bench shop what many machines give to one broker, and how fast a query over 10 million certificates is (bench shop --help)
   shop       agents, broker and database: nothing lost, nothing doubled, each query (shop NAME: a module of tests/shop alone)
   audit      the link test: no panic is reachable from what runs on the board
