@@ -291,8 +291,8 @@ fn speed_and_change_are_checked_at_the_fastest_point() {
     assert_eq!(code(1.0, 0.4, 20.0, 500), Ok(()));
 }
 
-/// The spindle runs down in a pass whose drives differ by 20 ms, and a stop comes when it hardly turns: the short axis comes
-/// to rest with the long one. It leapt by what it was ahead.
+/// The spindle runs down in a pass whose drives differ by 20 ms, and a stop comes when it hardly turns: the short axis
+/// comes to rest with the long one. It leapt by what it was ahead.
 #[test]
 fn a_stop_of_a_spindle_that_hardly_turns_lets_no_axis_leap() {
     const APART: usize = 20;
