@@ -426,6 +426,41 @@ fn a_hold_on_the_way_stops_the_program_behind_it() {
     assert!(ran.rows.iter().any(|row| row.line == 2));
 }
 
+/// It told that it is held at each stage of the way, and was running again in between.
+#[test]
+fn a_hold_on_the_way_is_told_once() {
+    leadscrew_seed::volume(1905, |seed| {
+        let mut state = seed;
+        for _ in 0..leadscrew_seed::amount(10, 100) {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let at = (state >> 33) % 5000;
+            let params = with(&[]);
+            let (mut held, mut resumed) = (None, false);
+            let text = "M19 R90\nM19 R260\nG0 X40\nM30\n";
+            let ran = run(text, &params, &third(), |sim, tick| {
+                let is_held = sim.board().ticker().state() == State::Held;
+                if tick == at {
+                    sim.command(Command::Hold);
+                }
+                if is_held && held.is_none() {
+                    held = Some(tick);
+                }
+                assert!(is_held || held.is_none() || resumed, "held at {at}, {tick}");
+                if held.is_some_and(|held| tick == held + 3000) {
+                    sim.command(Command::Resume);
+                    resumed = true;
+                }
+            });
+            assert_eq!(ran.alarm, None, "{at}");
+            let told = ran.events.iter().filter(|event| **event == Event::Held);
+            assert_eq!(told.count(), usize::from(held.is_some()), "{at}");
+            assert!(off(ran.rows.last().expect("rows"), 260_000) <= TOLERANCE);
+        }
+    });
+}
+
 /// A row of the table of machine functions goes before.
 #[test]
 fn a_row_of_m19_is_what_it_was() {

@@ -86,6 +86,9 @@ const OLDEST_EDGE_TICKS: u32 = 16;
 /// The same for an encoder of few counts. Below 256, for the eight bits of a number of ticks before their point.
 const OLDEST_EDGE_OF_FEW: u32 = 240;
 
+/// A spindle that trembles over three counts to either side makes fewer movements one way than this behind another one.
+const BEYOND_TREMBLE: u32 = 6;
+
 /// 2π, rounded to the nearest.
 const TWO_PI: U32F32 = U32F32::from_bits(26_986_075_409);
 
@@ -147,6 +150,11 @@ pub struct Observer {
     /// A spindle whose counter has not moved for more ticks stands: as many, but no fewer than those for which an edge
     /// tells something of the speed.
     most: u32,
+    /// Whole counts in a tick at that speed.
+    least: u32,
+    /// Movements behind another one until the counter goes on. Several where a count is so little that a spindle at rest
+    /// trembles over some [D527].
+    wanted: u32,
     // Where the counter is.
     last: Option<i32>,
     /// The counter's movement in the last tick that the observer believed. `None`: the observer believes the next
@@ -157,8 +165,9 @@ pub struct Observer {
     rising: Option<bool>,
     /// Ticks since the counter moved last.
     ticks: u32,
-    /// The last two movements of the counter went one way, and were no farther apart than those of a spindle that turns.
-    goes_on: bool,
+    /// The movements of the counter that are still missing until it goes on: one way, no smaller and no farther apart than
+    /// those of a spindle that turns.
+    missing: u32,
     zero: Option<i32>,
     // The state: turns, turns per tick, turns per tick².
     angle: I32F32,
@@ -178,6 +187,11 @@ impl Observer {
         let tick_ns = tick_us.wrapping_mul(1000);
         let scale = divide(1 << 63, counts as u64);
         let longest = longest(counts, tick_us);
+        let wanted = if longest > OLDEST_EDGE_TICKS {
+            1
+        } else {
+            BEYOND_TREMBLE
+        };
 
         Self {
             counts,
@@ -208,13 +222,15 @@ impl Observer {
             lost: U32F32::from_bits((LARGEST_SURPRISE.to_bits() as u64).wrapping_add(scale >> 30)),
             longest,
             most: clamp(longest, OLDEST_EDGE_TICKS, u32::MAX),
+            least: least(counts, tick_us),
+            wanted,
             last: None,
             pace: None,
             in_turn: 0,
             turn: 0,
             rising: None,
             ticks: 0,
-            goes_on: false,
+            missing: wanted,
             zero: None,
             angle: I32F32::ZERO,
             speed: I16F48::ZERO,
@@ -279,7 +295,14 @@ impl Observer {
         let apart = self.ticks;
         if moved != 0 {
             self.ticks = 0;
-            self.goes_on = self.rising == rising && apart <= self.longest;
+            let goes_on = self.rising == rising
+                && apart <= self.longest
+                && moved.unsigned_abs() >= self.least;
+            self.missing = if goes_on {
+                self.missing.saturating_sub(1)
+            } else {
+                self.wanted
+            };
         }
         let gains = match &mut self.few {
             None => self.gains,
@@ -291,12 +314,14 @@ impl Observer {
             .wrapping_add(nearest(self.speed.wrapping_add(half_of(self.acceleration))));
         let speed = self.speed.wrapping_add(self.acceleration);
         let measured = self.measured(sample.edge_age_ns, speed);
-        let surprise = measured.wrapping_sub(predicted);
-        if surprise.unsigned_abs() > self.lost {
-            self.find(measured, moved);
-            return event;
+        let mut surprise = measured.wrapping_sub(predicted);
+        if surprise.unsigned_abs() > LARGEST_SURPRISE.unsigned_abs() {
+            if surprise.unsigned_abs() > self.lost {
+                self.find(measured, moved);
+                return event;
+            }
+            surprise = surprise.clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
         }
-        let surprise = surprise.clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
         let Gains { alpha, beta, gamma } = gains;
         let by =
             |gain: I32F32, bits| rounded(gain.to_bits().wrapping_mul(surprise.to_bits()), bits);
@@ -330,7 +355,7 @@ impl Observer {
     #[cold]
     #[inline(never)]
     const fn rest(&mut self) {
-        self.goes_on = false;
+        self.missing = self.wanted;
         self.speed = I16F48::ZERO;
         self.acceleration = I16F48::ZERO;
     }
@@ -440,7 +465,7 @@ impl Observer {
     /// Where edges are seldom, the estimated speed swings between them; then the time from edge to edge tells it.
     #[must_use]
     pub const fn is_turning(&self) -> bool {
-        if self.goes_on {
+        if self.missing == 0 {
             return true;
         }
         let count_a_second = self.width.to_bits();
@@ -560,6 +585,14 @@ const fn longest(counts: u32, tick_us: u32) -> u32 {
     } else {
         second as u32
     }
+}
+
+/// Whole counts that go by in a tick at the speed [`STANDING`].
+const fn least(counts: u32, tick_us: u32) -> u32 {
+    divide(
+        (counts as u64).wrapping_mul(tick_us as u64),
+        240 * 1_000_000,
+    ) as u32
 }
 
 /// By how many counts the counter's movement may change in one tick at `acceleration` turns per second squared, plus a

@@ -22,6 +22,9 @@ use crate::units::{Axis, LeadChange, Length, Rpm, TurnRate, Turns, mul_div, sign
 /// over from the other in this time, and the background makes the one after it.
 const STRAIGHT_US: u64 = 10_000;
 
+/// Over this many microseconds a stop slows the angle down where the spindle hardly turns.
+const SLOW_US: u32 = 100_000;
+
 /// One threading pass, ready for [`ThreadRun`](super::ThreadRun).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ThreadPlan {
@@ -160,10 +163,12 @@ impl ThreadPlan {
             }
             None => pace.run_out(shape, &machine, params, &mut self.brake, &mut self.run_out),
         };
-        if let Some(joints) = joints {
-            let part = (1_u32 << 31).checked_div(joints.stop).unwrap_or(u32::MAX);
-            self.link.stop = part.saturating_add(1);
-        }
+        let stop = match joints {
+            Some(joints) => joints.stop,
+            None => SLOW_US.checked_div(params.tick_us()).unwrap_or(1),
+        };
+        let part = (1_u32 << 31).checked_div(stop).unwrap_or(u32::MAX);
+        self.link.stop = part.saturating_add(1);
 
         // Everything must fit: join and run-in before the locked part, brake and run-out after it.
         let before = self.join.half().max(shape.run_in);

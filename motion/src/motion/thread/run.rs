@@ -57,8 +57,8 @@ enum Master {
     /// Stopping from the locked part. `left` is the rest of the stop's ease, which runs at the planned speed; `share`
     /// (2⁻³¹) scales the ease down to the speed at the beginning of the stop.
     Stopping { left: Fine, share: i64, rest: Fine },
-    /// A stop in a chain: over corners and all. The angle advances by `step` and ever less, for as many ticks as the plan
-    /// says; these ones have gone by.
+    /// A stop in a chain, or of a spindle that hardly turns: over corners and all. The angle advances by `step` and ever
+    /// less, for as many ticks as the plan says; these ones have gone by.
     Slowing { step: i64, ticks: u32 },
     /// At rest at this point for good.
     Rest(Fine),
@@ -206,8 +206,8 @@ impl ThreadRun {
 
     /// The next setpoint if the drives of the short and the long axis differ in delay: each coordinate belongs to its
     /// own instant. `angle` and `short` are the predicted spindle angles at the instants of the long and of the short
-    /// axis. The pass is done when both axes have arrived. In a stop the short axis stays ahead by as much time, so its way
-    /// ahead goes with the pace.
+    /// axis. The pass has begun when one axis has left, and is done when both have arrived [D528]. In a stop the short axis
+    /// stays ahead by as much time, so its way ahead goes with the pace.
     pub fn tick_apart(&mut self, plan: &ThreadPlan, angle: Turns, short: Turns) -> ThreadPoint {
         let master = self.master;
         let mut beside = *self;
@@ -236,6 +236,9 @@ impl ThreadRun {
             self.master = master;
             self.phase = Phase::Braking;
             point.phase = Phase::Braking;
+        } else if point.phase == Phase::Waiting && other.phase != Phase::Waiting {
+            self.phase = Phase::Joining;
+            point.phase = Phase::Joining;
         }
         point
     }
@@ -317,8 +320,9 @@ impl ThreadRun {
             Phase::Joining | Phase::Locked => {}
         }
         // The retract begins after the join and the run-in, so that only one corner at a time uses the short axis'
-        // limits.
-        let from = self.way.max(plan.join.half()).max(plan.run_in.at);
+        // limits. The short axis may be ahead.
+        let way = self.way.wrapping_add(self.lead_way.max(0));
+        let from = way.max(plan.join.half()).max(plan.run_in.at);
         if plan.run_out.slope != 0 && from >= plan.run_out.at {
             return Retract::Finishing;
         }
@@ -403,19 +407,46 @@ impl ThreadRun {
     #[inline]
     fn stop_from(&self, plan: &ThreadPlan, from: Fine) -> Option<Fine> {
         if self.out.is_some() {
-            return None;
+            None
+        } else if self.lead_way == 0 {
+            self.stop_between(plan, from, 0, 0)
+        } else {
+            self.stop_apart(plan, from)
         }
-        let stop = plan.stop.half();
-        let corner = |ease: &Ease| ease.half().wrapping_mul(2);
+    }
+
+    /// The same where the drives differ in delay.
+    #[cold]
+    #[inline(never)]
+    fn stop_apart(&self, plan: &ThreadPlan, from: Fine) -> Option<Fine> {
         let ahead = self.lead_way.max(0);
         let behind = self.lead_way.wrapping_neg().max(0);
+        self.stop_between(plan, from, ahead, behind)
+    }
+
+    // Inlined so that the usual tick of a stop has no ways ahead and behind to add.
+    #[inline(always)]
+    fn stop_between(
+        &self,
+        plan: &ThreadPlan,
+        from: Fine,
+        ahead: Fine,
+        behind: Fine,
+    ) -> Option<Fine> {
+        let stop = plan.stop.half();
+        let corner = |ease: &Ease| ease.half().wrapping_mul(2);
         let clear_of = |place: Fine| place.wrapping_add(behind);
-        let from = from.max(clear_of(plan.join.half()));
+        // Where it does not begin at once, it begins where no axis is yet.
+        let later = |place: Fine| match ahead > 0 && place > self.way {
+            true => place.max(self.way.wrapping_add(ahead)),
+            false => place,
+        };
+        let from = later(clear_of(plan.join.half()).max(from));
         let reach = from.wrapping_add(stop).wrapping_add(ahead);
         if reach <= plan.run_in.at.wrapping_sub(corner(&plan.run_in.ease)) {
             return Some(from);
         }
-        let from = from.max(clear_of(plan.run_in.at));
+        let from = later(clear_of(plan.run_in.at).max(from));
         let end = from.wrapping_add(stop);
         let before = plan.run_out.slope == 0 || end.wrapping_add(ahead) <= plan.run_out.at;
         let past = from >= clear_of(plan.run_out.at.wrapping_add(corner(&plan.run_out.ease)));
@@ -465,15 +496,21 @@ impl ThreadRun {
         plan.travel.over(self.angle, Turns::from_raw(self.step))
     }
 
-    /// Lets the angle run on at its present pace. If the spindle hardly moves, the axis rests where it is.
+    /// Lets the angle run on at its present pace. If the spindle hardly moves, the axes rest where they are; where one is
+    /// ahead, the angle slows down, and they come to rest together.
     // Rare, and called in three places.
     #[inline(never)]
     fn coast(&mut self, plan: &ThreadPlan) {
         let pace = self.pace(plan);
-        self.master = if pace < plan.speed >> 6 {
+        self.master = if pace >= plan.speed >> 6 {
+            Master::Coasting(self.step)
+        } else if self.lead == 0 {
             Master::Rest(self.way)
         } else {
-            Master::Coasting(self.step)
+            Master::Slowing {
+                step: self.step.max(0),
+                ticks: 0,
+            }
         };
     }
 

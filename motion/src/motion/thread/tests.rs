@@ -290,3 +290,106 @@ fn speed_and_change_are_checked_at_the_fastest_point() {
     assert_eq!(code(1.0, 0.4, 20.0, 1000), Err(Code::LeadChangeTooFast));
     assert_eq!(code(1.0, 0.4, 20.0, 500), Ok(()));
 }
+
+/// The spindle runs down in a pass whose drives differ by 20 ms, and a stop comes when it hardly turns: the short axis
+/// comes to rest with the long one. It leapt by what it was ahead.
+#[test]
+fn a_stop_of_a_spindle_that_hardly_turns_lets_no_axis_leap() {
+    const APART: usize = 20;
+    leadscrew_seed::volume(529, |seed| {
+        let mut state = seed;
+        let mut below = |bound: usize| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % bound
+        };
+        let mut params = Params::default();
+        params
+            .set(crate::params::Entry::find_text("9003.X").unwrap(), 20_000)
+            .unwrap();
+        let stroke = Stroke {
+            lead: 2.0,
+            change: 0.0,
+            to: (30.0, -60.0),
+            rpm: 1500,
+        };
+        let plan = stroke.plan(&params).unwrap();
+        let steady = per_tick(1500.0);
+        for _ in 0..leadscrew_seed::amount(200, 2000) {
+            let (down, leaves, is_behind) = (below(1400), below(2) == 0, below(2) == 0);
+            let retract = down.saturating_sub(below(100));
+            // Down to a seventieth in 0.2 s.
+            let rate = |tick: usize| {
+                let left = 200_usize.saturating_sub(tick.saturating_sub(down));
+                (steady * left as i64 / 200).max(steady / 70)
+            };
+            let mut angles = std::vec![0];
+            for tick in 0..20_000 {
+                angles.push(angles[tick] + rate(tick));
+            }
+            let angle = |tick: usize| Turns::from_raw(angles[tick]);
+            let ahead = angle(APART);
+            let mut run = ThreadRun::start(&plan, ahead, TurnRate::from_raw(1000)).unwrap();
+            let mut places = std::vec![[10_000_000, 0]; 2];
+            let mut stopped = None;
+            for tick in 0.. {
+                if leaves && tick == retract {
+                    run.retract(&plan, Length::from_nm(50_000_000));
+                }
+                if tick == down + 230 {
+                    run.stop(&plan);
+                    stopped = Some(tick);
+                }
+                let (one, other) = (angle(tick), angle(tick + APART));
+                let at = match is_behind {
+                    true => run.tick_apart(&plan, other, one),
+                    false => run.tick_apart(&plan, one, other),
+                };
+                places.push([at.position.x.nm(), at.position.z.nm()]);
+                if at.phase == Phase::Done && stopped.is_some() {
+                    break;
+                }
+                assert!(tick < 19_000, "no end: {down} {leaves} {retract}");
+            }
+            places.push(*places.last().unwrap());
+            let stopped = stopped.unwrap();
+            for (n, axis) in [Axis::X, Axis::Z].into_iter().enumerate() {
+                let most = params.acceleration(axis).nm_per_s2() as f64 * 1e-6;
+                for three in places[stopped..].windows(3) {
+                    let size = (three[2][n] - 2 * three[1][n] + three[0][n]).abs();
+                    assert!(
+                        size as f64 <= most + 2.0,
+                        "{axis:?} {size} nm, limit {most}: down from {down}, out {leaves} at {retract}, {is_behind}"
+                    );
+                }
+            }
+        }
+    });
+}
+
+/// A pass that waits may be left as if nothing had been, so no axis may have left then.
+#[test]
+fn no_axis_has_left_while_a_pass_waits() {
+    let stroke = Stroke {
+        lead: 2.0,
+        change: 0.0,
+        to: (30.0, -60.0),
+        rpm: 1500,
+    };
+    let plan = stroke.plan(&Params::default()).unwrap();
+    let angle = |tick: i64| Turns::from_raw(per_tick(1500.0) * tick);
+    for apart in [-20, 20] {
+        let mut run =
+            ThreadRun::start(&plan, angle(apart.max(0)), TurnRate::from_raw(1000)).unwrap();
+        let mut begun = 0;
+        for tick in 1..200 {
+            let point = run.tick_apart(&plan, angle(tick), angle(tick + apart));
+            let stands = point.position == plan.start();
+            assert!(stands || run.phase() != Phase::Waiting, "{apart} {tick}");
+            assert_eq!(run.phase(), point.phase);
+            begun += i32::from(!stands);
+        }
+        assert!(begun > 50, "{begun}");
+    }
+}

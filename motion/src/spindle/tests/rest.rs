@@ -149,3 +149,91 @@ fn a_spindle_that_creeps_faster_than_one_that_stands_turns() {
         }
     });
 }
+
+/// A quarter of a turn a minute.
+fn is_slow(observer: &Observer) -> bool {
+    observer.speed().abs().raw() <= (1 << 32) / 240
+}
+
+/// Encoders of many counts, of which one at a quarter of a turn a minute takes 15 ticks at most: a spindle that stands in a
+/// drive that is on may tremble over some of them.
+fn fine_cases() -> impl Iterator<Item = Case> {
+    let counts = [20_000, 60_000, 120_000, 250_000, 480_000, 700_000, 1 << 20];
+    let fine = counts.into_iter().flat_map(|counts| {
+        let slow = [true, false].map(|timed| Case {
+            counts,
+            bandwidth: 5,
+            tick_us: 1000,
+            timed,
+        });
+        let others = cases().filter(|case| case.counts == 16);
+        others.map(move |case| Case { counts, ..case }).chain(slow)
+    });
+    fine.filter(|case| case.counts * case.tick_us >= 16_000_000)
+}
+
+/// Two movements one way in a row said that it turns, whatever its speed: a gear was refused, and the chuck's switch was
+/// an alarm.
+#[test]
+fn a_spindle_that_trembles_turns_no_faster_than_its_speed_says() {
+    volume(511, |seed| {
+        let mut bits = seed;
+        for case in fine_cases() {
+            for _ in 0..amount(2, 20) {
+                let most = if random(&mut bits) < 0.5 { 2.0 } else { 3.0 };
+                let often = 0.2 + 0.8 * random(&mut bits);
+                let mut by = 0.0;
+                let mut seen = Seen::new(case);
+                for tick in 0..4000 {
+                    if random(&mut bits) < often {
+                        by = ((2.0 * most + 1.0) * random(&mut bits)).floor() - most;
+                    }
+                    let place = (5.5 + by) / f64::from(case.counts);
+                    let now = seen.time() + f64::from(case.tick_us) * 1e-6;
+                    let edge = now - random(&mut bits) * f64::from(case.tick_us) * 1e-6;
+                    seen.tick(|_| place, |_| edge);
+                    // The tracker begins.
+                    if tick < 1000 {
+                        continue;
+                    }
+                    let turns = seen.observer.is_turning();
+                    assert!(
+                        !turns || !is_slow(&seen.observer),
+                        "{case:?}: ±{most} counts, {} rpm",
+                        seen.observer.speed().rpm().get()
+                    );
+                    let tells = case.counts == 1 << 20 && case.bandwidth < 200;
+                    assert!(!turns || !tells, "{case:?}: ±{most} counts");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_spindle_that_drifts_slower_than_one_that_turns_stands() {
+    volume(512, |seed| {
+        let mut bits = seed;
+        for case in fine_cases().filter(|case| case.counts == 1 << 20) {
+            for _ in 0..amount(2, 20) {
+                let side = if random(&mut bits) < 0.5 { 1.0 } else { -1.0 };
+                // Up to 0.1 rpm.
+                let speed = (0.02 + 0.08 * random(&mut bits)) / 60.0;
+                let from = random(&mut bits);
+                let at = |t: f64| side * (from + speed * t);
+                let passes = |angle: f64| (side * angle - from) / speed;
+                let mut seen = Seen::new(case);
+                while seen.time() < 3.0 {
+                    seen.tick(at, passes);
+                }
+                for _ in 0..3000 {
+                    seen.tick(at, passes);
+                    assert!(
+                        !seen.observer.is_turning(),
+                        "{case:?}: {speed} turns a second"
+                    );
+                }
+            }
+        }
+    });
+}

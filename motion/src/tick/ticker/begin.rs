@@ -198,6 +198,8 @@ impl Ticker {
                         Detour::None => {
                             (self.course.is_paused() || self.operator.hold)
                                 && !self.course.must_go_on(ends)
+                                // The stages of the way are one: the program is held behind it [D529].
+                                && !self.spindle.is_orienting()
                         }
                         Detour::AtHome => true,
                         _ => false,
