@@ -1,5 +1,5 @@
-// Axes and the spindle moved by hand: one press at a time, while a finger or a key is down, by frames that this page alone sends. It must not
-// know what the page looks like.
+// Axes and the spindle moved by hand: one press at a time, while a finger or a key is down, by frames that this page alone
+// sends. It must not know what the page looks like.
 //
 // A frame carries the newest beat that this page has; the board moves until that is older than its dead man. So a page that
 // stands still, is hidden or has gone ends the motion without a word.

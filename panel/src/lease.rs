@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// A lease lasts so long from the last time that its page has said so.
 const LASTS: Duration = Duration::from_secs(5);
 /// Who takes the lease of another waits for so long.
-const NOTICE: Duration = Duration::from_secs(3);
+pub const NOTICE: Duration = Duration::from_secs(3);
 /// A press lasts at least so long from its last frame; it is renewed every 25 ms.
 const PRESS: Duration = Duration::from_millis(300);
 

@@ -21,6 +21,14 @@ pub struct Jog {
     pub echo: u16,
 }
 
+impl Jog {
+    /// True where something is to move.
+    pub(crate) const fn is_held(&self) -> bool {
+        let [x, z] = self.axes;
+        x != 0 || z != 0 || self.spindle != 0
+    }
+}
+
 /// One order: its name, what belongs to it, and the newest beat that the page has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Order {

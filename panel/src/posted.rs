@@ -120,9 +120,7 @@ impl Posted {
         if !state.lease.is_of(&client, now) {
             return Err(Refusal::NotOperating);
         }
-        state
-            .lease
-            .press(jog.axes != [0; 2] || jog.spindle != 0, now);
+        state.lease.press(jog.is_held(), now);
         drop(state);
         Ok((OK, self.machine.jog(&jog)))
     }

@@ -6,7 +6,7 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::board::Command;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
-use leadscrew_seed::{amount, volume};
+use leadscrew_seed::{Random, amount, volume};
 use leadscrew_tests::limits::first_excess;
 use leadscrew_tests::machine::{Pause, Ran, run};
 use leadscrew_tests::params::{set, with};
@@ -127,7 +127,7 @@ fn comes(
     latencies: &[(i64, i64)],
     ticks: impl Fn(&[u64]) -> Vec<u64>,
 ) {
-    let mut state = seed;
+    let mut random = Random(seed);
     for program in programs {
         for (x, z) in latencies {
             for what in all {
@@ -136,10 +136,7 @@ fn comes(
                 set(&mut params, "9008.0", retracts);
                 let ticks = ticks(&led(program, &params));
                 for _ in 0..often {
-                    state = state
-                        .wrapping_mul(6_364_136_223_846_793_005)
-                        .wrapping_add(1_442_695_040_888_963_407);
-                    let at = ticks[(state >> 33) as usize % ticks.len()];
+                    let at = ticks[random.index(ticks.len())];
                     let mut pause = Pause::new(at, 50);
                     let ran =
                         run(

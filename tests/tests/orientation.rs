@@ -183,13 +183,8 @@ fn it_waits_for_the_drive() {
 #[test]
 fn speed_acceleration_and_jerk_are_within_the_spindle_s() {
     leadscrew_seed::volume(19, |seed| {
-        let mut state = seed;
-        let mut below = |bound: u64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) % bound
-        };
+        let mut random = leadscrew_seed::Random(seed);
+        let mut below = |bound| random.below(bound);
         for _ in 0..6 {
             let tick_us = [500, 1000, 2000, 4000][below(4) as usize];
             let ramp_ms = 50 + below(3000) as i64;
@@ -430,12 +425,9 @@ fn a_hold_on_the_way_stops_the_program_behind_it() {
 #[test]
 fn a_hold_on_the_way_is_told_once() {
     leadscrew_seed::volume(1905, |seed| {
-        let mut state = seed;
+        let mut random = leadscrew_seed::Random(seed);
         for _ in 0..leadscrew_seed::amount(10, 100) {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            let at = (state >> 33) % 5000;
+            let at = random.below(5000);
             let params = with(&[]);
             let (mut held, mut resumed) = (None, false);
             let text = "M19 R90\nM19 R260\nG0 X40\nM30\n";

@@ -158,14 +158,8 @@ fn a_bell_ends_what_came_before_it() {
 #[test]
 fn any_bytes_at_all_are_survived_and_whole_frames_found() {
     leadscrew_seed::volume(1, |seed| {
-        // A linear congruential generator.
-        let mut state = seed;
-        let mut random = |below: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as usize % below
-        };
+        let mut random = leadscrew_seed::Random(seed);
+        let mut random = |below| random.index(below);
         let letters = b"tTrRSsOLCVNFZMm0123456789ABCDEF\r\r\r\r\x07\n";
         let mut lines = Lines::new();
         let mut adapter = Adapter::new(0x10, 0x10, *b"TEST");

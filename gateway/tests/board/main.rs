@@ -8,6 +8,8 @@ mod nmt;
 mod offsets;
 mod params;
 mod passes;
+#[path = "../pty/mod.rs"]
+mod pty;
 mod server;
 mod terminal;
 mod turns;

@@ -4,8 +4,7 @@ use std::os::fd::AsFd as _;
 use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
-use nix::fcntl::{FcntlArg, FdFlag, fcntl};
-use nix::pty::{OpenptyResult, openpty};
+use nix::pty::OpenptyResult;
 use nix::sys::signal::{Signal, kill};
 use nix::sys::termios::{LocalFlags, Termios, tcgetattr};
 use nix::unistd::Pid;
@@ -22,11 +21,7 @@ struct View {
 
 impl View {
     fn start(bus: &str) -> Self {
-        let terminal = openpty(None, None).unwrap();
-        for end in [&terminal.master, &terminal.slave] {
-            // A machine that is started meanwhile goes on, and would keep the terminal open.
-            fcntl(end, FcntlArg::F_SETFD(FdFlag::FD_CLOEXEC)).unwrap();
-        }
+        let terminal = crate::pty::open(None);
         let before = tcgetattr(&terminal.slave).unwrap();
         let end = || terminal.slave.try_clone().unwrap();
         let child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))

@@ -13,6 +13,8 @@ mod mdi;
 mod page;
 mod panel;
 mod pickup;
+#[path = "../pty/mod.rs"]
+mod pty;
 mod shop;
 mod tune;
 mod tutorial;

@@ -181,7 +181,7 @@ fn lines_from_a_pipe_end_at_the_first_that_is_wrong() {
 #[test]
 fn at_a_prompt_the_arrow_brings_the_line_before() {
     let user = User::with_machine();
-    let terminal = nix::pty::openpty(None, None).unwrap();
+    let terminal = crate::pty::open(None);
     let end = || terminal.slave.try_clone().unwrap();
     let mut mdi = user.command(&["mdi"]);
     mdi.env("TERM", "xterm");

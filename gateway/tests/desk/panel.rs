@@ -8,8 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use nix::fcntl::{FcntlArg, FdFlag, fcntl};
-use nix::pty::{OpenptyResult, Winsize, openpty};
+use nix::pty::{OpenptyResult, Winsize};
 use nix::sys::termios::{Termios, tcgetattr};
 use serde_json::Value;
 
@@ -39,11 +38,7 @@ impl Terminal {
             ws_xpixel: 0,
             ws_ypixel: 0,
         };
-        let ends = openpty(Some(&size), None).unwrap();
-        for end in [&ends.master, &ends.slave] {
-            // A machine that is started meanwhile goes on, and would keep the terminal open.
-            fcntl(end, FcntlArg::F_SETFD(FdFlag::FD_CLOEXEC)).unwrap();
-        }
+        let ends = crate::pty::open(Some(&size));
         let before = tcgetattr(&ends.slave).unwrap();
         let end = || ends.slave.try_clone().unwrap();
         let child = user

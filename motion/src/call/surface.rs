@@ -104,13 +104,11 @@ mod tests {
     #[test]
     fn nearest_over_the_whole_range() {
         leadscrew_seed::volume(5, |seed| {
-            let mut state = seed;
+            let mut random = leadscrew_seed::Random(seed);
             for _ in 0..20_000 {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1_442_695_040_888_963_407);
-                let metres = (state >> 33) as i64 % 10_000;
-                let radius = ((state >> 20) as i64 & ((1 << 42) - 1)) + 1;
+                let bits = random.bits();
+                let metres = (bits >> 33) as i64 % 10_000;
+                let radius = ((bits >> 20) as i64 & ((1 << 42) - 1)) + 1;
                 let law = law(metres, 1_000_000);
                 let exact = metres as f64 * 1e12 / (core::f64::consts::TAU * radius as f64);
                 let exact = exact.min(1e9);

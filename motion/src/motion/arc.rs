@@ -369,13 +369,8 @@ mod tests {
     #[test]
     fn meets_both_ends_and_the_circle_between() {
         leadscrew_seed::volume(3, |seed| {
-            let mut state = seed;
-            let mut random = move |range: i64| {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1_442_695_040_888_963_407);
-                (state >> 33) as i64 % range
-            };
+            let mut random = leadscrew_seed::Random(seed);
+            let mut random = move |range: i64| random.below(range as u64) as i64;
             let mut worst = 0.0_f64;
             for round in 0..20_000 {
                 let size = 10_i64.pow(3 + round % 7);

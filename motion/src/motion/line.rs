@@ -135,13 +135,8 @@ mod tests {
     #[test]
     fn starts_and_ends_exactly_and_is_nearest_between() {
         leadscrew_seed::volume(5, |seed| {
-            let mut state = seed;
-            let mut random = move |bits: u32| {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1_442_695_040_888_963_407);
-                (state as i64) >> (64 - bits)
-            };
+            let mut random = leadscrew_seed::Random(seed);
+            let mut random = move |bits: u32| (random.bits() as i64) >> (64 - bits);
             for round in 0..20_000 {
                 let bits = 2 + round % 41;
                 let from = position(random(bits), random(bits), random(bits));

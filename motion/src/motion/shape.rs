@@ -233,13 +233,8 @@ mod tests {
     #[test]
     fn no_other_ramp_is_quicker() {
         leadscrew_seed::volume(7, |seed| {
-            let mut state = seed;
-            let mut random = |range: u64| {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1_442_695_040_888_963_407);
-                1 + (state >> 33) % range
-            };
+            let mut random = leadscrew_seed::Random(seed);
+            let mut random = |range| 1 + random.below(range);
             for _ in 0..300 {
                 let limits = limits(random(600) as u32 + 1, random(60), random(30));
                 let length = nm(random(60) as i64);

@@ -62,8 +62,11 @@ pub enum SpindleEvent {
     },
 }
 
-/// A spindle that turns slower than this counts as standing: a quarter of a turn a minute, in 2⁻³² turns per second.
-const STANDING: i64 = (1 << 32) / 240;
+/// A spindle that takes more seconds for a turn counts as standing: a quarter of a turn a minute.
+const LONGEST_TURN: u64 = 240;
+
+/// The same as a speed, in 2⁻³² turns per second.
+const STANDING: i64 = (1 << 32) / LONGEST_TURN as i64;
 
 /// No spindle changes its speed faster than this, in turns per second squared. At this rate a spindle would stop from
 /// 3000 rpm within one eightieth of a second, ten times faster than a crash stops it.
@@ -578,7 +581,7 @@ fn gains_of_few(few: &mut Few, apart: u32, moved: i32, is_timed: bool) -> Gains 
 /// Whole ticks in which a count goes by at the speed [`STANDING`], a second at most.
 const fn longest(counts: u32, tick_us: u32) -> u32 {
     let second = divide(1_000_000, tick_us as u64);
-    let longest = divide(second.wrapping_mul(240), counts as u64).wrapping_add(1);
+    let longest = divide(second.wrapping_mul(LONGEST_TURN), counts as u64).wrapping_add(1);
     // At most 4000 ticks.
     if longest < second {
         longest as u32
@@ -591,7 +594,7 @@ const fn longest(counts: u32, tick_us: u32) -> u32 {
 const fn least(counts: u32, tick_us: u32) -> u32 {
     divide(
         (counts as u64).wrapping_mul(tick_us as u64),
-        240 * 1_000_000,
+        LONGEST_TURN * 1_000_000,
     ) as u32
 }
 

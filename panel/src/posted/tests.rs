@@ -144,7 +144,6 @@ fn a_press_is_passed_on_frame_by_frame_for_who_operates() {
         turn("a", json!([0, 0]), json!(1)),
         ok(&format!("{turned:?}"))
     );
-    // The spindle is pressed as an axis is: nobody takes the lease meanwhile.
     assert!(bench.lease("b", "take").contains("notice_ms"));
     assert_eq!(turn("a", json!([1, 0]), json!(1)), Err(Refusal::Malformed));
     for wrong in [json!(2), json!("S+"), Value::Null] {
@@ -154,6 +153,31 @@ fn a_press_is_passed_on_frame_by_frame_for_who_operates() {
         assert_eq!(jog("a", wrong), Err(Refusal::Malformed));
     }
     assert_eq!(jog("b", json!([0, 0])), Err(Refusal::NotOperating));
+}
+
+#[test]
+fn a_spindle_that_is_held_keeps_the_lease_as_an_axis_does() {
+    for (axes, spindle, keeps) in [
+        (json!([0, 0]), 0, false),
+        (json!([0, 1]), 0, true),
+        (json!([0, 0]), -1, true),
+    ] {
+        let bench = Bench::new();
+        bench.lease("a", "take");
+        let now = Instant::now();
+        let body = json!({"c": "a", "press": 3, "axes": axes, "spindle": spindle, "rapid": false, "speed": 0, "echo": 9});
+        let passed = bench.posted.jog("cookie", body.to_string().as_bytes());
+        assert!(passed.is_ok());
+        // Another has asked for so long that only a press keeps it from the lease.
+        let lease = &mut bench.posted.state().lease;
+        lease.ask("cookie/b", Wish::Take, now - lease::NOTICE);
+        let answer = lease.ask("cookie/b", Wish::Take, now);
+        assert_eq!(
+            answer == lease::Answer::Notice(Duration::ZERO),
+            keeps,
+            "{answer:?}"
+        );
+    }
 }
 
 #[test]

@@ -10,10 +10,14 @@
 //! How much a test tries is [`amount`]: a part of it each time, all of it with `LEADSCREW_FULL=1`, which is what
 //! `cargo xtask test --full` sets.
 
+mod random;
+
 use std::cell::Cell;
 use std::fmt;
 use std::process::Command;
 use std::sync::OnceLock;
+
+pub use random::Random;
 
 /// The variable that takes the place of the commit.
 pub const VARIABLE: &str = "LEADSCREW_SEED";

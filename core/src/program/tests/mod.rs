@@ -93,19 +93,6 @@ fn spindle(rpm: i32) -> CallKind {
     CallKind::Spindle(SpindleCall::speed(Rpm::new(rpm)))
 }
 
-/// A deterministic stream of numbers.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % limit
-    }
-}
-
 /// The calls of a right program on the built-in machine with these values, and the numbers of its warnings.
 fn kinds_on(values: &[(&str, &str)], text: &str) -> (Vec<CallKind>, Vec<u16>) {
     let params = machine(values);

@@ -1,5 +1,7 @@
 //! A thread that was picked up: whatever program cuts a helix, every other one with the same lead goes on in its groove.
 
+use leadscrew_seed::Random;
+
 use super::*;
 use crate::alarm::{Arg, Code};
 use crate::cycle::ThreadMoves;
@@ -96,26 +98,26 @@ fn warnings(events: &[Event]) -> Vec<Alarm> {
 /// A program that cuts a thread of this lead (µm) along Z; its own place, speed, cycle and depth.
 fn along_z(random: &mut Random, lead: i64, turning: &str) -> String {
     let mm = |um: usize| format!("{}.{:03}", um / 1000, um % 1000);
-    let start = mm(5_000 + random.below(20_000));
-    let end = mm(20_000 + random.below(30_000));
-    let rpm = 50 + random.below(200);
+    let start = mm(5_000 + random.index(20_000));
+    let end = mm(20_000 + random.index(30_000));
+    let rpm = 50 + random.index(200);
     let lead = mm(lead as usize);
-    let tool = 1 + random.below(3);
-    let depth = 1 + random.below(3);
-    let block = match random.below(5) {
+    let tool = 1 + random.index(3);
+    let depth = 1 + random.index(3);
+    let block = match random.index(5) {
         0 => format!("G92 X58 Z-{end} F{lead}"),
         1 => format!("G32 X60 Z-{end} F{lead}"),
         2 => format!(
             "G76 P02{:02}60 Q200 R0.05\nG76 X{} Z-{end} P{}000 Q500 F{lead}",
-            random.below(5),
+            random.index(5),
             60 - 2 * depth,
             depth
         ),
         3 => format!(
             "G78 P02{:02}55 Q0.1 R0.05\nG78 X{} Z-{end} P{depth} Q0.4 F{lead} L{}",
-            random.below(5),
+            random.index(5),
             60 - 2 * depth,
-            1 + random.below(3)
+            1 + random.index(3)
         ),
         _ => format!("G32 Z-{end} F{lead} Q90000"),
     };
@@ -142,8 +144,8 @@ fn own(text: &str) -> i64 {
 }
 
 fn follow(random: &mut Random) {
-    let lead = 500 + random.below(9_500) as i64;
-    let turning = ["M3", "M4"][random.below(2)];
+    let lead = 500 + random.index(9_500) as i64;
+    let turning = ["M3", "M4"][random.index(2)];
     let (first, second) = (
         along_z(random, lead, turning),
         along_z(random, lead, turning),
@@ -154,8 +156,8 @@ fn follow(random: &mut Random) {
     let cut = Begin::of(&last_thread(&events));
 
     // Touched anywhere along the groove, by a tool of any length.
-    let place = -(random.below(60_000) as i64) * 1000;
-    let touching = random.below(3);
+    let place = -(random.index(60_000) as i64) * 1000;
+    let touching = random.index(3);
     let tool = table.tools[touching];
     let tip = place - tool.geometry.z.nm() - tool.wear.z.nm();
     let udeg = cut.angle_at(place, lead * 1000);

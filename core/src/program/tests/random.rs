@@ -1,5 +1,7 @@
 //! Bad input and odd input: any byte string gives calls or an alarm, and how it arrives makes no difference.
 
+use leadscrew_seed::Random;
+
 use super::*;
 
 /// Lines that together use every word.
@@ -40,21 +42,21 @@ const ALPHABET: &[u8] =
 
 fn program(random: &mut Random) -> Vec<u8> {
     let mut text = Vec::new();
-    if random.below(2) == 0 {
+    if random.index(2) == 0 {
         text.extend_from_slice(b"%\nO0013; (name)\n");
     }
-    for _ in 0..random.below(40) {
-        text.extend_from_slice(LINES[random.below(LINES.len() - 1)].as_bytes());
-        text.extend_from_slice(if random.below(4) == 0 { b"\r\n" } else { b"\n" });
+    for _ in 0..random.index(40) {
+        text.extend_from_slice(LINES[random.index(LINES.len() - 1)].as_bytes());
+        text.extend_from_slice(if random.index(4) == 0 { b"\r\n" } else { b"\n" });
     }
-    for _ in 0..random.below(3) {
+    for _ in 0..random.index(3) {
         if text.is_empty() {
             break;
         }
-        let at = random.below(text.len());
-        match random.below(3) {
-            0 => text[at] = ALPHABET[random.below(ALPHABET.len())],
-            1 => text.insert(at, ALPHABET[random.below(ALPHABET.len())]),
+        let at = random.index(text.len());
+        match random.index(3) {
+            0 => text[at] = ALPHABET[random.index(ALPHABET.len())],
+            1 => text.insert(at, ALPHABET[random.index(ALPHABET.len())]),
             _ => drop(text.remove(at)),
         }
     }
@@ -62,27 +64,27 @@ fn program(random: &mut Random) -> Vec<u8> {
 }
 
 fn noise(random: &mut Random) -> Vec<u8> {
-    (0..random.below(120))
-        .map(|_| ALPHABET[random.below(ALPHABET.len())])
+    (0..random.index(120))
+        .map(|_| ALPHABET[random.index(ALPHABET.len())])
         .collect()
 }
 
 fn options(random: &mut Random) -> Options {
     Options {
-        dialect: if random.below(4) == 0 {
+        dialect: if random.index(4) == 0 {
             Dialect::Gsk988
         } else {
             Dialect::Gsk980td
         },
-        skip: random.below(2) == 0,
-        optional_stop: random.below(2) == 0,
-        dry_run: random.below(4) == 0,
-        passes_machine_codes: random.below(4) == 0,
-        per_turn: random.below(8) == 0,
-        limits_every_speed: random.below(4) == 0,
+        skip: random.index(2) == 0,
+        optional_stop: random.index(2) == 0,
+        dry_run: random.index(4) == 0,
+        passes_machine_codes: random.index(4) == 0,
+        per_turn: random.index(8) == 0,
+        limits_every_speed: random.index(4) == 0,
         position: at(500_000, 100_000),
         offsets: None,
-        gear: random.below(3) as u8,
+        gear: random.index(3) as u8,
     }
 }
 
@@ -127,8 +129,8 @@ fn in_pieces(text: &[u8], options: Options, random: &mut Random) -> (Vec<Event>,
     let mut events = Vec::new();
     let mut rest = text;
     while !rest.is_empty() {
-        let most = 1 + random.below(200);
-        let size = 1 + random.below(rest.len().min(most));
+        let most = 1 + random.index(200);
+        let size = 1 + random.index(rest.len().min(most));
         let (piece, tail) = rest.split_at(size);
         rest = tail;
         if let Err(alarm) = reader.push(piece, &mut |event| events.push(event)) {
@@ -210,23 +212,23 @@ fn spaces_and_case_make_no_difference() {
         for _ in 0..5_000 {
             let mut plain = std::string::String::new();
             let mut other = std::string::String::new();
-            for _ in 0..1 + random.below(20) {
-                let line = LINES[random.below(LINES.len() - 1)];
+            for _ in 0..1 + random.index(20) {
+                let line = LINES[random.index(LINES.len() - 1)];
                 if line.contains('(') || line.contains('%') {
                     continue;
                 }
                 plain.push_str(line);
                 plain.push('\n');
                 for word in line.split(' ') {
-                    let spaces = random.below(3);
+                    let spaces = random.index(3);
                     other.push_str(&" ".repeat(spaces));
-                    if random.below(2) == 0 {
+                    if random.index(2) == 0 {
                         other.push_str(&word.to_ascii_lowercase());
                     } else {
                         other.push_str(word);
                     }
                 }
-                other.push_str(if random.below(2) == 0 { "\r\n" } else { "\n" });
+                other.push_str(if random.index(2) == 0 { "\r\n" } else { "\n" });
             }
             let (first, second) = (read(&plain), read(&other));
             assert_eq!(
@@ -254,7 +256,7 @@ fn one_micron_of_text_is_one_micron_everywhere() {
         // Inch text of a whole number of steps against the same length in millimetres.
         let mut random = Random(seed);
         for _ in 0..2_000 {
-            let steps = random.below(1_000_000) as i64;
+            let steps = random.index(1_000_000) as i64;
             let inch = std::format!("G20 G0 Z{}.{:05}", steps / 100_000, steps % 100_000);
             let (events, alarm) = read(&inch);
             assert_eq!(alarm, None);

@@ -3,6 +3,8 @@
 //! What is kept is where the tip is by the machine (its slide less geometry and wear of the tool), and the angle of the
 //! spindle there. What follows from it for a thread is worked out where programs are read.
 
+use std::time::Duration;
+
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::link::Status;
 use leadscrew_core::offsets::{Offsets, PickedUp};
@@ -15,9 +17,16 @@ use crate::cli::{Global, Pickup};
 use crate::commands::ending;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
+use crate::link::Link;
 use crate::output;
 use crate::tools::{self, Change, Groove, Key, changes, value};
 use crate::words::{Both, both};
+
+/// Two readings of a spindle that stands are so far apart in time,
+const STILL: Duration = Duration::from_millis(200);
+
+/// and differ by no more than this: a count of an encoder of 4096, or 0.08 rpm.
+const STANDS_UDEG: i64 = 100_000;
 
 /// Picks a thread up, or lets it go.
 pub fn pickup(global: &Global, args: &Pickup) -> Outcome {
@@ -28,18 +37,19 @@ pub fn pickup(global: &Global, args: &Pickup) -> Outcome {
         home.board()?;
         table.thread = PickedUp::default();
     } else if let Some(tool) = args.tool {
-        let status = home.board()?.link.status()?;
-        stands(&status)?;
-        for axis in [Axis::X, Axis::Z] {
-            knows_where(&status, axis)?;
+        let link = &mut home.board()?.link;
+        let (_, first) = at_rest(link)?;
+        link.idle(STILL)?;
+        let (status, angle) = at_rest(link)?;
+        if !is_still(first, angle) {
+            return Err(turns(&status));
         }
-        let angle = Some(angle(&status)?);
         for axis in [Axis::X, Axis::Z] {
             let tip = place(&status, axis) - offset(&table, tool, axis);
             let key = Key::Thread(Groove::Tip(axis));
             key.set(&mut table, tip).map_err(Failure::WrongBecause)?;
         }
-        table.thread.angle = angle;
+        table.thread.angle = Some(angle);
     } else {
         home.warn(global);
         return tell(global, &home, &table, &[]);
@@ -51,18 +61,41 @@ pub fn pickup(global: &Global, args: &Pickup) -> Outcome {
     tell(global, &home, &table, &changes)
 }
 
+/// The machine, which stands and knows its place, and the angle of its spindle.
+fn at_rest(link: &mut Link) -> Outcome<(Status, Angle)> {
+    let status = link.status()?;
+    stands(&status)?;
+    for axis in [Axis::X, Axis::Z] {
+        knows_where(&status, axis)?;
+    }
+    let angle = angle(&status)?;
+    Ok((status, angle))
+}
+
 /// The angle of the spindle, where it stands and counts from its index.
 fn angle(status: &Status) -> Outcome<Angle> {
     let rpm = status.speed.rpm();
     if rpm.get() != 0 || status.command.get() != 0 {
-        let alarm = Alarm::of(Code::PickupTurning, &[Arg::Rpm(rpm)]);
-        return Err(Failure::WrongBecause(alarm_words(&alarm)));
+        return Err(turns(status));
     }
     if status.signals & Signals::INDEXED == 0 {
         let alarm = Alarm::of(Code::PickupNoIndex, &[]);
         return Err(Failure::WrongBecause(alarm_words(&alarm)));
     }
     Ok(within_a_turn(status.spindle))
+}
+
+fn turns(status: &Status) -> Failure {
+    let alarm = Alarm::of(Code::PickupTurning, &[Arg::Rpm(status.speed.rpm())]);
+    Failure::WrongBecause(alarm_words(&alarm))
+}
+
+/// A spindle that runs out or is still turned by hand is at 0 rpm, rounded, before it stands; one whose encoder trembles over
+/// a count stands.
+fn is_still(before: Angle, after: Angle) -> bool {
+    const TURN: i64 = 360_000_000;
+    let way = (after.udeg() - before.udeg()).rem_euclid(TURN);
+    way.min(TURN - way) <= STANDS_UDEG
 }
 
 /// An angle in whole steps of a table, within one turn.
@@ -115,6 +148,24 @@ fn tell(global: &Global, home: &Home, table: &Offsets, changes: &[Change]) -> Ou
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_spindle_stands_that_is_twice_in_one_place() {
+        for (before, after, still) in [
+            (0, 0, true),
+            (0, 100_000, true),
+            (100_000, 0, true),
+            (359_950_000, 40_000, true),
+            (40_000, 359_950_000, true),
+            // At 0.4 rpm.
+            (10_000_000, 10_480_000, false),
+            (359_900_000, 100_000, false),
+            (0, 180_000_000, false),
+        ] {
+            let [before, after] = [before, after].map(Angle::from_udeg);
+            assert_eq!(is_still(before, after), still, "{before:?} {after:?}");
+        }
+    }
 
     #[test]
     fn an_angle_is_that_of_its_turn_to_the_nearest_step() {

@@ -36,11 +36,15 @@ impl Press {
         (press, s["mz"].as_f64().unwrap())
     }
 
+    fn body(&self, client: &Client<'_>, released: bool) -> Value {
+        let way = if released { 0 } else { self.way };
+        json!({"c": client.name, "press": self.number, "axes": [0, way], "spindle": 0, "rapid": false, "speed": 0,
+            "echo": self.echoes[1]})
+    }
+
     /// One frame with the newest beat that is known.
     fn frame(&mut self, client: &Client<'_>, released: bool) -> Value {
-        let way = if released { 0 } else { self.way };
-        let body = json!({"c": client.name, "press": self.number, "axes": [0, way], "spindle": 0, "rapid": false, "speed": 0,
-            "echo": self.echoes[1]});
+        let body = self.body(client, released);
         let mut sent = client.page.post(&client.cookie, "/jog", &body);
         if sent.0 == 409 {
             client.renew();
@@ -54,8 +58,7 @@ impl Press {
 
     /// One frame that comes late: with a beat that was new before.
     fn late(&self, client: &Client<'_>, delay: Duration) {
-        let body = json!({"c": client.name, "press": self.number, "axes": [0, self.way], "spindle": 0, "rapid": false, "speed": 0,
-            "echo": self.echoes[1]});
+        let body = self.body(client, false);
         std::thread::sleep(delay);
         client.page.post(&client.cookie, "/jog", &body);
     }

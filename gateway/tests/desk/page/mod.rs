@@ -28,13 +28,8 @@ const THREAD: &str =
 
 /// Numbers below a limit, always the same ones from a seed.
 fn chance(seed: u64) -> impl FnMut(u64) -> u64 {
-    let mut random = seed;
-    move |limit| {
-        random = random
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (random >> 33) % limit
-    }
+    let mut random = leadscrew_seed::Random(seed);
+    move |limit| random.below(limit)
 }
 
 /// A panel at work.

@@ -267,23 +267,13 @@ fn feed_hold_by_the_override_stands_and_goes_on() {
     assert_eq!(bench.position.z, mm(-10));
 }
 
-/// Numbers at random from this seed, each below what is asked for.
-fn random(seed: u64) -> impl FnMut(u64) -> u64 {
-    let mut state = seed | 1;
-    move |below| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % below
-    }
-}
-
 /// Any presses, releases, renewals and overrides: never beyond a limit of position, speed, acceleration or jerk, which
 /// [`Bench::tick`] asserts; and at rest in time after the last press.
 #[test]
 fn whatever_is_pressed_the_axes_keep_their_limits() {
     leadscrew_seed::volume(11, |seed| {
-        let mut random = random(seed);
+        let mut random = leadscrew_seed::Random(seed | 1);
+        let mut random = |below| random.below(below);
         let mut bench = Bench::new();
         let (mut number, mut pressed, mut limits) = (0_u8, None, 0_u32);
         for _ in 0..leadscrew_seed::amount(600, 100_000) {
@@ -498,7 +488,8 @@ fn a_press_and_a_wheel_take_turns_from_rest_only() {
 #[test]
 fn however_a_wheel_is_turned_its_axis_keeps_its_limits() {
     leadscrew_seed::volume(13, |seed| {
-        let mut random = random(seed);
+        let mut random = leadscrew_seed::Random(seed | 1);
+        let mut random = |below| random.below(below);
         let mut bench = Bench::in_the_middle();
         let most = speed(3_000).raw() as i64;
         let (mut way, mut taken) = (0_i64, 0_i64);
@@ -538,7 +529,8 @@ fn however_a_wheel_is_turned_its_axis_keeps_its_limits() {
 #[test]
 fn a_wheel_within_its_speed_loses_no_count() {
     leadscrew_seed::volume(12_345, |seed| {
-        let mut random = random(seed);
+        let mut random = leadscrew_seed::Random(seed | 1);
+        let mut random = |below| random.below(below);
         let mut bench = Bench::in_the_middle();
         let (mut counted, mut count) = (0_u64, 0_i64);
         let all = leadscrew_seed::amount(100_000, 10_000_000) as u64;

@@ -2,19 +2,8 @@
 
 extern crate std;
 use super::*;
+use leadscrew_seed::Random;
 use std::vec::Vec;
-
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, range: u64) -> u64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) % range
-    }
-}
 
 fn ramp(cap: u32, n1: u16, n2: u16) -> Ramp {
     Ramp::new(PathRate::from_raw(cap), n1, n2).unwrap()

@@ -36,13 +36,8 @@ fn whole_turns_are_exact_on_both_sides_of_r() {
 #[test]
 fn any_lead_is_the_ratio_rounded_towards_zero() {
     leadscrew_seed::volume(11, |seed| {
-        let mut state = seed;
-        let mut random = |bits: u32| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> (64 - bits)) as i64
-        };
+        let mut random = leadscrew_seed::Random(seed);
+        let mut random = |bits: u32| (random.bits() >> (64 - bits)) as i64;
         for _ in 0..100_000 {
             let (numerator, denominator) = (random(40) + 1_000_000, random(6) + 1);
             let gear = gear(numerator, denominator, -1, Hand::Right);

@@ -297,13 +297,8 @@ fn speed_and_change_are_checked_at_the_fastest_point() {
 fn a_stop_of_a_spindle_that_hardly_turns_lets_no_axis_leap() {
     const APART: usize = 20;
     leadscrew_seed::volume(529, |seed| {
-        let mut state = seed;
-        let mut below = |bound: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as usize % bound
-        };
+        let mut random = leadscrew_seed::Random(seed);
+        let mut below = |bound| random.index(bound);
         let mut params = Params::default();
         params
             .set(crate::params::Entry::find_text("9003.X").unwrap(), 20_000)

@@ -2,10 +2,15 @@
 
 extern crate std;
 
-use leadscrew_seed::{amount, volume};
+use std::vec::Vec;
+
+use leadscrew_seed::{Random, amount, volume};
 
 use super::super::*;
 use crate::units::TurnRate;
+
+/// The largest number of counts that a parameter takes.
+const FINEST: u32 = 1 << 20;
 
 /// A spindle on an encoder.
 #[derive(Clone, Copy, Debug)]
@@ -60,52 +65,80 @@ impl Seen {
     }
 }
 
-fn cases() -> impl Iterator<Item = Case> {
-    let counts = [16, 100, 999, 1000, 1024, 4096, 5000, 20_000, 1 << 20];
-    counts.into_iter().flat_map(|counts| {
-        [(250, 80), (1000, 35), (1000, 200), (2000, 15)]
-            .into_iter()
-            .flat_map(move |(tick_us, bandwidth)| {
-                [true, false].map(|timed| Case {
-                    counts,
-                    bandwidth,
-                    tick_us,
-                    timed,
-                })
-            })
+/// Each setting of the observer on an encoder.
+fn settings(counts: u32) -> impl Iterator<Item = Case> {
+    let each = [(250, 80), (1000, 35), (1000, 200), (2000, 15)];
+    each.into_iter()
+        .flat_map(move |(tick_us, bandwidth)| both(counts, tick_us, bandwidth))
+}
+
+/// With times of edges and without.
+fn both(counts: u32, tick_us: u32, bandwidth: u32) -> [Case; 2] {
+    [true, false].map(|timed| Case {
+        counts,
+        bandwidth,
+        tick_us,
+        timed,
     })
 }
 
-/// From 0 to 1, another one with each call.
-fn random(bits: &mut u64) -> f64 {
-    *bits = bits
-        .wrapping_mul(6_364_136_223_846_793_005)
-        .wrapping_add(1_442_695_040_888_963_407);
-    (*bits >> 11) as f64 / (1_u64 << 53) as f64
+fn cases() -> Vec<Case> {
+    let counts = [16, 100, 999, 1000, 1024, 4096, 5000, 20_000, FINEST];
+    counts.into_iter().flat_map(settings).collect()
 }
 
-/// Tries each encoder this often: `try_one` has the way it turns, 1 or −1, and random bits.
-fn each(number: u64, often: (usize, usize), try_one: impl Fn(Case, f64, &mut u64)) {
+/// From 0 to 1, another one with each call.
+fn part(random: &mut Random) -> f64 {
+    (random.bits() >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Tries each encoder this often.
+fn each(
+    number: u64,
+    cases: impl Fn() -> Vec<Case>,
+    often: (usize, usize),
+    try_one: impl Fn(Case, &mut Random),
+) {
     volume(number, |seed| {
-        let mut bits = seed;
+        let mut random = Random(seed);
         for case in cases() {
             for _ in 0..amount(often.0, often.1) {
-                let side = if random(&mut bits) < 0.5 { 1.0 } else { -1.0 };
-                try_one(case, side, &mut bits);
+                try_one(case, &mut random);
             }
         }
     });
 }
 
+/// The way it turns: 1 or −1.
+fn side(random: &mut Random) -> f64 {
+    if part(random) < 0.5 { 1.0 } else { -1.0 }
+}
+
+/// It turns evenly, at so many turns a second, for six seconds; of the last three each tick is judged.
+fn evenly(case: Case, side: f64, speed: f64, random: &mut Random, judge: impl Fn(&Seen)) {
+    let from = part(random);
+    let at = |t: f64| side * (from + speed * t);
+    let passes = |angle: f64| (side * angle - from) / speed;
+    let mut seen = Seen::new(case);
+    while seen.time() < 3.0 {
+        seen.tick(at, passes);
+    }
+    for _ in 0..3000 {
+        seen.tick(at, passes);
+        judge(&seen);
+    }
+}
+
 /// Where the tracker swung about the count for ever, a gear and the chuck were refused until the spindle was moved.
 #[test]
 fn a_spindle_that_comes_to_rest_anywhere_stands_within_a_second() {
-    each(509, (4, 40), |case, side, bits| {
+    each(509, cases, (4, 40), |case, random| {
+        let side = side(random);
         // A stop of half a second to five, from 18 to 500 rpm.
-        let stop = 0.5 + 4.5 * random(bits);
-        let speed = 0.3 + 8.0 * random(bits);
+        let stop = 0.5 + 4.5 * part(random);
+        let speed = 0.3 + 8.0 * part(random);
         let half = speed / stop / 2.0;
-        let rest = random(bits) + half * stop * stop;
+        let rest = part(random) + half * stop * stop;
         let at = |t: f64| side * (rest - half * (stop - t).max(0.0).powi(2));
         let passes = |angle: f64| stop - ((rest - side * angle).max(0.0) / half).sqrt();
         let mut seen = Seen::new(case);
@@ -127,26 +160,19 @@ fn a_spindle_that_comes_to_rest_anywhere_stands_within_a_second() {
 
 #[test]
 fn a_spindle_that_creeps_faster_than_one_that_stands_turns() {
-    each(510, (2, 20), |case, side, bits| {
+    each(510, cases, (2, 20), |case, random| {
+        let side = side(random);
         // A quarter of a turn a minute, or a count in a second.
         let least = (1.0 / 240.0_f64).max(1.0 / f64::from(case.counts));
-        let speed = least * (1.1 + 3.0 * random(bits));
-        let from = random(bits);
-        let at = |t: f64| side * (from + speed * t);
-        let passes = |angle: f64| (side * angle - from) / speed;
-        let mut seen = Seen::new(case);
-        while seen.time() < 3.0 {
-            seen.tick(at, passes);
-        }
-        for _ in 0..3000 {
-            seen.tick(at, passes);
+        let speed = least * (1.1 + 3.0 * part(random));
+        evenly(case, side, speed, random, |seen| {
             assert!(
                 seen.observer.is_turning(),
                 "{case:?}: {} of the slowest speed at {}",
                 speed / least,
                 seen.time()
             );
-        }
+        });
     });
 }
 
@@ -157,83 +183,64 @@ fn is_slow(observer: &Observer) -> bool {
 
 /// Encoders of many counts, of which one at a quarter of a turn a minute takes 15 ticks at most: a spindle that stands in a
 /// drive that is on may tremble over some of them.
-fn fine_cases() -> impl Iterator<Item = Case> {
-    let counts = [20_000, 60_000, 120_000, 250_000, 480_000, 700_000, 1 << 20];
-    let fine = counts.into_iter().flat_map(|counts| {
-        let slow = [true, false].map(|timed| Case {
-            counts,
-            bandwidth: 5,
-            tick_us: 1000,
-            timed,
-        });
-        let others = cases().filter(|case| case.counts == 16);
-        others.map(move |case| Case { counts, ..case }).chain(slow)
-    });
-    fine.filter(|case| case.counts * case.tick_us >= 16_000_000)
+fn fine_cases() -> Vec<Case> {
+    let counts = [20_000, 60_000, 120_000, 250_000, 480_000, 700_000, FINEST];
+    let all = counts
+        .into_iter()
+        .flat_map(|counts| settings(counts).chain(both(counts, 1000, 5)));
+    all.filter(|case| case.counts * case.tick_us >= 16_000_000)
+        .collect()
 }
 
 /// Two movements one way in a row said that it turns, whatever its speed: a gear was refused, and the chuck's switch was
 /// an alarm.
 #[test]
 fn a_spindle_that_trembles_turns_no_faster_than_its_speed_says() {
-    volume(511, |seed| {
-        let mut bits = seed;
-        for case in fine_cases() {
-            for _ in 0..amount(2, 20) {
-                let most = if random(&mut bits) < 0.5 { 2.0 } else { 3.0 };
-                let often = 0.2 + 0.8 * random(&mut bits);
-                let mut by = 0.0;
-                let mut seen = Seen::new(case);
-                for tick in 0..4000 {
-                    if random(&mut bits) < often {
-                        by = ((2.0 * most + 1.0) * random(&mut bits)).floor() - most;
-                    }
-                    let place = (5.5 + by) / f64::from(case.counts);
-                    let now = seen.time() + f64::from(case.tick_us) * 1e-6;
-                    let edge = now - random(&mut bits) * f64::from(case.tick_us) * 1e-6;
-                    seen.tick(|_| place, |_| edge);
-                    // The tracker begins.
-                    if tick < 1000 {
-                        continue;
-                    }
-                    let turns = seen.observer.is_turning();
-                    assert!(
-                        !turns || !is_slow(&seen.observer),
-                        "{case:?}: ±{most} counts, {} rpm",
-                        seen.observer.speed().rpm().get()
-                    );
-                    let tells = case.counts == 1 << 20 && case.bandwidth < 200;
-                    assert!(!turns || !tells, "{case:?}: ±{most} counts");
-                }
+    each(511, fine_cases, (2, 20), |case, random| {
+        let most = if part(random) < 0.5 { 2.0 } else { 3.0 };
+        let often = 0.2 + 0.8 * part(random);
+        let mut by = 0.0;
+        let mut seen = Seen::new(case);
+        for tick in 0..4000 {
+            if part(random) < often {
+                by = ((2.0 * most + 1.0) * part(random)).floor() - most;
             }
+            let place = (5.5 + by) / f64::from(case.counts);
+            let now = seen.time() + f64::from(case.tick_us) * 1e-6;
+            let edge = now - part(random) * f64::from(case.tick_us) * 1e-6;
+            seen.tick(|_| place, |_| edge);
+            // The tracker begins.
+            if tick < 1000 {
+                continue;
+            }
+            let turns = seen.observer.is_turning();
+            assert!(
+                !turns || !is_slow(&seen.observer),
+                "{case:?}: ±{most} counts, {} rpm",
+                seen.observer.speed().rpm().get()
+            );
+            let tells = case.counts == FINEST && case.bandwidth < 200;
+            assert!(!turns || !tells, "{case:?}: ±{most} counts");
         }
     });
 }
 
 #[test]
 fn a_spindle_that_drifts_slower_than_one_that_turns_stands() {
-    volume(512, |seed| {
-        let mut bits = seed;
-        for case in fine_cases().filter(|case| case.counts == 1 << 20) {
-            for _ in 0..amount(2, 20) {
-                let side = if random(&mut bits) < 0.5 { 1.0 } else { -1.0 };
-                // Up to 0.1 rpm.
-                let speed = (0.02 + 0.08 * random(&mut bits)) / 60.0;
-                let from = random(&mut bits);
-                let at = |t: f64| side * (from + speed * t);
-                let passes = |angle: f64| (side * angle - from) / speed;
-                let mut seen = Seen::new(case);
-                while seen.time() < 3.0 {
-                    seen.tick(at, passes);
-                }
-                for _ in 0..3000 {
-                    seen.tick(at, passes);
-                    assert!(
-                        !seen.observer.is_turning(),
-                        "{case:?}: {speed} turns a second"
-                    );
-                }
-            }
-        }
+    let finest = || {
+        let mut cases = fine_cases();
+        cases.retain(|case| case.counts == FINEST);
+        cases
+    };
+    each(512, finest, (2, 20), |case, random| {
+        let side = side(random);
+        // Up to 0.1 rpm.
+        let speed = (0.02 + 0.08 * part(random)) / 60.0;
+        evenly(case, side, speed, random, |seen| {
+            assert!(
+                !seen.observer.is_turning(),
+                "{case:?}: {speed} turns a second"
+            );
+        });
     });
 }

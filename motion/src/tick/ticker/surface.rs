@@ -115,13 +115,8 @@ mod tests {
     #[test]
     fn comes_to_the_law_and_stays_there() {
         leadscrew_seed::volume(5, |seed| {
-            let mut state = seed;
-            let mut next = |bound: u64| {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1_442_695_040_888_963_407);
-                (state >> 24) % bound
-            };
+            let mut random = leadscrew_seed::Random(seed);
+            let mut next = |bound: u64| (random.bits() >> 24) % bound;
             for _ in 0..300 {
                 let law = SurfaceSpeed {
                     speed: Feed::from_nm_per_min((next(4000) * 1_000_000_000) as i64),

@@ -27,7 +27,7 @@ use crate::link::Link;
 use crate::words::{Both, both};
 
 /// From one search to the next.
-const AGAIN: Duration = Duration::from_millis(500);
+pub const AGAIN: Duration = Duration::from_millis(500);
 
 /// What the panel has whether the board is heard or not.
 pub struct Screen<'a> {
@@ -75,7 +75,7 @@ impl Screen<'_> {
 
     /// Looks for the board until it answers; `None` where a key or a signal ends the panel.
     fn look_for(&mut self, failure: Failure, since: Instant) -> io::Result<Option<Link>> {
-        let mut why = told(failure);
+        let mut why = why(failure);
         loop {
             let again = Instant::now() + AGAIN;
             let global = self.global.clone();
@@ -90,7 +90,7 @@ impl Screen<'_> {
             }
             match search.join() {
                 Ok(Ok(link)) => return Ok(Some(link)),
-                Ok(Err(failure)) => why = told(failure),
+                Ok(Err(failure)) => why = self::why(failure),
                 Err(panic) => resume_unwind(panic),
             }
         }
@@ -122,7 +122,9 @@ pub fn leaves(input: &Input) -> bool {
             || keys::is_control(*key, 'c'))
 }
 
-fn told(failure: Failure) -> Both {
+/// Why a board is not heard.
+pub fn why(failure: Failure) -> Both {
+    // It may have told its reason elsewhere.
     failure
         .words()
         .unwrap_or_else(|| both!("it does not answer", "没有应答"))

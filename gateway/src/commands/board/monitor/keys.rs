@@ -48,7 +48,7 @@ pub enum Wish {
     Quit,
 }
 
-/// How fast an axis is meant.
+/// At which speed an axis is to move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Speed {
     /// Parameter 9041.

@@ -11,7 +11,7 @@
 //! The panel has its turn wherever the link waits ([`Link::meanwhile`]): no transfer delays a hold or a release.
 
 mod draw;
-mod finding;
+pub(super) mod finding;
 pub(super) mod hand;
 pub(super) mod homing;
 pub(super) mod keys;
@@ -69,19 +69,23 @@ pub fn monitor(global: &Global, watch: bool) -> Outcome {
     let result = terminal::take()
         .and_then(|drawn| Ok((drawn, keys && terminal::listen()?)))
         .and_then(|(drawn, tells_release)| {
-            let node = link.node().get();
             let screen = Screen {
                 global,
                 keys,
                 tells_release,
                 drawn,
-                view: View::new(&global.bus.to_string(), node, global.lang()),
+                view: blank(global, &link),
                 typed: None,
             };
             screen.carry_out(link)
         });
     terminal::give_back();
     result.map_err(|error| Failure::stdout(&error))
+}
+
+/// A picture of this board before anything is known of it.
+fn blank(global: &Global, link: &Link) -> View {
+    View::new(&global.bus.to_string(), link.node().get(), global.lang())
 }
 
 /// What the terminal and the bus share.
@@ -148,7 +152,7 @@ impl<'a, 'b> Session<'a, 'b> {
         let turns = Arc::clone(&shared);
         link.meanwhile(move |seen, now| locked(&turns).turn(seen, now));
         link.seen.traffic = Traffic::default();
-        screen.view = View::new(&screen.global.bus.to_string(), node.get(), lang);
+        screen.view = blank(screen.global, &link);
         Ok(Self {
             screen,
             link,

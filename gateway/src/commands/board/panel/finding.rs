@@ -14,6 +14,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use leadscrew_panel::Server;
 
 use super::super::heard;
+use super::super::monitor::finding::{AGAIN, why};
 use super::begun::Begun;
 use super::{Side, object};
 use crate::failure::{Failure, Outcome};
@@ -21,8 +22,6 @@ use crate::interrupt;
 use crate::link::Link;
 use crate::words::{Both, both};
 
-/// From one search to the next.
-const AGAIN: Duration = Duration::from_millis(500);
 /// Between two looks at what goes on without a board.
 const GLANCE: Duration = Duration::from_millis(50);
 
@@ -74,7 +73,7 @@ impl Lost {
         // What was told last is no state of the machine for who comes now.
         begun.feed.forget("s");
         loop {
-            let why = failure.words().unwrap_or_else(unsaid);
+            let why = why(failure);
             if why != self.why {
                 self.why = why;
                 begun.desk.lose(self.words());
@@ -129,9 +128,4 @@ impl Begun<'_> {
             self.feed.tell("log", "[]".to_owned());
         }
     }
-}
-
-/// Of a failure that has told its reason elsewhere.
-fn unsaid() -> Both {
-    both!("it does not answer", "没有应答")
 }
