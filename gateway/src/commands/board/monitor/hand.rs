@@ -117,6 +117,11 @@ impl Hand {
         }
     }
 
+    /// Nothing is pressed any more.
+    pub const fn forget(&mut self) {
+        *self = Self::new(self.node, self.session);
+    }
+
     /// A key is held, as far as the terminal tells.
     #[must_use]
     pub fn presses(&self) -> bool {

@@ -127,6 +127,8 @@ struct Session<'a, 'b> {
     watch: Watch,
     rates: [u64; 2],
     record_read: Option<Instant>,
+    /// The board has started again, and all of it is to be read anew.
+    anew: bool,
 }
 
 impl<'a, 'b> Session<'a, 'b> {
@@ -156,6 +158,7 @@ impl<'a, 'b> Session<'a, 'b> {
             watch,
             rates,
             record_read: None,
+            anew: false,
         })
     }
 
@@ -217,7 +220,12 @@ impl<'a, 'b> Session<'a, 'b> {
                 note_error(errors, frame, node);
                 false
             })?;
-            self.watch.attend(&mut self.link)?;
+            if self.watch.attend(&mut self.link)? {
+                // What was ordered the panel takes back by itself.
+                self.anew = true;
+                (self.screen.view.record, self.record_read) = (None, None);
+                (log, status) = (Every::new(LOG), Every::new(STATUS));
+            }
             let now = Instant::now();
             if load.is_due(now) {
                 let ms = loaded.elapsed().as_millis() as u64;
@@ -259,6 +267,14 @@ impl<'a, 'b> Session<'a, 'b> {
     }
 
     fn read_log(&mut self) -> Outcome {
+        if self.anew {
+            let read = Watch::new(&mut self.link);
+            let Some(watch) = self.tolerate(read)? else {
+                return Ok(());
+            };
+            (self.watch, self.anew) = (watch, false);
+            self.screen.view.messages.clear();
+        }
         let read = self.watch.log(&mut self.link);
         for entry in self.tolerate(read)?.unwrap_or_default() {
             if let Some(told) = told::told(&entry, self.screen.view.lang) {

@@ -54,6 +54,15 @@ pub fn on_its_way() -> Both {
     )
 }
 
+/// The board has started again while something was on its way to it.
+#[must_use]
+pub fn restarted() -> Both {
+    both!(
+        "the board has started again: what was ordered before is taken back; look at the machine",
+        "控制板已重新启动：此前的指令已撤回；请查看机床"
+    )
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     order: Order,
@@ -83,6 +92,11 @@ impl Orders {
             levels: None,
             outcome: None,
         }
+    }
+
+    /// Nothing is on its way any more.
+    pub const fn forget(&mut self) {
+        *self = Self::new(self.node);
     }
 
     /// Gives an order. Hold and stop take the place of one on its way; another waits for nothing and is not given: false.

@@ -144,7 +144,7 @@ impl Desk {
         let mut shared = self.shared();
         if shared.boots != seen.boots {
             shared.boots = seen.boots;
-            self.take_back(&mut shared, restarted());
+            self.take_back(&mut shared, orders::restarted());
         }
         shared.hear(seen, self.session, now);
         while let Some(asked) = shared.waiting.pop_front() {
@@ -181,9 +181,9 @@ impl Desk {
     /// Nothing that is on its way is sent any more: those who have ordered it are told why.
     fn take_back(&self, shared: &mut Shared, why: Both) {
         shared.waiting.clear();
-        shared.orders = Orders::new(self.node);
+        shared.orders.forget();
         shared.ordered = None;
-        shared.hand = Hand::new(self.node, self.session);
+        shared.hand.forget();
         shared.step = None;
         shared.homing = Homing::default();
         shared.presses.clear();
@@ -283,14 +283,6 @@ impl Desk {
             )),
         })
     }
-}
-
-/// The board has started again while something was on its way to it.
-fn restarted() -> Both {
-    both!(
-        "the board has started again: what was ordered before is taken back; look at the machine",
-        "控制板已重新启动：此前的指令已撤回；请查看机床"
-    )
 }
 
 impl Shared {

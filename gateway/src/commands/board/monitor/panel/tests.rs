@@ -424,6 +424,57 @@ fn a_named_start_that_has_waited_asks_again_whether_it_may() {
 }
 
 #[test]
+fn of_what_was_on_its_way_to_a_board_that_starts_again_nothing_is_left() {
+    let restart = |bench: &mut Bench| {
+        bench
+            .sim
+            .receive(&NmtCommand::ResetCommunication.frame(Some(NODE)));
+        bench.sim.settle();
+        let boots = bench.seen.boots;
+        bench.until(|bench| bench.seen.boots != boots);
+        bench.sent.clear();
+        bench.connected = true;
+        bench.sim.receive(&NmtCommand::Start.frame(Some(NODE)));
+        bench.sim.settle();
+    };
+    let again = |bench: &Bench| bench.panel.prompt().text.contains("has started again");
+    // An order that has not come, and one that was only named.
+    for (open, enter) in [("md", ""), ("e", "\n")] {
+        let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+        bench.connected = false;
+        bench.types(open);
+        bench.pass(100);
+        restart(&mut bench);
+        bench.pass(100);
+        assert!(again(&bench), "{open}");
+        bench.types(enter);
+        bench.pass(500);
+        assert_eq!(
+            (bench.orders(), bench.panel.asks()),
+            (vec![], vec![]),
+            "{open}"
+        );
+        assert_eq!(bench.panel.mode(&bench.seen), Some(OperatingMode::Manual));
+    }
+    // A key that is still held presses nothing more.
+    let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+    bench.hold(KeyCode::Up, 600);
+    restart(&mut bench);
+    for _ in 0..10 {
+        bench.pass(30);
+        bench.key(KeyCode::Up, KeyEventKind::Repeat);
+    }
+    assert!(again(&bench));
+    assert_eq!(bench.sent, []);
+    // Pressed anew it moves.
+    bench.key(KeyCode::Up, KeyEventKind::Release);
+    bench.panel.note_record(bench::status(), bench.now());
+    let begun = bench.x();
+    bench.hold(KeyCode::Up, 600);
+    assert!(bench.x() > begun);
+}
+
+#[test]
 fn a_line_is_typed_pasted_and_handed_on() {
     let mut bench = Bench::in_mode(OperatingMode::Mdi, true);
     bench.types(":G1 Xr");
