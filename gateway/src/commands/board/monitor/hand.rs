@@ -92,6 +92,8 @@ struct Active {
     over: Option<(Instant, u64)>,
     /// The next frame.
     next: Instant,
+    /// The beat of its first frame.
+    echo: Option<Beat>,
 }
 
 /// The hand of this side.
@@ -171,6 +173,7 @@ impl Hand {
             released: None,
             over: None,
             next: now,
+            echo: None,
         });
     }
 
@@ -224,7 +227,14 @@ impl Hand {
         self.heed(seen, now);
         let active = self.active.as_mut().filter(|active| now >= active.next)?;
         active.next = now + RENEWAL;
-        let echo = seen.beat?.beat;
+        let told = seen.beat?;
+        let first = *active.echo.get_or_insert(told.beat);
+        let has_come = told.session == self.session && told.press == self.number;
+        // A step that has not come is as old as its key; one that has come is renewed [D535].
+        let echo = match active.doing {
+            Doing::Step { .. } if !has_come => first,
+            _ => told.beat,
+        };
         Some(frame(
             active.doing,
             self.session,

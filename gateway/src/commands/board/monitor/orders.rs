@@ -69,6 +69,8 @@ struct Pending {
     count: u8,
     /// The counts that the board may have until then: its last one, and that of an order that this one has replaced.
     before: [u8; 2],
+    /// The beat that says how old it is: the first that was known. A repetition is as old as the order [D535].
+    echo: Option<Beat>,
     next: Instant,
     end: Instant,
 }
@@ -111,6 +113,7 @@ impl Orders {
             order,
             count: behind.wrapping_add(1),
             before: [last, behind],
+            echo: None,
             next: now,
             end: now + CONFIRMED,
         });
@@ -156,7 +159,8 @@ impl Orders {
                 self.pending = None;
             } else if now >= pending.next {
                 // An order that shows its age waits for the beat that it needs.
-                let echo = beat.filter(|_| pending.order.needs_echo());
+                pending.echo = pending.echo.or(beat);
+                let echo = pending.echo.filter(|_| pending.order.needs_echo());
                 if echo.is_some() || !pending.order.needs_echo() {
                     pending.next = now + REPEAT;
                     let command = BoardCommand {

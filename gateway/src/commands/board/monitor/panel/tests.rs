@@ -390,6 +390,37 @@ fn what_moves_is_named_first_and_any_other_key_drops_it() {
     }
 }
 
+/// The link stalls when the key has been pressed, and is well again after so long.
+fn stalled(bench: &mut Bench, ms: u64) {
+    bench.connected = false;
+    bench.pass(ms);
+    bench.connected = true;
+}
+
+#[test]
+fn what_comes_late_is_as_old_as_its_key() {
+    // Parameter 9047: an order is let in for a second, and given for five.
+    for (ms, mode) in [(900, OperatingMode::Mdi), (1_100, OperatingMode::Manual)] {
+        let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+        bench.types("md");
+        stalled(&mut bench, ms);
+        bench.pass(6_000);
+        assert_eq!(bench.panel.mode(&bench.seen), Some(mode), "{ms}");
+        let is_told = bench.panel.prompt().text.contains("not confirmed");
+        assert_eq!(is_told, mode == OperatingMode::Manual, "{ms}");
+    }
+    // Parameter 9040: a step within 100 ms.
+    for (ms, way) in [(50, 50_000), (WINDOW + 50, 0)] {
+        let mut bench = Bench::in_mode(OperatingMode::Step, true);
+        let begun = bench.x();
+        bench.types("3");
+        bench.key(KeyCode::Up, KeyEventKind::Press);
+        stalled(&mut bench, ms);
+        bench.pass(1_500);
+        assert_eq!(bench.x() - begun, Length::from_nm(way), "{ms}");
+    }
+}
+
 #[test]
 fn what_is_pasted_as_keys_begins_nothing() {
     let mut bench = Bench::in_mode(OperatingMode::Mdi, true);
