@@ -1,7 +1,8 @@
 //! Another command of this program, in a process of its own: the one who begins it goes on, and what is checked and kept
 //! is the same wherever it is begun.
 //!
-//! It must not know what the command does. Who ends does not end it: a program that the machine runs goes on.
+//! It must not know what the command does. That who has begun it ends does not end it: a program that the machine runs goes
+//! on. Whether it has to end is asked where that is known.
 
 use std::ffi::OsString;
 use std::io::{self, Read as _};
@@ -77,6 +78,19 @@ impl Own {
 }
 
 impl Handle {
+    /// Of a process that a test has begun.
+    #[cfg(test)]
+    pub fn of(child: Child) -> Self {
+        Self(Arc::new(Mutex::new(Some(child))))
+    }
+
+    /// Waits for its end.
+    #[cfg(test)]
+    pub fn status(&self) -> std::process::ExitStatus {
+        let child = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        child.unwrap().wait().unwrap()
+    }
+
     /// Ends it as Ctrl-C does: what has not begun does not begin.
     pub fn interrupt(&self) {
         let child = self.0.lock().unwrap_or_else(PoisonError::into_inner);

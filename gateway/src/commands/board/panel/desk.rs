@@ -189,11 +189,8 @@ impl Desk {
         shared.presses.clear();
         shared.asks = Asks::default();
         shared.typed = shared.own.is_some();
-        // What the machine has begun finds its end by itself; what is still checked or sent would begin on another start.
-        let begun = shared.told.status.flags.program;
-        if let Some(own) = shared.own.as_ref().filter(|_| !begun) {
-            own.interrupt();
-        }
+        // It would begin on another start.
+        shared.end_unbegun();
         shared.told = Told::default();
         shared.statuses.1 = None;
         shared.taken_back = (shared.taken_back.0 + 1, why);
@@ -240,8 +237,15 @@ impl Desk {
         told.mode = Some(mode);
     }
 
-    /// Waits for the end of a change of a table that is under way.
+    /// The panel ends: no line and no program begins after it, and a change of a table that is under way is waited for
+    /// [D537].
     pub fn settle(&self) {
+        let shared = self.shared();
+        // Of a board that is not heard nobody knows what it has begun; what it had not by then has ended already.
+        if shared.lost.is_none() {
+            shared.end_unbegun();
+        }
+        drop(shared);
         self.tables.settle();
     }
 
@@ -326,6 +330,14 @@ impl Shared {
     fn no_change(&self, echo: Option<Beat>, now: Instant) -> Option<Both> {
         let old = || self.is_old(echo, now).then(keys::old);
         self.lost.clone().or_else(old)
+    }
+
+    /// What the machine has begun finds its end by itself; what is still checked or sent does not begin any more.
+    fn end_unbegun(&self) {
+        let begun = self.told.status.flags.program;
+        if let Some(own) = self.own.as_ref().filter(|_| !begun) {
+            own.interrupt();
+        }
     }
 
     /// A machine at rest takes no notice of a hold: what is being checked or sent would begin after it.
