@@ -139,7 +139,7 @@ impl<'a, 'b> Session<'a, 'b> {
         let rates = bit_rates(&mut link);
         let watch = Watch::new(&mut link)?;
         let (node, lang) = (link.node(), screen.global.lang());
-        let session = by_hand::session();
+        let session = by_hand::session(&link.seen);
         let shared = Arc::new(Mutex::new(Shared {
             panel: Panel::new(node, session, lang, screen.tells_release),
             keys: screen.keys,

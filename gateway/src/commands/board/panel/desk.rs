@@ -20,7 +20,6 @@ use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_panel::{Jog, Machine, Sheet, View};
 
 pub use self::asks::{Asks, Line, Program, StartAt, What};
-use super::super::by_hand;
 use super::super::monitor::hand::Hand;
 use super::super::monitor::homing::Homing;
 use super::super::monitor::keys::{self, Situation, Speed};
@@ -103,8 +102,7 @@ pub struct Desk {
 
 impl Desk {
     /// Nothing is ordered.
-    pub fn new(node: NodeId, views: Arc<Views>) -> Self {
-        let session = by_hand::session();
+    pub fn new(node: NodeId, session: u8, views: Arc<Views>) -> Self {
         Self {
             node,
             session,

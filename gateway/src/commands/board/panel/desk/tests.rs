@@ -13,7 +13,7 @@ const NODE: NodeId = NodeId::BOARD;
 
 fn desk() -> Desk {
     let typed = crate::cli::Cli::try_parse_from(["leadscrew", "panel"]).unwrap();
-    Desk::new(NODE, Arc::new(Views::new(&typed.global)))
+    Desk::new(NODE, 9, Arc::new(Views::new(&typed.global)))
 }
 
 /// What was heard: the count of the last order, and a beat.
