@@ -277,6 +277,12 @@ impl Hand {
             Some(PressState::Ended) if released => None,
             Some(PressState::Ended) => Some(End::Broken),
             Some(PressState::Limit) => Some(End::Limit),
+            // Let go before its first frame.
+            Some(PressState::Refused)
+                if released && seen.beat.is_some_and(|told| told.refused == 0) =>
+            {
+                None
+            }
             Some(PressState::Refused) => Some(End::Refused),
             None if now < active.begun + ANSWER => return,
             // Let go before its first frame.

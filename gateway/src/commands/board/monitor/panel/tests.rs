@@ -188,6 +188,34 @@ fn an_axis_moves_while_its_key_is_held_and_rests_when_it_is_let_go() {
 }
 
 #[test]
+fn a_key_that_is_let_go_before_its_first_frame_moves_nothing_then_or_later() {
+    let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+    let place = bench.at();
+    bench.key(KeyCode::Up, KeyEventKind::Press);
+    bench.key(KeyCode::Up, KeyEventKind::Release);
+    bench.pass(300);
+    let (_, release) = bench.sent.iter().find_map(JogRequest::decode).unwrap();
+    assert!(release.is_release());
+    // A frame of it that has taken another way.
+    let late = JogRequest {
+        x: Some(Towards::Plus),
+        echo: bench.seen.beat.unwrap().beat,
+        ..release
+    };
+    bench.sim.receive(&late.frame(NODE));
+    bench.sim.settle();
+    bench.pass(1_500);
+    assert_eq!(bench.at(), place);
+    // There is nothing to say of it.
+    assert_eq!(
+        (bench.panel.prompt().text.as_str(), bench.panel.asks()),
+        ("", vec![])
+    );
+    bench.hold(KeyCode::Up, 600);
+    assert!(bench.x() > place.x);
+}
+
+#[test]
 fn whatever_else_happens_ends_a_press() {
     let other_arrow = Input::Key(KeyEvent::new(KeyCode::Left, KeyModifiers::NONE));
     let fast = KeyEvent::new_with_kind(KeyCode::Up, KeyModifiers::SHIFT, KeyEventKind::Repeat);
@@ -398,7 +426,7 @@ fn stalled(bench: &mut Bench, ms: u64) {
 }
 
 #[test]
-fn what_comes_late_is_as_old_as_its_key() {
+fn an_order_that_comes_late_is_as_old_as_its_key() {
     // Parameter 9047: an order is let in for a second, and given for five.
     for (ms, mode) in [(900, OperatingMode::Mdi), (1_100, OperatingMode::Manual)] {
         let mut bench = Bench::in_mode(OperatingMode::Manual, true);
@@ -409,6 +437,10 @@ fn what_comes_late_is_as_old_as_its_key() {
         let is_told = bench.panel.prompt().text.contains("not confirmed");
         assert_eq!(is_told, mode == OperatingMode::Manual, "{ms}");
     }
+}
+
+#[test]
+fn a_step_that_comes_late_is_as_old_as_its_key() {
     // Parameter 9040: a step within 100 ms.
     for (ms, way) in [(50, 50_000), (WINDOW + 50, 0)] {
         let mut bench = Bench::in_mode(OperatingMode::Step, true);
