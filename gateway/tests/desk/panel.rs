@@ -232,9 +232,7 @@ fn a_board_that_has_started_again_is_read_anew_by_the_panel() {
     let user = User::with_machine();
     let mut terminal = Terminal::start(&user, &[], WITH_RELEASE);
     // More in the log than the next start will have.
-    for _ in 0..5 {
-        good(&user.does(&["hold"]));
-        good(&user.does(&["resume"]));
+    for _ in 0..12 {
         good(&user.does(&["reset"]));
     }
     // A question that waits is for nobody.
