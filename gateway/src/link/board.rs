@@ -118,7 +118,8 @@ impl Link {
     }
 
     /// Gives an order and waits until the board confirms it. `run` is neither given nor awaited once the machine is [to be
-    /// held](Self::hold_when). Hold and stop are given again after an order of another client.
+    /// held](Self::hold_when); in a mode that runs none the board refuses it and drops the program. Hold and stop are given
+    /// again after an order of another client.
     ///
     /// # Errors
     /// [`Trouble::NoBoard`], [`Trouble::Unconfirmed`].
@@ -127,13 +128,6 @@ impl Link {
         self.hear_all(&mut |_| {})?;
         if order == Order::Hold && self.is_held_already(STATUS)? {
             return Ok(());
-        }
-        if order == Order::Run {
-            // No mode is changed for a program that is not to run any more.
-            if self.hold_at_once()? {
-                return Ok(());
-            }
-            self.ready_to_run()?;
         }
         // A requested hold comes after an order to run, never before it.
         if order == Order::Run && self.hold_at_once()? {

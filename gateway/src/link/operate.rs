@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::device::objects::{BEAT, BY_WHEEL, MODE, REFUSED, TOOL};
 use leadscrew_core::bus::{Beat, BoardCommand, BoardState, Frame, Object, Order};
 use leadscrew_core::link::Event;
@@ -149,12 +149,18 @@ impl Link {
         Ok(())
     }
 
-    /// A program needs the mode for programs, or the one for single lines.
-    pub(super) fn ready_to_run(&mut self) -> LinkResult {
-        if self.mode()?.runs() {
+    /// A program needs the mode for programs, or the one for single lines. It is not changed here: who has changed it since
+    /// the check began wants no program to begin [D534].
+    ///
+    /// # Errors
+    /// 4501 in another mode; the board does not answer.
+    pub fn ready_to_run(&mut self) -> LinkResult {
+        let mode = self.mode()?;
+        if mode.runs() {
             return Ok(());
         }
-        self.set_mode(OperatingMode::Automatic)
+        let modes = [OperatingMode::Automatic, mode].map(Arg::Mode);
+        Err(self.refused_by(Alarm::of(Code::WrongMode, &modes)))
     }
 
     /// Whether the order that was just confirmed was carried out. That no program waited is told by the event log alone.

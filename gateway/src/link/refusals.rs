@@ -61,8 +61,29 @@ fn run_with(inside: &Inside, meanwhile: Meanwhile) -> super::LinkResult {
     };
     let mut link = between(inside, fate, |frame| frame);
     link.hear_status()?;
+    link.set_mode(OperatingMode::Automatic)?;
     send(&mut link, 7);
     link.order(Order::Run)
+}
+
+/// Nobody knows better than who has changed it what the machine is to do.
+#[test]
+fn a_mode_that_was_changed_behind_the_check_is_not_changed_back() {
+    let inside = machine_of(&Params::sheets(), Flash::erased());
+    let mut link = link(&inside);
+    link.hear_status().unwrap();
+    let modes = [OperatingMode::Automatic, OperatingMode::Wheel].map(Arg::Mode);
+    let reason = Alarm::of(Code::WrongMode, &modes);
+    link.set_mode(OperatingMode::Automatic).unwrap();
+    link.ready_to_run().unwrap();
+    link.set_mode(OperatingMode::Wheel).unwrap();
+    assert_eq!(refused(link.ready_to_run()), reason);
+    send(&mut link, 7);
+    assert_eq!(refused(link.order(Order::Run)), reason);
+    assert_eq!(link.mode().unwrap(), OperatingMode::Wheel);
+    assert!(!link.status().unwrap().in_program);
+    link.set_mode(OperatingMode::Mdi).unwrap();
+    link.ready_to_run().unwrap();
 }
 
 #[test]

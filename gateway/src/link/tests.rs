@@ -762,6 +762,8 @@ fn a_machine_that_is_to_be_held_is_not_told_to_run() {
         let own = |link: &mut Link| {
             if before {
                 link.start_node().unwrap();
+            } else {
+                link.set_mode(OperatingMode::Automatic).unwrap();
             }
             link.order(Order::Run).unwrap();
             link.idle(Duration::from_millis(30)).unwrap();

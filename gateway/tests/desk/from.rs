@@ -1,6 +1,6 @@
 //! A program is started at a line.
 
-use std::io::Write as _;
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::Stdio;
 
 use crate::{User, bad, good, text};
@@ -70,6 +70,29 @@ fn what_cannot_be_a_start_is_refused() {
     }
     let idle = user.json(&["status"]);
     assert_eq!((&idle["mx"], &idle["state"]), (&0.into(), &"idle".into()));
+}
+
+/// The mode is changed while the question waits: nothing begins, and the mode stays as it was changed.
+#[test]
+fn a_mode_that_was_changed_while_the_program_was_checked_keeps_it_from_beginning() {
+    let user = User::with_machine();
+    let program = user.program(PART);
+    let mut command = user.command(&["run", &program, "--from", "7"]);
+    let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut run = piped.stderr(Stdio::piped()).spawn().unwrap();
+    // It is asked once it has changed the mode itself.
+    let mut told = BufReader::new(run.stderr.take().unwrap()).lines();
+    assert!(told.any(|line| line.unwrap().contains("first      G01")));
+    good(&user.does(&["mode", "manual"]));
+    writeln!(run.stdin.take().unwrap(), "7").unwrap();
+    let why: String = told.map(Result::unwrap).collect();
+    assert!(why.contains("4501"), "{why}");
+    assert!(!run.wait().unwrap().success());
+    let after = user.json(&["status"]);
+    assert_eq!(
+        (&after["mode"], &after["state"], &after["mx"]),
+        (&"manual".into(), &"idle".into(), &0.into())
+    );
 }
 
 /// With the machine inside the command, too; `--yes` asks nothing.

@@ -223,6 +223,25 @@ fn the_panel_stays_when_its_machine_is_gone_and_operates_the_next_one() {
 }
 
 #[test]
+fn a_board_that_has_started_again_is_read_anew_by_the_panel() {
+    let user = User::with_machine();
+    let mut terminal = Terminal::start(&user, &[], WITH_RELEASE);
+    // More in the log than the next start will have.
+    for _ in 0..12 {
+        good(&user.does(&["reset"]));
+    }
+    // A question that waits is for nobody.
+    terminal.types("e");
+    good(&user.does(&["sim", "power", "cycle"]));
+    terminal.wait_for("has started again");
+    user.wait_for("idle");
+    terminal.types("s");
+    terminal.wait_for("4300 emergency stop");
+    terminal.types("q");
+    assert_eq!(terminal.end().0, Some(0));
+}
+
+#[test]
 fn a_panel_whose_machine_is_gone_is_left_by_a_key() {
     let user = User::new();
     for args in [&[][..], &["--watch"]] {

@@ -225,6 +225,39 @@ fn what_was_in_a_queue_moves_nothing() {
     });
 }
 
+/// Two ways lead to the board: a release that comes before the frames of its press, at rest or under way.
+#[test]
+fn a_press_whose_release_has_overtaken_it_moves_nothing() {
+    for under_way in [false, true] {
+        let mut hand = Hand::new(OperatingMode::Manual);
+        if under_way {
+            hand.hold(Towards::Plus, 100);
+        }
+        hand.press = hand.press.wrapping_add(1);
+        let release = hand.jog(None, None);
+        hand.sim.receive(&release);
+        hand.run(if under_way { BRAKING } else { 1 });
+        for _ in 0..20 {
+            let late = hand.jog(None, Some(Towards::Minus));
+            hand.sim.receive(&late);
+            hand.stands(RENEWAL);
+        }
+        assert_eq!(hand.gateway.beat.state, PressState::Refused);
+        assert_eq!((hand.gateway.beat.press, hand.refused()), (hand.press, 0));
+        // The next one moves, of this session and of another.
+        let at = hand.at();
+        hand.hold(Towards::Minus, 100);
+        assert!(hand.at().z < at.z);
+        let release = hand.jog(None, None);
+        hand.sim.receive(&release);
+        hand.run(WINDOW + BRAKING + RENEWAL);
+        (hand.session, hand.press) = (2, 7);
+        let at = hand.at();
+        hand.hold(Towards::Minus, 100);
+        assert!(hand.at().z < at.z);
+    }
+}
+
 /// A press that has ended for want of frames: fresh renewals of the same number move nothing, a new number does.
 #[test]
 fn a_press_that_has_ended_is_dead() {

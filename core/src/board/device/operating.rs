@@ -332,6 +332,9 @@ impl ObjectValues {
         };
         if request.is_release() {
             self.end_press();
+            if is_new {
+                self.bury(request.session, request.press);
+            }
             return;
         }
         if is_new {
@@ -358,6 +361,18 @@ impl ObjectValues {
             until: Some(until),
             ..Asked::default()
         });
+    }
+
+    /// A release has overtaken its press: frames of that which come later renew a press that was not let in [D538]. A wheel
+    /// that leads a program keeps its claim; no press is let in beside it.
+    fn bury(&mut self, session: u8, press: u8) {
+        let operating = &mut self.operating;
+        if operating.on_path && operating.by_wheel {
+            return;
+        }
+        (operating.session, operating.press) = (session, press);
+        (operating.denied, operating.on_path) = (true, false);
+        self.accept();
     }
 
     /// A step (RPDO3), or its renewal.

@@ -3,6 +3,7 @@
 //! The board moves only while frames with its newest beat come, so this side has nothing to stop: where it dies, the axis
 //! comes to rest.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -17,7 +18,7 @@ use crate::cli::{AxisWay, Global, HandWay, Jog, ModeName, StepLength};
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
-use crate::link::Link;
+use crate::link::{Link, Seen};
 use crate::number;
 use crate::output;
 use crate::words::{Both, both};
@@ -305,14 +306,34 @@ impl Held {
     }
 }
 
-/// The session of this process; 255 is the board's own handwheel.
-pub(super) fn session() -> u8 {
-    (std::process::id() % 254 + 1) as u8
+/// The session of this process, drawn when it is asked for first: in two containers processes have the same numbers. 255
+/// is the board's own handwheel.
+pub(super) fn session(seen: &Seen) -> u8 {
+    static OWN: OnceLock<u8> = OnceLock::new();
+    *OWN.get_or_init(|| {
+        let mut chance = [0; 1];
+        // A computer without random numbers has its processes told apart by their numbers.
+        let chance = match getrandom::fill(&mut chance) {
+            Ok(()) => chance[0],
+            Err(_) => (std::process::id() % 254) as u8,
+        };
+        drawn(chance, seen.beat.map(|told| told.session))
+    })
+}
+
+/// A session, not the one by which the machine was moved last.
+fn drawn(chance: u8, last: Option<u8>) -> u8 {
+    let session = chance % 254 + 1;
+    if last == Some(session) {
+        session % 254 + 1
+    } else {
+        session
+    }
 }
 
 /// The session of this process, and a number that the board has not seen of it.
 pub(super) fn own(link: &Link) -> (u8, u8) {
-    let session = session();
+    let session = session(&link.seen);
     let last = link.seen.beat.filter(|told| told.session == session);
     (session, last.map_or(1, |told| told.press.wrapping_add(1)))
 }
@@ -474,5 +495,23 @@ fn why_broken(status: &Status) -> Both {
             "被进给保持结束；`leadscrew resume` 解除保持"
         ),
         None => broken(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_session_is_none_that_another_has() {
+        for chance in 0..=u8::MAX {
+            let own = drawn(chance, None);
+            assert!((1..=254).contains(&own), "{chance}");
+            let other = drawn(chance, Some(own));
+            assert!((1..=254).contains(&other) && other != own, "{chance}");
+        }
+        // It stays as it was drawn, whoever moves the machine meanwhile.
+        let seen = Seen::default();
+        assert_eq!(session(&seen), session(&seen));
     }
 }

@@ -1,7 +1,8 @@
 //! Another command of this program, in a process of its own: the one who begins it goes on, and what is checked and kept
 //! is the same wherever it is begun.
 //!
-//! It must not know what the command does. Who ends does not end it: a program that the machine runs goes on.
+//! It must not know what the command does. That who has begun it ends does not end it: a program that the machine runs goes
+//! on. Whether it has to end is asked where that is known.
 
 use std::ffi::OsString;
 use std::io::{self, Read as _};
@@ -39,7 +40,7 @@ impl Own {
     pub fn begin(global: &Global, name: &str, typed: &[OsString], lang: Lang) -> io::Result<Self> {
         let mut child = Command::new(std::env::current_exe()?)
             .args([name, "--json", "--lang", pick(lang, "en", "zh")])
-            .args(passed_on(global))
+            .args(passed_on(global, name))
             .args(typed)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -77,6 +78,19 @@ impl Own {
 }
 
 impl Handle {
+    /// Of a process that a test has begun.
+    #[cfg(test)]
+    pub fn of(child: Child) -> Self {
+        Self(Arc::new(Mutex::new(Some(child))))
+    }
+
+    /// Waits for its end.
+    #[cfg(test)]
+    pub fn status(&self) -> std::process::ExitStatus {
+        let child = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        child.unwrap().wait().unwrap()
+    }
+
     /// Ends it as Ctrl-C does: what has not begun does not begin.
     pub fn interrupt(&self) {
         let child = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -91,8 +105,8 @@ impl Handle {
 }
 
 /// The options that say which board it is, and how programs are read. Single block is a switch of the machine, which an
-/// operator may have set since [D513].
-fn passed_on(global: &Global) -> Vec<OsString> {
+/// operator may have set since [D513]. A dry run of `retract` only shows what would move, and here it is to move.
+fn passed_on(global: &Global, name: &str) -> Vec<OsString> {
     let mut options: Vec<OsString> = vec!["--bus".into(), global.bus.to_string().into()];
     let mut pair = |name: &str, value: OsString| options.extend([name.into(), value]);
     if let Some(node) = global.node {
@@ -127,11 +141,30 @@ fn passed_on(global: &Global) -> Vec<OsString> {
     for (name, is_on) in [
         ("--skip", global.skip),
         ("--optional-stop", global.optional_stop),
-        ("--dry-run", global.dry_run),
+        ("--dry-run", global.dry_run && name != "retract"),
     ] {
         if is_on {
             options.push(name.into());
         }
     }
     options
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+    use crate::cli::Cli;
+
+    #[test]
+    fn a_dry_run_is_passed_on_to_programs_and_not_to_the_way_out_of_a_hole() {
+        let typed = ["leadscrew", "panel", "--dry-run", "--skip"];
+        let global = Cli::try_parse_from(typed).unwrap().global;
+        for (name, is_dry) in [("run", true), ("mdi", true), ("retract", false)] {
+            let options = passed_on(&global, name);
+            let has = |option: &str| options.iter().any(|passed| passed == option);
+            assert_eq!((has("--dry-run"), has("--skip")), (is_dry, true), "{name}");
+        }
+    }
 }

@@ -52,23 +52,26 @@ impl Screen<'_> {
     /// The terminal fails.
     pub fn carry_out(mut self, link: Link) -> io::Result<()> {
         let mut link = Some(link);
-        let mut silent = None;
+        // One that greets and cannot be read has not been heard meanwhile.
+        let mut silent: Option<Instant> = None;
         while let Some(own) = link.take() {
-            let (failure, last) = match Session::new(&mut self, own) {
-                Err(failure) => (failure, None),
+            let failure = match Session::new(&mut self, own) {
+                Err(failure) => failure,
                 Ok(mut session) => {
-                    if let Some(silent) = silent.take() {
-                        session.answer(&again(silent), Tone::Care);
+                    if let Some(since) = silent.take() {
+                        session.answer(&again(since.elapsed()), Tone::Care);
                     }
                     match session.carry_out() {
                         Ok(ended) => return ended,
-                        Err(failure) => (failure, session.last()),
+                        Err(failure) => {
+                            silent = session.last();
+                            failure
+                        }
                     }
                 }
             };
-            let since = last.unwrap_or_else(Instant::now);
+            let since = *silent.get_or_insert_with(Instant::now);
             link = self.look_for(failure, since)?;
-            silent = Some(since.elapsed());
         }
         Ok(())
     }

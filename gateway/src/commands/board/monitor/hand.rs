@@ -92,6 +92,8 @@ struct Active {
     over: Option<(Instant, u64)>,
     /// The next frame.
     next: Instant,
+    /// The beat of its first frame.
+    echo: Option<Beat>,
 }
 
 /// The hand of this side.
@@ -115,6 +117,11 @@ impl Hand {
             active: None,
             ended: None,
         }
+    }
+
+    /// Nothing is pressed any more.
+    pub const fn forget(&mut self) {
+        *self = Self::new(self.node, self.session);
     }
 
     /// A key is held, as far as the terminal tells.
@@ -166,6 +173,7 @@ impl Hand {
             released: None,
             over: None,
             next: now,
+            echo: None,
         });
     }
 
@@ -219,7 +227,14 @@ impl Hand {
         self.heed(seen, now);
         let active = self.active.as_mut().filter(|active| now >= active.next)?;
         active.next = now + RENEWAL;
-        let echo = seen.beat?.beat;
+        let told = seen.beat?;
+        let first = *active.echo.get_or_insert(told.beat);
+        let has_come = told.session == self.session && told.press == self.number;
+        // A step that has not come is as old as its key; one that has come is renewed [D535].
+        let echo = match active.doing {
+            Doing::Step { .. } if !has_come => first,
+            _ => told.beat,
+        };
         Some(frame(
             active.doing,
             self.session,
@@ -262,6 +277,12 @@ impl Hand {
             Some(PressState::Ended) if released => None,
             Some(PressState::Ended) => Some(End::Broken),
             Some(PressState::Limit) => Some(End::Limit),
+            // Let go before its first frame.
+            Some(PressState::Refused)
+                if released && seen.beat.is_some_and(|told| told.refused == 0) =>
+            {
+                None
+            }
             Some(PressState::Refused) => Some(End::Refused),
             None if now < active.begun + ANSWER => return,
             // Let go before its first frame.

@@ -131,6 +131,8 @@ struct Session<'a, 'b> {
     watch: Watch,
     rates: [u64; 2],
     record_read: Option<Instant>,
+    /// The board has started again, and all of it is to be read anew.
+    anew: bool,
 }
 
 impl<'a, 'b> Session<'a, 'b> {
@@ -141,7 +143,7 @@ impl<'a, 'b> Session<'a, 'b> {
         let rates = bit_rates(&mut link);
         let watch = Watch::new(&mut link)?;
         let (node, lang) = (link.node(), screen.global.lang());
-        let session = by_hand::session();
+        let session = by_hand::session(&link.seen);
         let shared = Arc::new(Mutex::new(Shared {
             panel: Panel::new(node, session, lang, screen.tells_release),
             keys: screen.keys,
@@ -160,6 +162,7 @@ impl<'a, 'b> Session<'a, 'b> {
             watch,
             rates,
             record_read: None,
+            anew: false,
         })
     }
 
@@ -221,7 +224,12 @@ impl<'a, 'b> Session<'a, 'b> {
                 note_error(errors, frame, node);
                 false
             })?;
-            self.watch.attend(&mut self.link)?;
+            if self.watch.attend(&mut self.link)? {
+                // What was ordered the panel takes back by itself.
+                self.anew = true;
+                (self.screen.view.record, self.record_read) = (None, None);
+                (log, status) = (Every::new(LOG), Every::new(STATUS));
+            }
             let now = Instant::now();
             if load.is_due(now) {
                 let ms = loaded.elapsed().as_millis() as u64;
@@ -263,6 +271,14 @@ impl<'a, 'b> Session<'a, 'b> {
     }
 
     fn read_log(&mut self) -> Outcome {
+        if self.anew {
+            let read = Watch::new(&mut self.link);
+            let Some(watch) = self.tolerate(read)? else {
+                return Ok(());
+            };
+            (self.watch, self.anew) = (watch, false);
+            self.screen.view.messages.clear();
+        }
         let read = self.watch.log(&mut self.link);
         for entry in self.tolerate(read)?.unwrap_or_default() {
             if let Some(told) = told::told(&entry, self.screen.view.lang) {

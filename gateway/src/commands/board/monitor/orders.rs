@@ -54,12 +54,23 @@ pub fn on_its_way() -> Both {
     )
 }
 
+/// The board has started again while something was on its way to it.
+#[must_use]
+pub fn restarted() -> Both {
+    both!(
+        "the board has started again: what was ordered before is taken back; look at the machine",
+        "控制板已重新启动：此前的指令已撤回；请查看机床"
+    )
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     order: Order,
     count: u8,
     /// The counts that the board may have until then: its last one, and that of an order that this one has replaced.
     before: [u8; 2],
+    /// The beat that says how old it is: the first that was known. A repetition is as old as the order [D535].
+    echo: Option<Beat>,
     next: Instant,
     end: Instant,
 }
@@ -85,6 +96,11 @@ impl Orders {
         }
     }
 
+    /// Nothing is on its way any more.
+    pub const fn forget(&mut self) {
+        *self = Self::new(self.node);
+    }
+
     /// Gives an order. Hold and stop take the place of one on its way; another waits for nothing and is not given: false.
     pub fn give(&mut self, order: Order, seen: &Seen, now: Instant) -> bool {
         let last = seen.status.unwrap_or_default().count;
@@ -97,6 +113,7 @@ impl Orders {
             order,
             count: behind.wrapping_add(1),
             before: [last, behind],
+            echo: None,
             next: now,
             end: now + CONFIRMED,
         });
@@ -142,7 +159,8 @@ impl Orders {
                 self.pending = None;
             } else if now >= pending.next {
                 // An order that shows its age waits for the beat that it needs.
-                let echo = beat.filter(|_| pending.order.needs_echo());
+                pending.echo = pending.echo.or(beat);
+                let echo = pending.echo.filter(|_| pending.order.needs_echo());
                 if echo.is_some() || !pending.order.needs_echo() {
                     pending.next = now + REPEAT;
                     let command = BoardCommand {

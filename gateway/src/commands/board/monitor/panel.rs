@@ -74,6 +74,8 @@ pub struct Panel {
     record: Option<(Status, Instant)>,
     /// The number of statuses heard, and when the last one came.
     statuses: (u64, Option<Instant>),
+    /// The last start of the board, by the number of its boot-up messages.
+    boots: Option<u32>,
     /// The beat and the mode of a board that sends none, as it was asked.
     asked: Option<(Beat, OperatingMode)>,
     tells_release: bool,
@@ -103,6 +105,7 @@ impl Panel {
             orders: Orders::new(node),
             record: None,
             statuses: (0, None),
+            boots: None,
             asked: None,
             tells_release,
             typed: false,
@@ -380,11 +383,32 @@ impl Panel {
         self.orders.set(levels, now);
     }
 
-    /// Notes when a status came.
+    /// Notes when a status came, and whether the board has started again.
     fn hear(&mut self, seen: &Seen, now: Instant) {
+        if self
+            .boots
+            .replace(seen.boots)
+            .is_some_and(|boots| boots != seen.boots)
+        {
+            self.take_back(seen);
+        }
         if seen.statuses != self.statuses.0 {
             self.statuses = (seen.statuses, Some(now));
         }
+    }
+
+    /// What was ordered, named or typed before the board has started again is for nobody, and nothing is known of it.
+    fn take_back(&mut self, seen: &Seen) {
+        self.hand.forget();
+        self.orders.forget();
+        self.homing = Homing::default();
+        self.record = None;
+        self.statuses = (seen.statuses, None);
+        self.asked = None;
+        self.open = Open::Nothing;
+        self.sent = [None; 3];
+        self.asks.clear();
+        self.answer(&orders::restarted(), Tone::Care);
     }
 
     /// What is to be sent now.

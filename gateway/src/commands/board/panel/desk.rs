@@ -20,7 +20,6 @@ use leadscrew_core::operating::{OperatingMode, PressState, Towards};
 use leadscrew_panel::{Jog, Machine, Sheet, View};
 
 pub use self::asks::{Asks, Line, Program, StartAt, What};
-use super::super::by_hand;
 use super::super::monitor::hand::Hand;
 use super::super::monitor::homing::Homing;
 use super::super::monitor::keys::{self, Situation, Speed};
@@ -103,8 +102,7 @@ pub struct Desk {
 
 impl Desk {
     /// Nothing is ordered.
-    pub fn new(node: NodeId, views: Arc<Views>) -> Self {
-        let session = by_hand::session();
+    pub fn new(node: NodeId, session: u8, views: Arc<Views>) -> Self {
         Self {
             node,
             session,
@@ -144,7 +142,7 @@ impl Desk {
         let mut shared = self.shared();
         if shared.boots != seen.boots {
             shared.boots = seen.boots;
-            self.take_back(&mut shared, restarted());
+            self.take_back(&mut shared, orders::restarted());
         }
         shared.hear(seen, self.session, now);
         while let Some(asked) = shared.waiting.pop_front() {
@@ -181,19 +179,16 @@ impl Desk {
     /// Nothing that is on its way is sent any more: those who have ordered it are told why.
     fn take_back(&self, shared: &mut Shared, why: Both) {
         shared.waiting.clear();
-        shared.orders = Orders::new(self.node);
+        shared.orders.forget();
         shared.ordered = None;
-        shared.hand = Hand::new(self.node, self.session);
+        shared.hand.forget();
         shared.step = None;
         shared.homing = Homing::default();
         shared.presses.clear();
         shared.asks = Asks::default();
         shared.typed = shared.own.is_some();
-        // What the machine has begun finds its end by itself; what is still checked or sent would begin on another start.
-        let begun = shared.told.status.flags.program;
-        if let Some(own) = shared.own.as_ref().filter(|_| !begun) {
-            own.interrupt();
-        }
+        // It would begin on another start.
+        shared.end_unbegun();
         shared.told = Told::default();
         shared.statuses.1 = None;
         shared.taken_back = (shared.taken_back.0 + 1, why);
@@ -240,8 +235,15 @@ impl Desk {
         told.mode = Some(mode);
     }
 
-    /// Waits for the end of a change of a table that is under way.
+    /// The panel ends: no line and no program begins after it, and a change of a table that is under way is waited for
+    /// [D537].
     pub fn settle(&self) {
+        let shared = self.shared();
+        // Of a board that is not heard nobody knows what it has begun; what it had not by then has ended already.
+        if shared.lost.is_none() {
+            shared.end_unbegun();
+        }
+        drop(shared);
         self.tables.settle();
     }
 
@@ -285,14 +287,6 @@ impl Desk {
     }
 }
 
-/// The board has started again while something was on its way to it.
-fn restarted() -> Both {
-    both!(
-        "the board has started again: what was ordered before is taken back; look at the machine",
-        "控制板已重新启动：此前的指令已撤回；请查看机床"
-    )
-}
-
 impl Shared {
     fn hear(&mut self, seen: &Seen, session: u8, now: Instant) {
         if seen.statuses != self.statuses.0 {
@@ -334,6 +328,14 @@ impl Shared {
     fn no_change(&self, echo: Option<Beat>, now: Instant) -> Option<Both> {
         let old = || self.is_old(echo, now).then(keys::old);
         self.lost.clone().or_else(old)
+    }
+
+    /// What the machine has begun finds its end by itself; what is still checked or sent does not begin any more.
+    fn end_unbegun(&self) {
+        let begun = self.told.status.flags.program;
+        if let Some(own) = self.own.as_ref().filter(|_| !begun) {
+            own.interrupt();
+        }
     }
 
     /// A machine at rest takes no notice of a hold: what is being checked or sent would begin after it.

@@ -28,9 +28,11 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// Gives out the page until it is interrupted, whether the board of this link is heard or not.
 pub fn carry_out(mut begun: Begun<'_>, server: &Server, link: Link) -> Outcome {
     let mut link = Some(link);
+    // One that greets and cannot be read has not been heard meanwhile.
+    let mut silent: Option<SystemTime> = None;
     while let Some(own) = link.take() {
-        let (failure, silent) = match Side::new(&mut begun, own) {
-            Err(failure) => (failure, Duration::ZERO),
+        let failure = match Side::new(&mut begun, own) {
+            Err(failure) => failure,
             Ok(mut side) => {
                 // Who had the lease before looks at the machine first.
                 server.release();
@@ -41,11 +43,13 @@ pub fn carry_out(mut begun: Begun<'_>, server: &Server, link: Link) -> Outcome {
                 };
                 // With the link goes its adapter, which has one user.
                 let last = side.link.seen.last;
-                (failure, last.map_or(Duration::ZERO, |last| last.elapsed()))
+                let silent_for = last.map_or(Duration::ZERO, |last| last.elapsed());
+                silent = Some(SystemTime::now() - silent_for);
+                failure
             }
         };
         let lost = Lost {
-            since: SystemTime::now() - silent,
+            since: *silent.get_or_insert_with(SystemTime::now),
             why: Both::default(),
         };
         link = lost.look_for(&mut begun, server, failure);

@@ -38,7 +38,7 @@ use self::views::Views;
 use super::monitor::hand::broken;
 use super::monitor::told::Told;
 use super::watch::{Every, LOG, STATUS, Watch};
-use super::{heard, mdi, single_block};
+use super::{by_hand, heard, mdi, single_block};
 use crate::cli::Global;
 use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
@@ -79,7 +79,8 @@ pub fn panel(
     };
     let feed = Arc::new(Feed::default());
     let views = Arc::new(Views::new(global));
-    let desk = Arc::new(Desk::new(link.node(), Arc::clone(&views)));
+    let session = by_hand::session(&link.seen);
+    let desk = Arc::new(Desk::new(link.node(), session, Arc::clone(&views)));
     let machine = Arc::clone(&desk);
     let told = Arc::clone(&feed);
     let server = Server::start(listen, hosts, tokens, told, machine, programs.clone());

@@ -178,13 +178,17 @@ pub fn perform_on<'a>(
         tell::lost(&setup, &ran, &lost)?;
         return Err(lost);
     }
-    if let Some(values) = &ran.variables {
-        setup.variables.save(values, setup.lang)?;
-    }
-    if let Some(table) = &ran.offsets {
-        let last = link.offsets_revision()?;
-        ran.revision = Some(link.commit_offsets(table, last)?);
-    }
+    // The table was made from the one that the program was resolved with: what somebody has written into that since its end
+    // is not lost [D536]. What a disk or a board does not keep is no reason to lose the rest.
+    let kept = ran
+        .offsets
+        .as_ref()
+        .map(|table| link.commit_offsets(table, setup.revision()))
+        .transpose();
+    let values = ran.variables.as_ref();
+    let saved = values.map_or(Ok(None), |values| setup.variables.save(values, setup.lang));
+    ran.revision = kept?;
+    saved?;
     let verdict = tell::verdict(&setup, &ran, args.tolerance);
     Ok(Done {
         setup,
@@ -213,3 +217,6 @@ fn ensure_mode(link: &mut Link, work: Work) -> Outcome {
     };
     Ok(link.set_mode(mode)?)
 }
+
+#[cfg(test)]
+mod tests;

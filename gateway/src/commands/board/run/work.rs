@@ -360,7 +360,8 @@ impl Runner<'_> {
     }
 
     /// Another client may have begun a program while this one was checked. Its board is left alone, above all the node
-    /// number that the board supervises. A program that has ended meanwhile has left the machine at another position.
+    /// number that the board supervises. A program that has ended meanwhile has left the machine at another position. An
+    /// operator who has changed the mode wants no program to begin [D534].
     fn still_ready(&mut self) -> Outcome {
         let now = self.link.status()?;
         ready(&now, self.link, self.setup.global)?;
@@ -371,6 +372,7 @@ impl Runner<'_> {
                 "检查本程序期间，节点 {node} 收到了另一个程序：请重新运行"
             )));
         }
+        self.link.ready_to_run()?;
         (self.last_event, self.late) = (now.newest_event, now.late);
         Ok(())
     }

@@ -188,6 +188,35 @@ fn an_axis_moves_while_its_key_is_held_and_rests_when_it_is_let_go() {
 }
 
 #[test]
+fn a_key_that_is_let_go_before_its_first_frame_moves_nothing_then_or_later() {
+    let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+    let place = bench.at();
+    bench.key(KeyCode::Up, KeyEventKind::Press);
+    bench.key(KeyCode::Up, KeyEventKind::Release);
+    // It is released for a second, where the board says nothing of it.
+    bench.pass(1_100);
+    let (_, release) = bench.sent.iter().find_map(JogRequest::decode).unwrap();
+    assert!(release.is_release());
+    // A frame of it that has taken another way.
+    let late = JogRequest {
+        x: Some(Towards::Plus),
+        echo: bench.seen.beat.unwrap().beat,
+        ..release
+    };
+    bench.sim.receive(&late.frame(NODE));
+    bench.sim.settle();
+    bench.pass(1_500);
+    assert_eq!(bench.at(), place);
+    // There is nothing to say of it.
+    assert_eq!(
+        (bench.panel.prompt().text.as_str(), bench.panel.asks()),
+        ("", vec![])
+    );
+    bench.hold(KeyCode::Up, 600);
+    assert!(bench.x() > place.x);
+}
+
+#[test]
 fn whatever_else_happens_ends_a_press() {
     let other_arrow = Input::Key(KeyEvent::new(KeyCode::Left, KeyModifiers::NONE));
     let fast = KeyEvent::new_with_kind(KeyCode::Up, KeyModifiers::SHIFT, KeyEventKind::Repeat);
@@ -390,6 +419,41 @@ fn what_moves_is_named_first_and_any_other_key_drops_it() {
     }
 }
 
+/// The link stalls when the key has been pressed, and is well again after so long.
+fn stalled(bench: &mut Bench, ms: u64) {
+    bench.connected = false;
+    bench.pass(ms);
+    bench.connected = true;
+}
+
+#[test]
+fn an_order_that_comes_late_is_as_old_as_its_key() {
+    // Parameter 9047: an order is let in for a second, and given for five.
+    for (ms, mode) in [(900, OperatingMode::Mdi), (1_100, OperatingMode::Manual)] {
+        let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+        bench.types("md");
+        stalled(&mut bench, ms);
+        bench.pass(6_000);
+        assert_eq!(bench.panel.mode(&bench.seen), Some(mode), "{ms}");
+        let is_told = bench.panel.prompt().text.contains("not confirmed");
+        assert_eq!(is_told, mode == OperatingMode::Manual, "{ms}");
+    }
+}
+
+#[test]
+fn a_step_that_comes_late_is_as_old_as_its_key() {
+    // Parameter 9040: a step within 100 ms.
+    for (ms, way) in [(50, 50_000), (WINDOW + 50, 0)] {
+        let mut bench = Bench::in_mode(OperatingMode::Step, true);
+        let begun = bench.x();
+        bench.types("3");
+        bench.key(KeyCode::Up, KeyEventKind::Press);
+        stalled(&mut bench, ms);
+        bench.pass(1_500);
+        assert_eq!(bench.x() - begun, Length::from_nm(way), "{ms}");
+    }
+}
+
 #[test]
 fn what_is_pasted_as_keys_begins_nothing() {
     let mut bench = Bench::in_mode(OperatingMode::Mdi, true);
@@ -421,6 +485,57 @@ fn a_named_start_that_has_waited_asks_again_whether_it_may() {
     assert!(bench.panel.prompt().text.contains("is old"));
     bench.pass(50);
     assert_eq!(bench.orders(), []);
+}
+
+#[test]
+fn of_what_was_on_its_way_to_a_board_that_starts_again_nothing_is_left() {
+    let restart = |bench: &mut Bench| {
+        bench
+            .sim
+            .receive(&NmtCommand::ResetCommunication.frame(Some(NODE)));
+        bench.sim.settle();
+        let boots = bench.seen.boots;
+        bench.until(|bench| bench.seen.boots != boots);
+        bench.sent.clear();
+        bench.connected = true;
+        bench.sim.receive(&NmtCommand::Start.frame(Some(NODE)));
+        bench.sim.settle();
+    };
+    let again = |bench: &Bench| bench.panel.prompt().text.contains("has started again");
+    // An order that has not come, and one that was only named.
+    for (open, enter) in [("md", ""), ("e", "\n")] {
+        let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+        bench.connected = false;
+        bench.types(open);
+        bench.pass(100);
+        restart(&mut bench);
+        bench.pass(100);
+        assert!(again(&bench), "{open}");
+        bench.types(enter);
+        bench.pass(500);
+        assert_eq!(
+            (bench.orders(), bench.panel.asks()),
+            (vec![], vec![]),
+            "{open}"
+        );
+        assert_eq!(bench.panel.mode(&bench.seen), Some(OperatingMode::Manual));
+    }
+    // A key that is still held presses nothing more.
+    let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+    bench.hold(KeyCode::Up, 600);
+    restart(&mut bench);
+    for _ in 0..10 {
+        bench.pass(30);
+        bench.key(KeyCode::Up, KeyEventKind::Repeat);
+    }
+    assert!(again(&bench));
+    assert_eq!(bench.sent, []);
+    // Pressed anew it moves.
+    bench.key(KeyCode::Up, KeyEventKind::Release);
+    bench.panel.note_record(bench::status(), bench.now());
+    let begun = bench.x();
+    bench.hold(KeyCode::Up, 600);
+    assert!(bench.x() > begun);
 }
 
 #[test]

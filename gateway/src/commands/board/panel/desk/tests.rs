@@ -13,7 +13,7 @@ const NODE: NodeId = NodeId::BOARD;
 
 fn desk() -> Desk {
     let typed = crate::cli::Cli::try_parse_from(["leadscrew", "panel"]).unwrap();
-    Desk::new(NODE, Arc::new(Views::new(&typed.global)))
+    Desk::new(NODE, 9, Arc::new(Views::new(&typed.global)))
 }
 
 /// What was heard: the count of the last order, and a beat.
@@ -311,4 +311,38 @@ fn nothing_that_was_on_its_way_is_sent_when_the_board_is_heard_again() {
     }
     assert!(desk.turn(&seen, now + Duration::from_millis(40)).is_empty());
     assert!(desk.asks().programs.is_empty());
+}
+
+/// A command in a process of its own: what is checked would begin on a machine that nobody watches from here any more.
+#[test]
+fn a_panel_that_ends_ends_what_has_not_begun_and_nothing_else() {
+    use std::io::Read as _;
+    use std::process::{Command, Stdio};
+    // Which signal came first, whatever the tests were begun with.
+    const WAITS: &str = "trap 'exit 7' INT; trap 'exit 8' TERM; echo; while :; do sleep 0.02; done";
+    for (begun, lost, code) in [
+        (false, false, 7),
+        (true, false, 8),
+        // What the machine had begun before it was not heard any more.
+        (true, true, 8),
+        (false, true, 7),
+    ] {
+        let (desk, now) = (desk(), Instant::now());
+        let mut seen = heard(0, 10);
+        seen.status.as_mut().unwrap().flags.program = begun;
+        desk.turn(&seen, now);
+        let mut command = Command::new("env");
+        command.args(["--default-signal=INT", "sh", "-c", WAITS]);
+        let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+        let _ = child.stdout.as_mut().unwrap().read(&mut [0]).unwrap();
+        let number = nix::unistd::Pid::from_raw(child.id() as i32);
+        let own = Handle::of(child);
+        desk.note_begun(own.clone(), 0);
+        if lost {
+            desk.lose(both!("gone", "断开"));
+        }
+        desk.settle();
+        nix::sys::signal::kill(number, nix::sys::signal::Signal::SIGTERM).unwrap();
+        assert_eq!(own.status().code(), Some(code), "{begun} {lost}");
+    }
 }
