@@ -106,7 +106,7 @@ async function give(op, args = {}) {
 async function ask(what) {
   try {
     const answer = await lease(what);
-    if (answer.refused === "looks") holds.looks = true;
+    holds.looks = answer.refused === "looks";
     holds.own = answer.yours ?? null;
     if (holds.own !== null) holds.now = holds.own;
     holds.takes = what === "take" && answer.notice_ms !== undefined;
