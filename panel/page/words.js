@@ -57,6 +57,7 @@ const WORDS = {
   notice: ["another page takes over in", "其他页面接管倒计时"],
   limit: ["at the limit of the travel or a zone", "已到行程极限或禁区"],
   no_answer: ["The panel does not answer: nobody knows whether the order has come. Look at the machine", "面板没有应答：无法确认指令是否送达。请查看机床"],
+  no_halt: ["The panel does not answer: take it that the hold or stop has not come, and use the emergency stop at the machine", "面板没有应答：应视为保持或停止未送达，请使用机床上的急停"],
   stale: ["The values are old: hold, stop and reset alone are ordered", "数据已过时：只能下达保持、停止和复位"],
   less: ["less", "减"],
   more: ["more", "加"],

@@ -16,6 +16,7 @@ mod start;
 mod tables;
 mod touch;
 mod typed;
+mod waits;
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
