@@ -244,6 +244,8 @@ function buttons(start) {
   const away = () => { press.up(); start.end(); };
   for (const kind of ["blur", "pagehide", "resize"]) addEventListener(kind, away);
   document.addEventListener("visibilitychange", away);
+  // What was heard before is old when somebody looks again: the clock of the page stands still while a tablet sleeps.
+  document.addEventListener("visibilitychange", () => { if (document.hidden) heard = -Infinity; });
   addEventListener("pagehide", () => { if (owns()) lease("give", TAKEN, { keepalive: true }).catch(() => {}); });
   at("mdi").onsubmit = (event) => {
     event.preventDefault();
@@ -288,6 +290,7 @@ try {
   watch({
     hello: (told) => {
       fresh = false;
+      refused = null;
       show.hello(told);
       programs.begin({ order: give, said: (answer) => tell(answer), held, has_folder: told.programs });
     },
@@ -320,7 +323,7 @@ try {
       if (fresh) say(one.end ?? words("sending"));
     },
     line: (end) => { if (fresh) say(end.ok ? words("done") : end); },
-  }, () => { refused = () => word("login"); grow(); });
+  }, (why) => { refused = () => why[isChinese() ? "zh" : "en"]; grow(); });
 } catch (error) {
   refused = () => (error.refused ? error[isChinese() ? "zh" : "en"] : word("lost"));
   grow();

@@ -78,17 +78,45 @@ export async function sheet(name, zh) {
 // Says that the page operates ("keep"), wants to ("take") or does not any more ("give").
 export const lease = (what, patience, more) => post("lease", { do: what }, { ...within(patience), ...more });
 
-// Calls `on[kind](message)` for each message. A connection that is lost is made again by the browser; one that was refused
-// is not, and is told. A page that is not seen has none: a browser has six for all of its pages, and a hold needs one.
+// A stream that is not there any more tells nothing of it: the panel says something each second.
+const SILENT = 3000;
+
+// Calls `on[kind](message)` for each message, and `refused(why)` where the panel gives no connection. One that is lost, refused
+// or silent is made again. A page that is not seen has none: a browser has six for all of its pages, and a hold needs one.
 export function watch(on, refused) {
   let source = null;
+  let heard = 0;
+  // Whoever is refused is not told why.
+  const why = async () => {
+    const own = source;
+    try {
+      const answer = await fetch("state", within(FRAME));
+      if (answer.ok) await answer.body.cancel();
+      else {
+        const told = await answer.json();
+        if (own === source) refused(told);
+      }
+    } catch {
+      // It says nothing: the values grow old.
+    }
+  };
   const open = () => {
     source = new EventSource("state");
-    for (const [kind, take] of Object.entries(on)) source.addEventListener(kind, ({ data }) => take(JSON.parse(data)));
-    source.onerror = () => { if (source?.readyState === EventSource.CLOSED) refused(); };
+    heard = performance.now();
+    for (const [kind, take] of Object.entries({ alive: () => {}, ...on })) {
+      source.addEventListener(kind, ({ data }) => { heard = performance.now(); take(JSON.parse(data)); });
+    }
+    source.onerror = () => { if (source?.readyState === EventSource.CLOSED) why(); };
   };
+  const close = () => { source?.close(); source = null; };
   document.addEventListener("visibilitychange", () => {
-    if (document.hidden) { source?.close(); source = null; } else if (!source) open();
+    if (document.hidden) close();
+    else if (!source) open();
   });
+  setInterval(() => {
+    if (!source || performance.now() - heard < SILENT) return;
+    close();
+    open();
+  }, 500);
   open();
 }

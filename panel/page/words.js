@@ -99,7 +99,6 @@ const WORDS = {
   good: ["nothing wrong", "没有问题"],
   moves: ["moves", "段移动"],
   no_panel: ["The panel does not answer: look at the network, then try again", "面板没有应答：请检查网络后重试"],
-  login: ["Open the link that the panel has printed when it was started", "请打开面板启动时显示的链接"],
   tools: ["Tools and work offsets", "刀具与工件偏置"],
   tools_hint: ["mm, X in diameter. Tip: 0 to 9. Touched: the axes that have been touched off. ▶: positions are shown by these", "单位 mm，X 为直径值。刀尖方向：0 至 9。已对刀：已对刀的轴。▶：位置按此显示"],
   touch: ["Touch off", "对刀"],

@@ -30,7 +30,8 @@ use crate::texts::{self, Sent};
 pub const CONNECTIONS: usize = 32;
 /// Those of them that watch. Others always find room.
 pub const STREAMS: usize = 16;
-/// A stream with no news says so often that it is there, and so finds out who has gone.
+/// A stream with no news says so often that it is there, and so finds out who has gone. A page waits
+/// for three times as long.
 const ALIVE: Duration = Duration::from_secs(1);
 /// What the kernel keeps for one who does not read, in bytes: a few messages, so that nobody is shown old ones for long.
 const KEPT: usize = 4096;
@@ -369,7 +370,8 @@ fn pass_on(stream: &mut TcpStream, feed: &Feed) -> io::Result<()> {
             text.push_str(&format!("event: {kind}\ndata: {json}\n\n"));
         }
         if text.is_empty() {
-            text.push_str(":\n\n");
+            // No comment: of that a page is told nothing.
+            text.push_str("event: alive\ndata: {}\n\n");
         }
         http::send(stream, text.as_bytes())?;
         // What is told meanwhile takes the place of what was told before.

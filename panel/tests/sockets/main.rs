@@ -566,6 +566,19 @@ fn who_does_not_read_keeps_nobody_waiting_and_gets_the_newest() {
 }
 
 #[test]
+fn a_stream_without_news_says_that_it_is_there() {
+    let bench = Bench::new();
+    let cookie = bench.login();
+    bench.feed.tell("s", "1".into());
+    let mut stream = bench.watch(&cookie);
+    assert_eq!(until(&mut stream, "\n\n"), "event: s\ndata: 1\n\n");
+    // It is an event: of a comment a page is told nothing.
+    for _ in 0..2 {
+        assert_eq!(until(&mut stream, "\n\n"), "event: alive\ndata: {}\n\n");
+    }
+}
+
+#[test]
 fn thousands_of_requests_leave_it_as_it_was() {
     let bench = Bench::new();
     let cookie = bench.login();
