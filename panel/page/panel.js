@@ -16,6 +16,11 @@ const OLD = 250;
 const HELD = 300;
 // The lease lasts five seconds; it is renewed each second.
 const KEEP = 1000;
+// How long an answer is waited for: that the lease is renewed, that it is taken, and an order. Whoever holds or stops hears soon that
+// it has not come; a table takes its time; of all else the panel has given up before.
+const RENEWED = 2000;
+const TAKEN = 5000;
+const PATIENCE = { hold: 5000, stop: 5000, reset: 5000, tools: 60000, params: 60000, touch: 60000, other: 12000 };
 const ALWAYS = ["hold", "stop", "reset"];
 const LEVELS = { feed: ["feed", 0, 150], rapid: ["rapid", 0, 100], spindle: ["turn", 50, 120] };
 const ARROWS = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1] };
@@ -94,19 +99,19 @@ async function give(op, args = {}) {
   if (op !== "hold" && op !== "stop" && press.isDown()) press.up();
   const before = said;
   try {
-    const answer = await order(op, args, last?.beat);
+    const answer = await order(op, args, last?.beat, PATIENCE[op] ?? PATIENCE.other);
     // What was said meanwhile is news: the end of a line comes by another connection than the answer that it has begun.
     if (!answer.ok || said === before) tell(answer);
     return answer;
   } catch {
-    return tell(null);
+    return tell(op === "hold" || op === "stop" ? words("no_halt") : null);
   }
 }
 
-async function ask(what) {
+async function ask(what, patience = TAKEN) {
   try {
-    const answer = await lease(what);
-    if (answer.refused === "looks") holds.looks = true;
+    const answer = await lease(what, patience);
+    holds.looks = answer.refused === "looks";
     holds.own = answer.yours ?? null;
     if (holds.own !== null) holds.now = holds.own;
     holds.takes = what === "take" && answer.notice_ms !== undefined;
@@ -239,7 +244,9 @@ function buttons(start) {
   const away = () => { press.up(); start.end(); };
   for (const kind of ["blur", "pagehide", "resize"]) addEventListener(kind, away);
   document.addEventListener("visibilitychange", away);
-  addEventListener("pagehide", () => { if (owns()) lease("give", { keepalive: true }).catch(() => {}); });
+  // What was heard before is old when somebody looks again: the clock of the page stands still while a tablet sleeps.
+  document.addEventListener("visibilitychange", () => { if (document.hidden) heard = -Infinity; });
+  addEventListener("pagehide", () => { if (owns()) lease("give", TAKEN, { keepalive: true }).catch(() => {}); });
   at("mdi").onsubmit = (event) => {
     event.preventDefault();
     const line = at("typed").value.trim();
@@ -266,7 +273,15 @@ keys(start);
 show.step(step);
 languages(navigator.language.startsWith("zh"));
 setInterval(grow, 100);
-setInterval(() => { if (owns()) ask("keep"); else if (holds.takes) ask("take"); }, KEEP);
+// One at a time: in an outage they would take all connections.
+let asks = false;
+setInterval(async () => {
+  if (asks) return;
+  asks = true;
+  if (owns()) await ask("keep", RENEWED);
+  else if (holds.takes) await ask("take", RENEWED);
+  asks = false;
+}, KEEP);
 
 try {
   await login();
@@ -275,6 +290,7 @@ try {
   watch({
     hello: (told) => {
       fresh = false;
+      refused = null;
       show.hello(told);
       programs.begin({ order: give, said: (answer) => tell(answer), held, has_folder: told.programs });
     },
@@ -307,7 +323,7 @@ try {
       if (fresh) say(one.end ?? words("sending"));
     },
     line: (end) => { if (fresh) say(end.ok ? words("done") : end); },
-  }, () => { refused = () => word("login"); grow(); });
+  }, (why) => { refused = () => why[isChinese() ? "zh" : "en"]; grow(); });
 } catch (error) {
   refused = () => (error.refused ? error[isChinese() ? "zh" : "en"] : word("lost"));
   grow();

@@ -14,6 +14,11 @@ let open = null;
 let runs = null;
 // Programs that are opened one after the other: only the last one counts.
 let turn = 0;
+// What is opened, looked at and shown of a start: one request each, in whose place the next one comes. A browser has six
+// connections, and a hold needs one.
+let opening = new AbortController();
+let looking = new AbortController();
+let starting = new AbortController();
 // A change that is not saved is given up by asking twice.
 let doomed = null;
 let tell = () => {};
@@ -53,8 +58,8 @@ async function asked(what) {
     const answer = await what;
     if (!answer.refused && !answer.error) return answer;
     tell(answer.error ? { en: answer.error, zh: answer.error } : answer);
-  } catch {
-    tell(both("no_panel"));
+  } catch (error) {
+    if (error.name !== "AbortError") tell(both("no_panel"));
   }
   return null;
 }
@@ -87,7 +92,10 @@ async function show(name) {
   const own = turn;
   drop();
   at("path_note").textContent = "";
-  const answer = await asked(program(name));
+  opening.abort();
+  looking.abort();
+  opening = new AbortController();
+  const answer = await asked(program(name, opening.signal));
   if (!answer || own !== turn) return;
   doomed = null;
   const decoded = read(answer.bytes);
@@ -112,14 +120,19 @@ function read(bytes) {
 
 // What is wrong with the open program, and its path, by what the board has now.
 async function look() {
+  looking.abort();
+  looking = new AbortController();
   const own = turn;
+  const { signal } = looking;
   const { name } = open;
   open.by = known;
   put([row("plain", word("checking"))]);
-  const [check, way] = await Promise.all([view(name, "check", isChinese()), view(name, "path", isChinese())].map(asked));
-  if (own !== turn) return;
+  const check = await asked(view(name, "check", isChinese(), signal));
+  if (own !== turn || signal.aborted) return;
   if (check) open.by = check.by;
   found(check);
+  const way = await asked(view(name, "path", isChinese(), signal));
+  if (own !== turn || signal.aborted) return;
   path.show(way);
   at("path_note").textContent = way ? said(way, check) : "";
 }
@@ -190,7 +203,8 @@ async function look_at_start() {
   if (!open) return tell(both("none_open"));
   if (open.changed) return tell(both("save_first"));
   const [own, one, line] = [turn, open, text.cursor];
-  const answer = await asked(view(one.name, `start/${line}`, isChinese()));
+  starting = new AbortController();
+  const answer = await asked(view(one.name, `start/${line}`, isChinese(), starting.signal));
   if (!answer || own !== turn || one.changed) return;
   start = { line, by: answer.by, shown: answer.shown };
   at("start_told").textContent = answer.text;
@@ -201,6 +215,7 @@ async function look_at_start() {
 // A button that goes does not take the keys with it. They are in no field then: there Space would be no hold.
 function drop() {
   start = null;
+  starting.abort();
   if (at("start_at").contains(document.activeElement)) at("start_look").focus();
   at("start_at").hidden = true;
 }

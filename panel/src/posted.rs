@@ -161,6 +161,13 @@ impl Posted {
         }
     }
 
+    /// The cookie of the page that operates.
+    pub fn operator(&self) -> Option<String> {
+        let state = self.state();
+        let (cookie, _) = state.lease.operator()?.split_once('/')?;
+        Some(cookie.to_owned())
+    }
+
     /// Nobody operates any more, and all pages are told.
     pub fn release(&self) {
         self.state().lease.end();

@@ -31,15 +31,12 @@ const LISTED: usize = 1000;
 #[derive(Debug)]
 pub struct Programs {
     folder: PathBuf,
-    state: Mutex<State>,
-}
-
-#[derive(Debug, Default)]
-struct State {
-    /// The program that a machine runs: nobody writes it.
-    claimed: Option<String>,
-    /// Files that were written, for the names of those that are not complete yet.
-    written: u64,
+    /// Files that were written, for the names of those that are not complete yet. Whoever has this writes or claims, and
+    /// waits for the disk.
+    written: Mutex<u64>,
+    /// The program that a machine runs: nobody writes it. Nobody waits for a disk with this in hand: a claim is dropped
+    /// where nothing may wait.
+    claimed: Mutex<Option<String>>,
 }
 
 /// A program of a list.
@@ -79,7 +76,7 @@ pub struct Claim {
 
 impl Drop for Claim {
     fn drop(&mut self) {
-        self.programs.state().claimed = None;
+        *self.programs.claimed() = None;
     }
 }
 
@@ -93,7 +90,8 @@ impl Programs {
         fs::read_dir(&folder)?;
         Ok(Self {
             folder,
-            state: Mutex::default(),
+            written: Mutex::default(),
+            claimed: Mutex::default(),
         })
     }
 
@@ -161,8 +159,8 @@ impl Programs {
             return Err(Refusal::TooLong);
         }
         // One at a time: what was seen is still so when it is replaced.
-        let mut state = self.state();
-        if state.claimed.as_deref() == Some(name) {
+        let mut written = self.written();
+        if self.claimed().as_deref() == Some(name) {
             return Err(Refusal::Runs);
         }
         if let When::Is(seen) = when {
@@ -172,10 +170,10 @@ impl Programs {
                 Err(refusal) => return Err(refusal),
             }
         }
-        state.written += 1;
+        *written += 1;
         // No name of a program begins with a dot.
         let process = std::process::id();
-        let beside = format!(".{name}.new-{process}-{}", state.written);
+        let beside = format!(".{name}.new-{process}-{written}");
         let (beside, place) = (self.folder.join(beside), self.folder.join(name));
         let put = fill(&beside, bytes).and_then(|()| match when {
             // A link takes no place that is taken; a renaming would.
@@ -191,20 +189,21 @@ impl Programs {
         }
     }
 
-    /// Keeps the program of this tag as it is, for a machine that runs it.
+    /// Keeps the program of this tag as it is, for a machine that runs it. It waits for the disk; dropping it does not.
     ///
     /// # Errors
     /// [`Refusal::Changed`] where it is another, [`Refusal::Runs`] where one is kept already; those of [`Programs::read`].
     pub fn claim(self: &Arc<Self>, name: &str, seen: &str) -> Result<Claim, Refusal> {
-        let mut state = self.state();
-        if state.claimed.is_some() {
+        // Nobody writes it, and nobody else claims one, before it is claimed.
+        let written = self.written();
+        if self.claimed().is_some() {
             return Err(Refusal::Runs);
         }
         if self.read(name)?.tag != seen {
             return Err(Refusal::Changed);
         }
-        state.claimed = Some(name.to_owned());
-        drop(state);
+        *self.claimed() = Some(name.to_owned());
+        drop(written);
         Ok(Claim {
             programs: Arc::clone(self),
             path: self.folder.join(name),
@@ -232,9 +231,13 @@ impl Programs {
         }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
-        // Both values in it are whole at any time.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    fn written(&self) -> MutexGuard<'_, u64> {
+        // A number is whole at any time; so is a name.
+        self.written.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn claimed(&self) -> MutexGuard<'_, Option<String>> {
+        self.claimed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -6,7 +6,7 @@
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -30,7 +30,8 @@ use crate::texts::{self, Sent};
 pub const CONNECTIONS: usize = 32;
 /// Those of them that watch. Others always find room.
 pub const STREAMS: usize = 16;
-/// A stream with no news says so often that it is there, and so finds out who has gone.
+/// A stream with no news says so often that it is there, and so finds out who has gone. A page waits
+/// for three times as long.
 const ALIVE: Duration = Duration::from_secs(1);
 /// What the kernel keeps for one who does not read, in bytes: a few messages, so that nobody is shown old ones for long.
 const KEPT: usize = 4096;
@@ -60,6 +61,13 @@ struct Shared {
     /// Connections for which only a place for hold and stop was left.
     late: AtomicU64,
     over: AtomicBool,
+}
+
+impl Shared {
+    fn sessions(&self) -> MutexGuard<'_, Sessions> {
+        // Nothing panics with it in hand; each cookie in it is whole all the same.
+        self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// A server at work. It ends with the process, or when it is dropped.
@@ -302,28 +310,27 @@ fn sheet_of(request: &Request, shared: &Shared) -> Result<String, Refusal> {
 }
 
 fn admit(cookie: Option<&str>, shared: &Shared) -> Result<Right, Refusal> {
-    let sessions = shared.sessions.lock();
-    sessions
-        .unwrap_or_else(PoisonError::into_inner)
-        .admit(cookie)
+    shared.sessions().admit(cookie)
 }
 
-/// The header that sets the cookie.
+/// The header that sets the cookie; nothing where the one that there is stays.
 fn login(request: &Request, shared: &Shared) -> Result<String, Refusal> {
     let body: serde_json::Value =
         serde_json::from_slice(&request.body).map_err(|_| Refusal::Malformed)?;
     let token = body["token"].as_str().ok_or(Refusal::Malformed)?;
     let fresh = fresh_token().map_err(|_| Refusal::Busy)?;
-    let mut sessions = shared
-        .sessions
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner);
-    let cookie = sessions.login(token, fresh)?.text();
+    let name = shared.place.cookie();
+    let own = request.cookie(name);
+    let operator = shared.posted.operator();
+    let mut sessions = shared.sessions();
+    let Some(cookie) = sessions.login(token, own, operator.as_deref(), fresh)? else {
+        return Ok(String::new());
+    };
+    let cookie = cookie.text();
     let by_tls = request
         .header("origin")
         .is_some_and(|origin| origin.starts_with("https:"));
     let secure = if by_tls { "; Secure" } else { "" };
-    let name = shared.place.cookie();
     Ok(format!(
         "Set-Cookie: {name}={cookie}; Path=/; HttpOnly; SameSite=Strict{secure}\r\n"
     ))
@@ -336,9 +343,11 @@ fn watch(
     shared: &Shared,
 ) -> Result<(), (TcpStream, Refusal)> {
     let cookie = request.cookie(shared.place.cookie());
-    if let Err(refusal) = admit(cookie, shared) {
-        return Err((stream, refusal));
-    }
+    let watching = shared.sessions().watch(cookie);
+    let _watching = match watching {
+        Ok(watching) => watching,
+        Err(refusal) => return Err((stream, refusal)),
+    };
     let Some(_seat) = Seat::take(&shared.streams, STREAMS) else {
         return Err((stream, Refusal::Busy));
     };
@@ -361,7 +370,8 @@ fn pass_on(stream: &mut TcpStream, feed: &Feed) -> io::Result<()> {
             text.push_str(&format!("event: {kind}\ndata: {json}\n\n"));
         }
         if text.is_empty() {
-            text.push_str(":\n\n");
+            // No comment: of that a page is told nothing.
+            text.push_str("event: alive\ndata: {}\n\n");
         }
         http::send(stream, text.as_bytes())?;
         // What is told meanwhile takes the place of what was told before.

@@ -3,10 +3,12 @@
 //! Values in, answers out; chance is an argument. This file must not know sockets, time, a page or a machine.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use crate::refusal::Refusal;
 
-/// Cookies that count; the oldest is forgotten.
+/// Cookies that count; the one that was used least lately is forgotten. There are more than those that watch and the one
+/// that operates.
 const COOKIES: usize = 64;
 
 /// A secret of 128 bits.
@@ -35,7 +37,7 @@ impl Token {
 }
 
 /// What a link is good for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Right {
     /// To see the machine.
     Look,
@@ -52,10 +54,20 @@ pub struct Tokens {
     pub operate: Option<Token>,
 }
 
+/// What somebody holds as long as he watches.
+pub type Watching = Arc<()>;
+
+struct Cookie {
+    token: Token,
+    right: Right,
+    watching: Watching,
+}
+
 /// All that are logged in.
 pub struct Sessions {
     tokens: Tokens,
-    cookies: VecDeque<(Token, Right)>,
+    /// The one that was used last is the last.
+    cookies: VecDeque<Cookie>,
 }
 
 impl Sessions {
@@ -67,26 +79,58 @@ impl Sessions {
         }
     }
 
-    /// Makes `fresh` the cookie of who has a token.
-    pub fn login(&mut self, token: &str, fresh: Token) -> Result<Token, Refusal> {
+    /// Makes `fresh` the cookie of who has a token. `None`: the one that he has is good for as much, and stays; a browser
+    /// has one for all its pages. Neither who watches nor `operator` is forgotten for it.
+    pub fn login(
+        &mut self,
+        token: &str,
+        own: Option<&str>,
+        operator: Option<&str>,
+        fresh: Token,
+    ) -> Result<Option<Token>, Refusal> {
         let operates = self.tokens.operate.is_some_and(|own| own.is(token));
         let right = match (operates, self.tokens.look.is(token)) {
             (true, _) => Right::Operate,
             (false, true) => Right::Look,
             (false, false) => return Err(Refusal::Token),
         };
-        if self.cookies.len() == COOKIES {
-            self.cookies.pop_front();
+        if self.admit(own).is_ok_and(|has| has >= right) {
+            return Ok(None);
         }
-        self.cookies.push_back((fresh, right));
-        Ok(fresh)
+        if self.cookies.len() >= COOKIES {
+            let idle = |cookie: &Cookie| {
+                Arc::strong_count(&cookie.watching) == 1
+                    && operator.is_none_or(|text| !cookie.token.is(text))
+            };
+            let oldest = self.cookies.iter().position(idle);
+            oldest.and_then(|at| self.cookies.remove(at));
+        }
+        self.cookies.push_back(Cookie {
+            token: fresh,
+            right,
+            watching: Watching::default(),
+        });
+        Ok(Some(fresh))
     }
 
     /// Lets the owner of a cookie in, and says what he may do.
-    pub fn admit(&self, cookie: Option<&str>) -> Result<Right, Refusal> {
-        let known = |text| self.cookies.iter().find(|(own, _)| own.is(text));
-        let found = cookie.and_then(known);
-        found.map(|(_, right)| *right).ok_or(Refusal::Login)
+    pub fn admit(&mut self, cookie: Option<&str>) -> Result<Right, Refusal> {
+        self.used(cookie).map(|cookie| cookie.right)
+    }
+
+    /// Lets the owner of a cookie watch.
+    pub fn watch(&mut self, cookie: Option<&str>) -> Result<Watching, Refusal> {
+        let cookie = self.used(cookie)?;
+        Ok(Arc::clone(&cookie.watching))
+    }
+
+    fn used(&mut self, text: Option<&str>) -> Result<&Cookie, Refusal> {
+        let is = |cookie: &Cookie| text.is_some_and(|text| cookie.token.is(text));
+        let found = self.cookies.iter().position(is);
+        let cookie = found.and_then(|at| self.cookies.remove(at));
+        self.cookies.extend(cookie);
+        let used = found.and(self.cookies.back());
+        used.ok_or(Refusal::Login)
     }
 }
 
@@ -104,6 +148,15 @@ mod tests {
         })
     }
 
+    /// Of a browser that is not logged in yet.
+    fn login(sessions: &mut Sessions, token: &str, fresh: u8) -> Result<Option<Token>, Refusal> {
+        sessions.login(token, None, None, Token::new([fresh; 16]))
+    }
+
+    fn text(number: u8) -> String {
+        Token::new([number; 16]).text()
+    }
+
     #[test]
     fn a_token_gives_a_cookie_and_nothing_else_does() {
         let mut sessions = sessions(Some(OPERATE));
@@ -111,15 +164,14 @@ mod tests {
         assert_eq!(good, "07".repeat(16));
         assert_eq!(sessions.admit(Some(&good)), Err(Refusal::Login));
         for wrong in ["", "07", &good[1..], &format!("{good}0"), &"08".repeat(16)] {
-            let answer = sessions.login(wrong, Token::new([1; 16]));
+            let answer = login(&mut sessions, wrong, 1);
             assert_eq!(answer.err(), Some(Refusal::Token), "{wrong}");
         }
-        let cookie = |byte| Token::new([byte; 16]).text();
-        assert_eq!(sessions.admit(Some(&cookie(1))), Err(Refusal::Login));
-        assert!(sessions.login(&good, Token::new([1; 16])).is_ok());
-        assert!(sessions.login(&LOOK.text(), Token::new([2; 16])).is_ok());
-        assert_eq!(sessions.admit(Some(&cookie(1))), Ok(Right::Operate));
-        assert_eq!(sessions.admit(Some(&cookie(2))), Ok(Right::Look));
+        assert_eq!(sessions.admit(Some(&text(1))), Err(Refusal::Login));
+        assert!(login(&mut sessions, &good, 1).is_ok());
+        assert!(login(&mut sessions, &LOOK.text(), 2).is_ok());
+        assert_eq!(sessions.admit(Some(&text(1))), Ok(Right::Operate));
+        assert_eq!(sessions.admit(Some(&text(2))), Ok(Right::Look));
         assert_eq!(sessions.admit(None), Err(Refusal::Login));
         assert_eq!(sessions.admit(Some("")), Err(Refusal::Login));
     }
@@ -127,24 +179,62 @@ mod tests {
     #[test]
     fn where_nobody_operates_no_token_is_good_for_it() {
         let mut sessions = sessions(None);
-        let answer = sessions.login(&OPERATE.text(), Token::new([1; 16]));
+        let answer = login(&mut sessions, &OPERATE.text(), 1);
         assert_eq!(answer.err(), Some(Refusal::Token));
-        assert!(sessions.login(&LOOK.text(), Token::new([1; 16])).is_ok());
-        let cookie = Token::new([1; 16]).text();
-        assert_eq!(sessions.admit(Some(&cookie)), Ok(Right::Look));
+        assert!(login(&mut sessions, &LOOK.text(), 1).is_ok());
+        assert_eq!(sessions.admit(Some(&text(1))), Ok(Right::Look));
     }
 
     #[test]
-    fn the_oldest_cookie_goes() {
+    fn a_link_takes_no_right_from_a_browser_that_has_it() {
+        let mut sessions = sessions(Some(OPERATE));
+        let (operate, look) = (OPERATE.text(), LOOK.text());
+        let mut login = |token: &str, own, fresh| {
+            let fresh = Token::new([fresh; 16]);
+            let given = sessions.login(token, Some(&text(own)), None, fresh);
+            given.map(|cookie| cookie.is_some())
+        };
+        assert_eq!(login(&look, 9, 1), Ok(true));
+        assert_eq!(login(&look, 1, 2), Ok(false));
+        assert_eq!(login(&operate, 1, 3), Ok(true));
+        for token in [&operate, &look] {
+            assert_eq!(login(token, 3, 4), Ok(false));
+        }
+        assert_eq!(login(&text(3), 3, 4), Err(Refusal::Token));
+        assert_eq!(sessions.admit(Some(&text(3))), Ok(Right::Operate));
+        assert_eq!(sessions.admit(Some(&text(1))), Ok(Right::Look));
+    }
+
+    #[test]
+    fn the_cookie_goes_that_was_used_least_lately_and_none_that_watches_or_operates() {
         let mut sessions = sessions(Some(OPERATE));
         let good = OPERATE.text();
-        for number in 0..=COOKIES as u8 {
-            assert!(sessions.login(&good, Token::new([number; 16])).is_ok());
+        for number in 0..4 {
+            assert!(login(&mut sessions, &good, number).is_ok());
         }
-        let text = |number| Token::new([number; 16]).text();
-        assert_eq!(sessions.admit(Some(&text(0))), Err(Refusal::Login));
-        for kept in [1, COOKIES as u8] {
-            assert_eq!(sessions.admit(Some(&text(kept))), Ok(Right::Operate));
+        let watching = sessions.watch(Some(&text(1))).unwrap();
+        for number in 4..=200 {
+            // It is used now and then.
+            assert_eq!(sessions.admit(Some(&text(2))), Ok(Right::Operate));
+            let fresh = Token::new([number; 16]);
+            assert!(sessions.login(&good, None, Some(&text(3)), fresh).is_ok());
         }
+        assert_eq!(sessions.cookies.len(), COOKIES);
+        for gone in [0, 4, 200 - (COOKIES as u8 - 3)] {
+            assert_eq!(sessions.admit(Some(&text(gone))), Err(Refusal::Login));
+        }
+        for kept in [1, 2, 3, 200 - (COOKIES as u8 - 4), 200] {
+            assert_eq!(
+                sessions.admit(Some(&text(kept))),
+                Ok(Right::Operate),
+                "{kept}"
+            );
+        }
+        // Who watches no more is forgotten as others are.
+        drop(watching);
+        for number in 0..COOKIES as u8 {
+            assert!(login(&mut sessions, &good, number + 100).is_ok());
+        }
+        assert_eq!(sessions.admit(Some(&text(1))), Err(Refusal::Login));
     }
 }

@@ -222,3 +222,21 @@ fn a_program_that_runs_is_the_one_that_was_seen_and_stays_so() {
     drop(claim);
     assert!(programs.write("a.nc", When::Is(&tag), b"2").is_ok());
 }
+
+#[test]
+fn a_program_that_has_run_is_let_go_while_another_is_written() {
+    let bench = Bench::new();
+    let tag = bench.programs.write("a.nc", When::New, b"1").unwrap();
+    let claim = bench.programs.claim("a.nc", &tag).unwrap();
+    // A disk that takes its time.
+    let written = bench.programs.written();
+    let (send, gone) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        drop(claim);
+        send.send(()).unwrap();
+    });
+    let limit = std::time::Duration::from_secs(60);
+    assert_eq!(gone.recv_timeout(limit), Ok(()));
+    drop(written);
+    assert!(bench.programs.claim("a.nc", &tag).is_ok());
+}

@@ -316,6 +316,47 @@ fn an_order_needs_a_link_to_operate_and_comes_from_this_page() {
 }
 
 #[test]
+fn a_link_that_looks_takes_nothing_from_a_browser_that_operates() {
+    let bench = Bench::new();
+    let operates = bench.login();
+    let login = |cookie: &str, token: Token| {
+        let body = format!("{{\"token\":\"{}\"}}", token.text());
+        bench.post_as(cookie, "/login", &body)
+    };
+    // Nor does its own link, opened once more: the lease is its cookie's.
+    for token in [LOOK, TOKEN] {
+        let answer = login(&operates, token);
+        assert!(answer.starts_with("HTTP/1.1 200 OK\r\n"), "{answer}");
+        assert!(!answer.contains("Set-Cookie"), "{answer}");
+    }
+    refused(&login(&operates, Token::new([1; 16])), Refusal::Token);
+    let hold = "{\"c\":\"a\",\"n\":1,\"op\":\"hold\"}";
+    let answer = bench.post_as(&operates, "/order", hold);
+    assert!(answer.starts_with("HTTP/1.1 200 OK\r\n"), "{answer}");
+    // The other way round it may operate from then on.
+    let looks = bench.login_with(LOOK);
+    assert!(login(&looks, TOKEN).contains("Set-Cookie: "));
+}
+
+#[test]
+fn later_logins_take_nothing_from_who_watches_or_operates() {
+    let bench = Bench::new();
+    let (watches, operates, idle) = (bench.login(), bench.login(), bench.login());
+    let take = "{\"c\":\"a\",\"do\":\"take\"}";
+    let keep = "{\"c\":\"a\",\"do\":\"keep\"}";
+    bench.post_as(&operates, "/lease", take);
+    let _watching = bench.watch(&watches);
+    for _ in 0..70 {
+        bench.login_with(LOOK);
+    }
+    for kept in [&watches, &operates] {
+        let answer = bench.post_as(kept, "/lease", keep);
+        assert!(answer.starts_with("HTTP/1.1 200 OK\r\n"), "{answer}");
+    }
+    refused(&bench.post_as(&idle, "/lease", keep), Refusal::Login);
+}
+
+#[test]
 fn hold_and_stop_come_through_where_all_connections_are_taken_and_nothing_else_does() {
     let bench = Bench::new();
     let cookie = bench.login();
@@ -522,6 +563,19 @@ fn who_does_not_read_keeps_nobody_waiting_and_gets_the_newest() {
     bench.feed.tell("s", "last".into());
     let behind = until(&mut slow, "event: s\ndata: last\n\n");
     assert!(behind.matches("event: s").count() < 1_000);
+}
+
+#[test]
+fn a_stream_without_news_says_that_it_is_there() {
+    let bench = Bench::new();
+    let cookie = bench.login();
+    bench.feed.tell("s", "1".into());
+    let mut stream = bench.watch(&cookie);
+    assert_eq!(until(&mut stream, "\n\n"), "event: s\ndata: 1\n\n");
+    // It is an event: of a comment a page is told nothing.
+    for _ in 0..2 {
+        assert_eq!(until(&mut stream, "\n\n"), "event: alive\ndata: {}\n\n");
+    }
 }
 
 #[test]

@@ -90,8 +90,8 @@ fn turns(status: &Status) -> Failure {
     Failure::WrongBecause(alarm_words(&alarm))
 }
 
-/// A spindle that runs out or is still turned by hand is at 0 rpm, rounded, before it stands; one whose encoder trembles over
-/// a count stands.
+/// A spindle that runs out or is turned by hand is at 0 rpm, rounded, before it stands. One whose encoder trembles over a
+/// count stands.
 fn is_still(before: Angle, after: Angle) -> bool {
     const TURN: i64 = 360_000_000;
     let way = (after.udeg() - before.udeg()).rem_euclid(TURN);

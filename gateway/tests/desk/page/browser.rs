@@ -16,6 +16,7 @@ mod start;
 mod tables;
 mod touch;
 mod typed;
+mod waits;
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -464,6 +465,31 @@ fn somebody_operates_the_machine_with_mouse_and_keys() {
     tab.close();
     let at = user.wait_for("idle")["mz"].clone();
     assert_eq!(user.wait_for("idle")["mz"], at);
+}
+
+#[test]
+fn the_link_that_looks_opened_beside_it_leaves_a_page_its_hold() {
+    let user = User::with_machine();
+    let page = Page::start(&user);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    tab.operate();
+    let (session, target) = (tab.session, tab.target);
+    browser.tab(&format!("http://{}/#{}", page.address, page.look));
+    let front = json!({"targetId": target});
+    browser.asks(None, "Target.activateTarget", front);
+    let mut tab = Tab {
+        browser: &mut browser,
+        session,
+        target,
+    };
+    let mut run = user.run(LONG);
+    tab.wait("!document.hidden && document.body.dataset.state === 'run'");
+    tab.click("#hold");
+    user.wait_for("hold");
+    tab.click("#stop");
+    user.wait_for("alarm");
+    let _ = run.wait().unwrap();
 }
 
 #[test]

@@ -218,7 +218,7 @@ pub fn refusal(wish: Wish, now: Situation) -> Option<Both> {
         Wish::ByHand(way, _) => by_hand(way, now),
         Wish::Home => by_mode(now, &[OperatingMode::Reference]),
         Wish::Start => by_mode(now, &[OperatingMode::Automatic, OperatingMode::Mdi]),
-        Wish::Line if now.typed => Some(alarm_words(&Alarm::of(Code::ProgramUnderWay, &[]))),
+        Wish::Line if now.typed => Some(under_way()),
         Wish::Line => by_mode(now, &[OperatingMode::Mdi]),
         _ => None,
     }
@@ -231,9 +231,15 @@ pub fn no_program(now: Situation) -> Option<Both> {
         return Some(old());
     }
     if now.typed {
-        return Some(alarm_words(&Alarm::of(Code::ProgramUnderWay, &[])));
+        return Some(under_way());
     }
     by_mode(now, &[OperatingMode::Automatic])
+}
+
+/// A command in a process of its own is asked for, or under way.
+#[must_use]
+pub fn under_way() -> Both {
+    alarm_words(&Alarm::of(Code::ProgramUnderWay, &[]))
 }
 
 /// Why a tool is not touched off; `None` where the board is asked. The mode for references would be left for it, and a page

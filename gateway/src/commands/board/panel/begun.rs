@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use leadscrew_core::alarm::{Alarm, Code, Lang};
+use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::Position;
-use leadscrew_panel::{Feed, Programs};
+use leadscrew_panel::Feed;
 
+use super::super::monitor::keys;
 use super::super::monitor::typed::{self, Typed};
 use super::super::monitor::view::Tone;
 use super::desk::{Desk, Line, Program, What};
@@ -13,8 +14,6 @@ use super::object;
 use super::sent::{self, Sent};
 use super::views::Views;
 use crate::cli::Global;
-use crate::diagnostics::alarm_words;
-use crate::words::Both;
 
 /// What the panel has whether the board is heard or not.
 pub struct Begun<'a> {
@@ -26,8 +25,6 @@ pub struct Begun<'a> {
     pub desk: Arc<Desk>,
     /// What is known of programs.
     pub views: Arc<Views>,
-    /// The folder.
-    pub programs: Option<Arc<Programs>>,
     typed: Option<Typed>,
     sent: Option<Sent>,
 }
@@ -39,14 +36,12 @@ impl<'a> Begun<'a> {
         feed: Arc<Feed>,
         desk: Arc<Desk>,
         views: Arc<Views>,
-        programs: Option<Arc<Programs>>,
     ) -> Self {
         Self {
             global,
             feed,
             desk,
             views,
-            programs,
             typed: None,
             sent: None,
         }
@@ -56,7 +51,7 @@ impl<'a> Begun<'a> {
     pub fn begin_line(&mut self, Line { ticket, what, zh }: Line, halts: u64) {
         let lang = if zh { Lang::Zh } else { Lang::En };
         let begun = if self.is_busy() {
-            Err(busy())
+            Err(keys::under_way())
         } else {
             let begun = match what {
                 What::Line(text) => Typed::begin(self.global, &text, lang),
@@ -72,20 +67,22 @@ impl<'a> Begun<'a> {
     }
 
     /// The same of a program, which begins with the axes there.
-    pub fn begin_program(&mut self, program: &Program, from: Option<Position>, halts: u64) {
+    pub fn begin_program(&mut self, program: Program, from: Option<Position>, halts: u64) {
+        let ticket = program.ticket;
         let begun = if self.is_busy() {
-            Err(busy())
+            // Whoever hears of it may order the next one at once.
+            drop(program);
+            Err(keys::under_way())
         } else {
             let of = (self.views.tag(), from);
-            Sent::begin(self.global, self.programs.as_ref(), program, of)
-                .inspect(|_| self.views.begin(from))
+            Sent::begin(self.global, program, of).inspect(|_| self.views.begin(from))
         };
         let done = begun.map(|sent| {
             self.desk.note_begun(sent.handle(), halts);
             self.feed.tell("program", sent.told(None));
             self.sent = Some(sent);
         });
-        self.desk.answer(program.ticket, done);
+        self.desk.answer(ticket, done);
     }
 
     /// One command of its own is under way at a time.
@@ -120,9 +117,4 @@ impl<'a> Begun<'a> {
             self.feed.tell(event, told);
         }
     }
-}
-
-/// A command of its own is under way.
-fn busy() -> Both {
-    alarm_words(&Alarm::of(Code::ProgramUnderWay, &[]))
 }

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::bus::{Beat, BoardState, BoardStatus, Frame, JogRequest, NodeId, Order};
 use leadscrew_core::operating::{OperatingMode, PressState, Towards};
-use leadscrew_panel::{Jog, Machine, Sheet, View};
+use leadscrew_panel::{Claim, Jog, Machine, Programs, Refusal, Sheet, View};
 
 pub use self::asks::{Asks, Line, Program, StartAt, What};
 use super::super::monitor::hand::Hand;
@@ -47,6 +47,10 @@ struct Asked {
     ticket: u64,
     wish: Wish,
     echo: Option<Beat>,
+    /// Holds and stops that were given before it was ordered.
+    halts: u64,
+    /// The program that it names stays as it is.
+    claim: Option<Claim>,
 }
 
 struct Shared {
@@ -98,11 +102,17 @@ pub struct Desk {
     news: Condvar,
     tables: Tables,
     views: Arc<Views>,
+    programs: Option<Arc<Programs>>,
 }
 
 impl Desk {
-    /// Nothing is ordered.
-    pub fn new(node: NodeId, session: u8, views: Arc<Views>) -> Self {
+    /// Nothing is ordered. Without a folder there are no programs.
+    pub fn new(
+        node: NodeId,
+        session: u8,
+        views: Arc<Views>,
+        programs: Option<Arc<Programs>>,
+    ) -> Self {
         Self {
             node,
             session,
@@ -129,6 +139,7 @@ impl Desk {
             news: Condvar::new(),
             tables: Tables::new(Arc::clone(&views)),
             views,
+            programs,
         }
     }
 
@@ -252,15 +263,45 @@ impl Desk {
         self.shared().told.fields(json);
     }
 
+    /// Keeps the program of this tag as it is. It waits for the disk.
+    fn claim(&self, name: &str, tag: &str) -> Result<Claim, Both> {
+        let programs = self.programs.as_ref().ok_or(Refusal::NoStore);
+        let claim = programs.and_then(|programs| programs.claim(name, tag));
+        claim.map_err(|refusal| {
+            let [en, zh] = refusal.words().map(str::to_owned);
+            Both { en, zh }
+        })
+    }
+
     fn order_wish(&self, wish: Wish, echo: Option<Beat>) -> Done {
         let mut shared = self.shared();
         shared.tickets += 1;
         if let Some(why) = &shared.lost {
             return Err(why.clone());
         }
-        let ticket = shared.tickets;
+        let (ticket, halts) = (shared.tickets, shared.halts);
         let (before, _) = shared.taken_back;
-        let asked = Asked { ticket, wish, echo };
+        let mut claim = None;
+        if let Wish::Program { name, tag, .. } = &wish {
+            if shared.typed {
+                return Err(keys::under_way());
+            }
+            // In the thread of whoever has ordered it: neither the bus nor a hold waits for a disk.
+            drop(shared);
+            claim = Some(self.claim(name, tag)?);
+            shared = self.shared();
+            let (count, why) = &shared.taken_back;
+            if *count != before {
+                return Err(why.clone());
+            }
+        }
+        let asked = Asked {
+            ticket,
+            wish,
+            echo,
+            halts,
+            claim,
+        };
         // Hold and stop are not behind what others have ordered in the same moment.
         if asked.wish.halts() {
             shared.waiting.push_front(asked);
@@ -366,9 +407,20 @@ impl Shared {
     }
 
     fn begin(&mut self, asked: Asked, seen: &Seen, now: Instant) {
-        let Asked { ticket, wish, echo } = asked;
+        let Asked {
+            ticket,
+            wish,
+            echo,
+            halts,
+            claim,
+        } = asked;
         if wish.halts() {
             self.halt();
+        }
+        // What a hold or a stop has overtaken would begin after it.
+        if wish.begins() && halts != self.halts {
+            self.done.insert(ticket, Err(halted()));
+            return;
         }
         if wish.needs_fresh() && self.is_old(echo, now) {
             self.done.insert(ticket, Err(keys::old()));
@@ -414,11 +466,14 @@ impl Shared {
                 zh,
             } => {
                 let why = keys::no_program(self.situation(now));
+                // Each has one.
+                let Some(claim) = claim else { return };
                 self.ask(ticket, why, |asks| {
                     asks.programs.push(Program {
                         ticket,
                         name,
                         tag,
+                        claim,
                         start,
                         wheel,
                         zh,

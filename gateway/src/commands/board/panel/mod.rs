@@ -80,10 +80,16 @@ pub fn panel(
     let feed = Arc::new(Feed::default());
     let views = Arc::new(Views::new(global));
     let session = by_hand::session(&link.seen);
-    let desk = Arc::new(Desk::new(link.node(), session, Arc::clone(&views)));
+    let desk = Arc::new(Desk::new(
+        link.node(),
+        session,
+        Arc::clone(&views),
+        programs.clone(),
+    ));
     let machine = Arc::clone(&desk);
     let told = Arc::clone(&feed);
-    let server = Server::start(listen, hosts, tokens, told, machine, programs.clone());
+    let has_programs = programs.is_some();
+    let server = Server::start(listen, hosts, tokens, told, machine, programs);
     let server = server.map_err(|error| {
         Failure::Usage(both!(
             "cannot listen at {listen}: {error}; choose another address with --listen",
@@ -97,10 +103,10 @@ pub fn panel(
         object(|json| {
             json.text("bus", &global.bus.to_string());
             json.integer("node", i64::from(link.node().get()));
-            json.flag("programs", programs.is_some());
+            json.flag("programs", has_programs);
         }),
     );
-    let begun = Begun::new(global, feed, desk, views, programs);
+    let begun = Begun::new(global, feed, desk, views);
     finding::carry_out(begun, &server, link)
 }
 
@@ -272,7 +278,7 @@ impl<'a, 'b> Side<'a, 'b> {
         }
         for program in asks.programs {
             let from = self.record.map(|(record, _)| record.position);
-            self.begun.begin_program(&program, from, halts);
+            self.begun.begin_program(program, from, halts);
         }
         self.begun.end_own();
         Ok(())

@@ -4,11 +4,10 @@
 //! ordered it.
 
 use std::ffi::OsString;
-use std::sync::Arc;
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::Position;
-use leadscrew_panel::{Claim, Programs, Refusal};
+use leadscrew_panel::Claim;
 use serde_json::Value;
 
 use super::super::monitor::typed;
@@ -38,18 +37,14 @@ impl Sent {
     /// Begins it.
     ///
     /// # Errors
-    /// There is no folder, no such program, or another text under its name; no process is to be had.
+    /// No process is to be had.
     pub fn begin(
         global: &Global,
-        programs: Option<&Arc<Programs>>,
-        program: &Program,
+        program: Program,
         (by, from): (Option<String>, Option<Position>),
     ) -> Result<Self, Both> {
-        let programs = programs.ok_or_else(|| of_refusal(Refusal::NoStore))?;
         let start = program.start.as_ref();
-        let claim = programs
-            .claim(&program.name, &program.tag)
-            .map_err(of_refusal)?;
+        let claim = program.claim;
         let lang = if program.zh { Lang::Zh } else { Lang::En };
         let mut typed: Vec<OsString> = Vec::new();
         if let Some(start) = start {
@@ -69,9 +64,9 @@ impl Sent {
             )
         })?;
         Ok(Self {
-            name: program.name.clone(),
-            tag: program.tag.clone(),
             start: start.map(|start| start.line),
+            name: program.name,
+            tag: program.tag,
             by,
             from,
             own,
@@ -139,12 +134,4 @@ pub fn end(json: &mut Json, done: &Result<Both, Both>) {
     let (Ok(words) | Err(words)) = done;
     json.text("en", &words.en);
     json.text("zh", &words.zh);
-}
-
-fn of_refusal(refusal: Refusal) -> Both {
-    let [en, zh] = refusal.words();
-    Both {
-        en: en.to_owned(),
-        zh: zh.to_owned(),
-    }
 }

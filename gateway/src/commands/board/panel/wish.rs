@@ -130,6 +130,14 @@ impl Wish {
         matches!(self, Self::Order(Order::Hold | Order::Stop))
     }
 
+    /// A process of its own begins with it, which a hold of a machine at rest does not keep.
+    pub const fn begins(&self) -> bool {
+        matches!(
+            self,
+            Self::Line { .. } | Self::Retract { .. } | Self::Program { .. }
+        )
+    }
+
     /// It is ordered by what the page shows, so that must not be old.
     pub const fn needs_fresh(&self) -> bool {
         !matches!(self, Self::Order(Order::Hold | Order::Stop | Order::Reset))

@@ -29,6 +29,8 @@ struct State {
     wire: Wire,
     /// Connections of before are dead.
     generation: u64,
+    /// Those of before this one carry nothing any more, and neither end is told.
+    silent: u64,
     open: Vec<TcpStream>,
     /// What went to the panel of presses: number and echo.
     frames: Vec<(u64, u64)>,
@@ -49,6 +51,7 @@ impl Proxy {
         let state = State {
             wire: Wire::Whole,
             generation: 0,
+            silent: 0,
             open: Vec::new(),
             frames: Vec::new(),
         };
@@ -76,6 +79,13 @@ impl Proxy {
         }
         state.wire = wire;
         changed.notify_all();
+    }
+
+    /// What is connected now carries nothing any more, and neither end is told; new connections are as ever.
+    fn silence(&self) {
+        let mut state = self.shared.0.lock().unwrap();
+        state.generation += 1;
+        state.silent = state.generation;
     }
 
     /// The frames since this was asked last.
@@ -131,7 +141,8 @@ fn pump((mut from, mut to): (TcpStream, TcpStream), shared: &Shared, generation:
     let mut bytes = [0; 65_536];
     while let Ok(count @ 1..) = from.read(&mut bytes) {
         let held = |state: &mut State| {
-            state.generation == generation && matches!(state.wire, Wire::Slow | Wire::HalfOpen)
+            let waits = matches!(state.wire, Wire::Slow | Wire::HalfOpen);
+            generation < state.silent || state.generation == generation && waits
         };
         let mut state = changed.wait_while(state.lock().unwrap(), held).unwrap();
         if state.generation != generation {
@@ -184,16 +195,34 @@ fn press(user: &User, tab: &mut Tab<'_>, button: &str, far: f64) {
     }
 }
 
+/// A browser whose way to the panel is the proxy.
+fn behind(proxy: &Proxy, user: &User) -> Browser {
+    let option = format!(
+        "--proxy-server=socks5://{} --proxy-bypass-list='<-loopback>'",
+        proxy.address
+    );
+    Browser::with(user, &option)
+}
+
+#[test]
+fn a_stream_that_is_silent_is_made_anew() {
+    let user = User::with_machine();
+    let page = Page::start(&user);
+    let proxy = Proxy::start();
+    let mut browser = behind(&proxy, &user);
+    let mut tab = browser.tab(&page.link());
+    let old = "document.body.classList.contains('old')";
+    proxy.silence();
+    tab.wait(old);
+    tab.wait(&format!("!{old}"));
+}
+
 #[test]
 fn a_network_that_fails_in_a_press_leaves_the_axis_at_rest() {
     let user = User::with_machine();
     let page = Page::start(&user);
     let proxy = Proxy::start();
-    let option = format!(
-        "--proxy-server=socks5://{} --proxy-bypass-list='<-loopback>'",
-        proxy.address
-    );
-    let mut browser = Browser::with(&user, &option);
+    let mut browser = behind(&proxy, &user);
     // What the browser itself says of a network that is not there, or on which a request is held for too long.
     browser.expected.push("net::ERR_");
     browser.expected.push("408 (Request Timeout)");

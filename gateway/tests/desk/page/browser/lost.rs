@@ -2,10 +2,13 @@
 
 use serde_json::json;
 
-use super::super::Page;
 use super::super::programs::{PART, with_programs};
+use super::super::{Page, Told, next};
 use super::{Browser, found};
 use crate::{User, good};
+
+/// So many pages of a panel may be open.
+const STREAMS: usize = 16;
 
 #[test]
 fn a_page_says_that_the_board_is_not_heard_and_orders_nothing_when_it_is_heard_again() {
@@ -53,6 +56,53 @@ fn a_page_says_that_the_board_is_not_heard_and_orders_nothing_when_it_is_heard_a
     tab.operate();
     tab.mode("automatic");
     assert_eq!(user.json(&["status"])["mode"], "automatic");
+}
+
+/// A page that was refused says why, and asks again by itself.
+#[test]
+fn a_page_for_which_there_was_no_room_is_told_so_and_lives_once_there_is() {
+    let user = User::with_machine();
+    let page = Page::start(&user);
+    let mut browser = Browser::start(&user);
+    browser.expected.push("status of 503");
+    let mut tab = browser.tab(&page.link());
+    tab.asks("Page.navigate", json!({"url": "about:blank"}));
+    // All places of those who watch, that of the page too once the panel has seen it go.
+    let mut watching = Vec::new();
+    while watching.len() < STREAMS {
+        let mut one = page.watch();
+        if next(&mut one, "hello").is_some() {
+            watching.push(Told::from(one));
+        }
+    }
+    tab.asks("Page.navigate", json!({"url": page.link()}));
+    let banner = "document.getElementById('banner')";
+    tab.wait(&format!(
+        "!{banner}?.hidden && {banner}.textContent.includes('too many')"
+    ));
+    drop(watching);
+    tab.wait(&format!(
+        "{banner}.hidden && document.getElementById('mx').textContent > ''"
+    ));
+}
+
+/// The clock of a page stands still while a tablet sleeps.
+#[test]
+fn what_was_heard_before_a_page_was_hidden_has_no_age() {
+    let user = User::with_machine();
+    let page = Page::start(&user);
+    let mut browser = Browser::start(&user);
+    let mut tab = browser.tab(&page.link());
+    tab.wait("!document.body.classList.contains('old')");
+    let front = json!({"url": "about:blank"});
+    tab.browser.asks(None, "Target.createTarget", front);
+    tab.wait(
+        "document.hidden && document.body.classList.contains('old') \
+         && document.getElementById('age').textContent === ''",
+    );
+    let target = json!({"targetId": tab.target});
+    tab.browser.asks(None, "Target.activateTarget", target);
+    tab.wait("!document.body.classList.contains('old')");
 }
 
 /// What the panel cannot look at yet is looked at as soon as it can, without being opened again.

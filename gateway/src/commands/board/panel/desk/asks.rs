@@ -1,5 +1,7 @@
 //! What the desk asks of the panel's own thread, which alone waits for the bus and begins processes. Values alone.
 
+use leadscrew_panel::Claim;
+
 use crate::start::Shown;
 
 /// A line to be carried out, or the way out of a hole.
@@ -37,6 +39,8 @@ pub struct Program {
     pub name: String,
     /// The tag of its text.
     pub tag: String,
+    /// It stays as it is.
+    pub claim: Claim,
     /// The line that it is started at, not its first one.
     pub start: Option<StartAt>,
     /// It follows a handwheel.

@@ -1,10 +1,13 @@
 //! Orders between pages and the bus, without either: time and what was heard are given.
 
+use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::JoinHandle;
 
 use clap::Parser as _;
 use leadscrew_core::bus::{BoardBeat, BoardCommand};
+use leadscrew_panel::When;
 use serde_json::{Value, json};
 
 use super::*;
@@ -12,8 +15,60 @@ use super::*;
 const NODE: NodeId = NodeId::BOARD;
 
 fn desk() -> Desk {
+    with(None)
+}
+
+fn with(programs: Option<Arc<Programs>>) -> Desk {
     let typed = crate::cli::Cli::try_parse_from(["leadscrew", "panel"]).unwrap();
-    Desk::new(NODE, 9, Arc::new(Views::new(&typed.global)))
+    Desk::new(NODE, 9, Arc::new(Views::new(&typed.global)), programs)
+}
+
+/// A folder with one program.
+struct Folder {
+    path: PathBuf,
+    programs: Arc<Programs>,
+    /// What names it in an order.
+    args: Value,
+}
+
+impl Folder {
+    fn new() -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("ls-orders-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        let programs = Programs::open(&path).unwrap();
+        let tag = programs.write("a.nc", When::New, b"M30\n").unwrap();
+        Self {
+            path,
+            programs: Arc::new(programs),
+            args: json!({"name": "a.nc", "tag": tag}),
+        }
+    }
+
+    fn desk(&self) -> Arc<Desk> {
+        Arc::new(with(Some(Arc::clone(&self.programs))))
+    }
+
+    /// Whether its program is kept as it is.
+    fn is_claimed(&self) -> bool {
+        let tag = self.args["tag"].as_str().unwrap();
+        let claim = self.programs.claim("a.nc", tag);
+        claim.is_err_and(|refusal| refusal == Refusal::Runs)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.path);
+    }
+}
+
+/// In mode automatic.
+fn automatic(count: u8, beat: u16) -> Seen {
+    let mut seen = heard(count, beat);
+    seen.beat.as_mut().unwrap().mode = OperatingMode::Automatic;
+    seen
 }
 
 /// What was heard: the count of the last order, and a beat.
@@ -52,7 +107,11 @@ fn orders_with(desk: &Arc<Desk>, op: &str, args: Value, echo: Option<u16>) -> Jo
         let answer = own.order(&order).unwrap();
         serde_json::from_str(&answer).unwrap()
     });
-    while desk.shared().tickets == before {
+    let waits = || {
+        let shared = desk.shared();
+        shared.waiting.iter().any(|asked| asked.ticket > before)
+    };
+    while !waits() && !page.is_finished() {
         std::thread::yield_now();
     }
     page
@@ -190,12 +249,11 @@ fn a_press_is_as_many_frames_as_came_and_a_release_always_goes() {
 
 #[test]
 fn a_hold_of_a_machine_at_rest_takes_back_the_program_that_is_to_be_sent() {
-    let (desk, now) = (Arc::new(desk()), Instant::now());
-    let mut seen = heard(4, 1_000);
-    seen.beat.as_mut().unwrap().mode = OperatingMode::Automatic;
+    let folder = Folder::new();
+    let (desk, now) = (folder.desk(), Instant::now());
+    let mut seen = automatic(4, 1_000);
     desk.turn(&seen, now);
-    let args = json!({"name": "a.nc", "tag": "1-x"});
-    let start = || orders_with(&desk, "program", args.clone(), Some(1_000));
+    let start = || orders_with(&desk, "program", folder.args.clone(), Some(1_000));
     let page = start();
     desk.turn(&seen, now);
     // A second one has to wait for the first.
@@ -212,8 +270,7 @@ fn a_hold_of_a_machine_at_rest_takes_back_the_program_that_is_to_be_sent() {
     );
     let asks = desk.asks();
     assert!(asks.programs.is_empty() && asks.halts == 1);
-    seen = heard(5, 1_000);
-    seen.beat.as_mut().unwrap().mode = OperatingMode::Automatic;
+    seen = automatic(5, 1_000);
     desk.turn(&seen, now);
     assert_eq!(hold.join().unwrap(), json!({"ok": true}));
     // Behind it another one may be begun.
@@ -223,6 +280,33 @@ fn a_hold_of_a_machine_at_rest_takes_back_the_program_that_is_to_be_sent() {
     assert_eq!((asks.programs.len(), asks.halts), (1, 1));
     desk.answer(asks.programs[0].ticket, Ok(()));
     assert_eq!(page.join().unwrap(), json!({"ok": true}));
+}
+
+#[test]
+fn a_program_is_kept_as_it_is_before_the_bus_has_its_turn_and_begins_behind_no_hold() {
+    let folder = Folder::new();
+    let (desk, now) = (folder.desk(), Instant::now());
+    let seen = automatic(4, 1_000);
+    desk.turn(&seen, now);
+    // What the disk says needs no turn.
+    let other = json!({"name": "a.nc", "tag": "1-x"});
+    let page = orders_with(&desk, "program", other, Some(1_000));
+    let refused = page.join().unwrap();
+    assert_eq!(refused["en"], Refusal::Changed.words()[0]);
+    assert!(!folder.is_claimed());
+    let page = orders_with(&desk, "program", folder.args.clone(), Some(1_000));
+    assert!(folder.is_claimed());
+    // A hold that comes before it has had its turn passes it.
+    let hold = orders(&desk, "hold", None);
+    assert_eq!(sent(&desk.turn(&seen, now)), [(5, Order::Hold, None)]);
+    let taken = page.join().unwrap();
+    assert!(
+        taken["en"].as_str().unwrap().contains("taken the place"),
+        "{taken}"
+    );
+    assert!(desk.asks().programs.is_empty() && !folder.is_claimed());
+    desk.turn(&automatic(5, 1_000), now);
+    assert_eq!(hold.join().unwrap(), json!({"ok": true}));
 }
 
 #[test]
@@ -251,11 +335,15 @@ fn a_change_of_a_table_is_ordered_by_what_is_fresh() {
 }
 
 /// Orders of each kind on their way: one that was sent, one that waits, a program that is to be begun.
-fn under_way(desk: &Arc<Desk>, seen: &Seen, now: Instant) -> Vec<JoinHandle<Value>> {
+fn under_way(
+    desk: &Arc<Desk>,
+    folder: &Folder,
+    seen: &Seen,
+    now: Instant,
+) -> Vec<JoinHandle<Value>> {
     let page = orders(desk, "start", Some(1_000));
     assert_eq!(desk.turn(seen, now).len(), 1);
-    let args = json!({"name": "a.nc", "tag": "1-x"});
-    let program = orders_with(desk, "program", args, Some(1_000));
+    let program = orders_with(desk, "program", folder.args.clone(), Some(1_000));
     desk.turn(seen, now);
     let levels = orders_with(desk, "feed", json!({"percent": 80}), Some(1_000));
     let reset = orders(desk, "reset", None);
@@ -265,16 +353,16 @@ fn under_way(desk: &Arc<Desk>, seen: &Seen, now: Instant) -> Vec<JoinHandle<Valu
 
 #[test]
 fn nothing_that_was_on_its_way_is_sent_when_the_board_is_heard_again() {
-    let (desk, now) = (Arc::new(desk()), Instant::now());
+    let folder = Folder::new();
+    let (desk, now) = (folder.desk(), Instant::now());
     let automatic = |count, beat, boots| {
-        let mut seen = heard(count, beat);
-        seen.beat.as_mut().unwrap().mode = OperatingMode::Automatic;
+        let mut seen = automatic(count, beat);
         seen.boots = boots;
         seen
     };
     let seen = automatic(4, 1_000, 0);
     desk.turn(&seen, now);
-    let pages = under_way(&desk, &seen, now);
+    let pages = under_way(&desk, &folder, &seen, now);
     desk.lose(both!("unheard", "无"));
     for page in pages {
         assert_eq!(page.join().unwrap()["en"], "unheard");
@@ -299,7 +387,7 @@ fn nothing_that_was_on_its_way_is_sent_when_the_board_is_heard_again() {
     // It may be ordered again, and a start of the board in between takes it back as well.
     let seen = automatic(4, 1_010, 0);
     desk.turn(&seen, now);
-    let pages = under_way(&desk, &seen, now);
+    let pages = under_way(&desk, &folder, &seen, now);
     let seen = automatic(4, 1_010, 1);
     assert!(desk.turn(&seen, now).is_empty());
     for page in pages {
