@@ -15,7 +15,7 @@ use std::thread;
 use std::time::Duration;
 
 use leadscrew_agent::archive::{Archive, Folder, Origin};
-use leadscrew_agent::model::{Entry, Met};
+use leadscrew_agent::model::{Entry, Met, Ran};
 use leadscrew_agent::record::{Cut, Figure, Measured, State, What};
 use leadscrew_agent::sender::{Broker, Shared, now, send};
 use leadscrew_agent::sparkplug::Names;
@@ -99,12 +99,17 @@ impl Machine {
         let log = Observation::Log(log.collect());
         shared.take(&self.keeper.take(at, &log)?);
         let threads = (1..=cut).rev().take(KEPT as usize);
-        let threads = Observation::Certificates(RUN, threads.map(certificate).collect());
+        let threads = Observation::Certificates(RAN, threads.map(certificate).collect());
         shared.take(&self.keeper.take(at, &threads)?);
         self.read = Some(cut);
         Ok(())
     }
 }
+
+const RAN: Ran = Ran {
+    certificate: RUN,
+    under_way: true,
+};
 
 const RUN: Certificate = Certificate {
     version: VERSION,

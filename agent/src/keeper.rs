@@ -33,7 +33,7 @@ impl Keeper {
     pub fn without_store(machine: &str) -> Self {
         Self {
             machine: machine.to_owned(),
-            model: Model::default(),
+            model: Model::from_now(),
             store: None,
         }
     }

@@ -29,8 +29,8 @@ pub enum Observation {
     Parameters(u32),
     /// Entries of the log, in order.
     Log(Vec<Entry>),
-    /// Certificates of the run and of its threads, each with its cut, the newest first.
-    Certificates(Certificate, Vec<(ThreadCertificate, Cut)>),
+    /// Certificates of a run and of threads, each with its cut, the newest first.
+    Certificates(Ran, Vec<(ThreadCertificate, Cut)>),
     /// The board does not answer, or the bus is not there.
     Gone(String),
 }
@@ -56,6 +56,15 @@ pub struct Met {
     pub newest_thread: u32,
     /// Its tick at the entry that was read last ([`Memory::last_event`]), where the log still has it.
     pub last_event: Option<u64>,
+}
+
+/// The run whose figures a board has: the one under way, else the last one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ran {
+    /// Its figures up to now.
+    pub certificate: Certificate,
+    /// It has not ended.
+    pub under_way: bool,
 }
 
 /// An entry of the log; `None` for what is not told.
@@ -97,6 +106,12 @@ pub struct Memory {
     run: Option<(u32, u64)>,
     /// A program has ended, and its result is to be told; true: it finished.
     ended: Option<bool>,
+    /// The number of the entry that says so.
+    #[serde(default)]
+    ended_by: u32,
+    /// Another had ended before it, and the certificates were not read in between.
+    #[serde(default)]
+    several: bool,
     /// The tick of the end of a program that finished, and the ticks from there to the next alarm.
     #[serde(default)]
     finished: Option<(u64, Option<u64>)>,
@@ -164,6 +179,17 @@ impl Memory {
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     memory: Memory,
+    /// What the board had logged and certified before it was met first is not told.
+    past: Past,
+}
+
+/// What is still to be read of the time before a board was met first.
+#[derive(Clone, Copy, Debug, Default)]
+struct Past {
+    /// Nothing was met yet.
+    unmet: bool,
+    log: bool,
+    certificates: bool,
 }
 
 impl Model {
@@ -177,6 +203,19 @@ impl Model {
                 state: None,
                 ..memory
             },
+            past: Past::default(),
+        }
+    }
+
+    /// A model that tells what happens from now on: nothing was remembered, and nobody counts what others have read.
+    #[must_use]
+    pub fn from_now() -> Self {
+        Self {
+            past: Past {
+                unmet: true,
+                ..Past::default()
+            },
+            ..Self::default()
         }
     }
 
@@ -204,8 +243,18 @@ impl Model {
                     self.identity(at, identity, &mut told);
                 }
             }
-            Observation::Log(entries) => self.log(entries, &mut told),
-            Observation::Certificates(run, threads) => self.certificates(run, threads, &mut told),
+            Observation::Log(entries) => {
+                self.log(entries, &mut told);
+                if std::mem::take(&mut self.past.log) {
+                    told.clear();
+                }
+            }
+            Observation::Certificates(run, threads) => {
+                self.certificates(run, threads, &mut told);
+                if std::mem::take(&mut self.past.certificates) {
+                    told.clear();
+                }
+            }
             Observation::Gone(why) => self.presence(false, why, &mut told),
         }
         told
@@ -239,6 +288,10 @@ impl Model {
     }
 
     fn meet(&mut self, at: Moment, met: &Met, told: &mut Vec<Body>) {
+        if std::mem::take(&mut self.past.unmet) {
+            self.past.log = met.newest_event > 0;
+            self.past.certificates = true;
+        }
         if !self.is_same_start(at, met) {
             let known = &self.memory;
             let (count, most) = known.count(at, met);
@@ -327,7 +380,12 @@ impl Model {
             let Some(what) = &entry.what else { continue };
             match what {
                 What::Finished => {
-                    self.memory.ended = Some(true);
+                    let before = self.memory.ended.replace(true);
+                    self.memory.several |= before.is_some();
+                    if before == Some(true) {
+                        told.push(self.lost_run());
+                    }
+                    self.memory.ended_by = entry.number;
                     self.memory.finished = Some((entry.tick, None));
                 }
                 What::Alarm(_) => match &mut self.memory.finished {
@@ -353,11 +411,18 @@ impl Model {
 
     fn certificates(
         &mut self,
-        run: &Certificate,
+        ran: &Ran,
         threads: &[(ThreadCertificate, Cut)],
         told: &mut Vec<Body>,
     ) {
-        let start = self.memory.start;
+        let (start, run) = (self.memory.start, &ran.certificate);
+        let ended = self.memory.ended.take();
+        let several = std::mem::take(&mut self.memory.several);
+        // What was cut may be of a run whose figures are gone.
+        let program = match several || (ended.is_some() && ran.under_way) {
+            true => 0,
+            false => run.program,
+        };
         for (thread, cut) in threads.iter().rev() {
             let last = self.memory.thread;
             // One that is under way is read again.
@@ -370,13 +435,18 @@ impl Model {
             self.memory.thread = thread.number;
             told.push(Body::Thread(Thread::of(
                 start,
-                run.program,
+                program,
                 thread,
                 cut.clone(),
             )));
         }
         let alarm = self.memory.finished.take().and_then(|(_, alarm)| alarm);
-        if let Some(finished) = self.memory.ended.take() {
+        if ran.under_way {
+            // The board has begun another, and has the figures of the one that ended no more.
+            if ended == Some(true) {
+                told.push(self.lost_run());
+            }
+        } else if let Some(finished) = ended {
             // A run that is longer than the time from an end to an alarm is the one that finished.
             let finished = finished && alarm.is_none_or(|ticks| run.ticks > ticks);
             let this = Some((run.program, run.ticks));
@@ -385,6 +455,17 @@ impl Model {
                 told.push(Body::Run(Run::of(start, finished, run)));
             }
         }
+    }
+
+    /// The result of the run that ended is gone.
+    const fn lost_run(&self) -> Body {
+        let number = self.memory.ended_by;
+        Body::Gap(Gap {
+            start: self.memory.start,
+            of: Missing::Runs,
+            first: number,
+            last: number,
+        })
     }
 }
 

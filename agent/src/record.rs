@@ -309,7 +309,8 @@ pub struct Thread {
     pub start: Start,
     /// Its number since that start.
     pub number: u32,
-    /// The program that was in force when it was read; the certificate itself names none.
+    /// The program that was in force when it was read; the certificate itself names none. 0: another has run since it was
+    /// cut, or may have, and nobody knows.
     pub program: u32,
     /// Its line.
     pub line: u32,
@@ -412,6 +413,8 @@ pub enum Missing {
     Threads,
     /// Entries of the log.
     Events,
+    /// Results of runs: their numbers are those of the entries of the log that say that they finished.
+    Runs,
 }
 
 impl Missing {
@@ -421,6 +424,7 @@ impl Missing {
         match self {
             Self::Threads => "threads",
             Self::Events => "events",
+            Self::Runs => "runs",
         }
     }
 }

@@ -276,13 +276,13 @@ impl<'a> Sending<'a> {
                         self.client.subscribe(&self.names.orders(), now);
                         match &self.host {
                             Some(host) => self.client.subscribe(host.topic(), now),
-                            None => self.births(machines, at, now),
+                            None => self.births(machines, at, now).map_err(Trouble::Store)?,
                         }
                     }
                     Said::Has(number) => has = has.max(Some(number)),
                     Said::Message { topic, payload, .. } => {
                         if self.born && self.session.asks_for_births(&topic, &payload) {
-                            self.births(machines, at, now);
+                            self.births(machines, at, now).map_err(Trouble::Store)?;
                         }
                         if let Some(host) = &mut self.host {
                             host.take(&topic, &payload);
@@ -301,7 +301,9 @@ impl<'a> Sending<'a> {
             }
         }
         match self.host.as_ref().map(Host::is_online) {
-            Some(true) if !self.born => self.births(machines, at, now),
+            Some(true) if !self.born => {
+                self.births(machines, at, now).map_err(Trouble::Store)?;
+            }
             Some(false) if self.born => return Err(Trouble::Host),
             _ => {}
         }
@@ -317,11 +319,13 @@ impl<'a> Sending<'a> {
         self.huge.take()
     }
 
-    fn births(&mut self, machines: &Machines, at: Moment, now: Duration) {
+    fn births(&mut self, machines: &Machines, at: Moment, now: Duration) -> Result<(), StoreError> {
+        let newest = self.store.figures()?.newest;
         self.born = true;
-        for message in self.session.births(at, machines) {
+        for message in self.session.births(at, newest, machines) {
             self.client.publish(message, None, now);
         }
+        Ok(())
     }
 
     fn hand(&mut self, machines: &Machines, at: Moment, now: Duration) -> Result<(), StoreError> {

@@ -40,6 +40,10 @@ impl CanError {
                 "`{name}` 已有较长时间未能发出任何报文：无人应答（没有其它节点、断线或波特率不同）、总线已满，或发送队列太短（`ip link \
                  set {name} txqueuelen 1000`）"
             ),
+            Self::AdapterStuck { name } => format!(
+                "`{name}` 处的适配器已有较长时间未能发出任何报文：总线上无人应答（没有其它节点、断线或波特率不同），或适配器死机；\
+                 请拔下后重新插上"
+            ),
             Self::NoMachine { name, running } => {
                 let now = match &running[..] {
                     [] => String::new(),
@@ -132,6 +136,7 @@ mod tests {
             CanError::Gone { name: name() },
             CanError::NoPermission { name: name() },
             CanError::Stuck { name: name() },
+            CanError::AdapterStuck { name: name() },
             CanError::NoDevice { name: name() },
             CanError::NoMachine {
                 name: name(),

@@ -49,9 +49,14 @@ pub enum CanError {
         /// The interface, device or socket.
         name: String,
     },
-    /// No frame was sent for too long: one second at a kernel interface, five seconds at an adapter [D178].
+    /// A kernel interface has sent no frame for a second.
     Stuck {
-        /// The interface or adapter.
+        /// The interface.
+        name: String,
+    },
+    /// An adapter has acknowledged no frame for five seconds, or takes no bytes [D178].
+    AdapterStuck {
+        /// Its path or address.
         name: String,
     },
     /// No simulated machine of this name runs.
@@ -173,6 +178,11 @@ impl fmt::Display for CanError {
                 f,
                 "`{name}` has sent nothing for too long: nobody acknowledges (no other node, open wires, another bit rate), \
                  the bus is full, or its queue is too short (`ip link set {name} txqueuelen 1000`)"
+            ),
+            Self::AdapterStuck { name } => write!(
+                f,
+                "the adapter at `{name}` has sent nothing for too long: nobody acknowledges on the bus (no other node, open wires, \
+                 another bit rate), or the adapter hangs; unplug it and plug it in again"
             ),
             Self::NoMachine { name, running } => {
                 write!(f, "no simulated machine `{name}` is running")?;

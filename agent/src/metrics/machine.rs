@@ -24,9 +24,7 @@ impl Of<'_> {
             Body::Presence(presence) => {
                 self.set(&all.up, presence.alive.into());
                 if !presence.alive {
-                    for name in BoardState::ALL.map(BoardState::name) {
-                        all.state.remove(&self.with("state", name));
-                    }
+                    self.forget();
                 }
             }
             Body::Identity(identity) => self.identity(identity),
@@ -124,6 +122,22 @@ impl Of<'_> {
             let gauge = all.speed.get_or_create(&self.with("of", of));
             gauge.set(rpm.into());
         }
+    }
+
+    /// What a machine does is not known while its board is not heard.
+    fn forget(&self) {
+        let all = self.all;
+        for name in BoardState::ALL.map(BoardState::name) {
+            all.state.remove(&self.with("state", name));
+        }
+        for of in ["feed", "rapid", "spindle"] {
+            all.overrides.remove(&self.with("of", of));
+        }
+        for of in ["measured", "commanded"] {
+            all.speed.remove(&self.with("of", of));
+        }
+        all.alarm.remove(&self.labels());
+        all.load.remove(&self.labels());
     }
 
     fn thread(&self, thread: &Thread) {

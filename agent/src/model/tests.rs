@@ -53,6 +53,14 @@ fn run(program: u32, ticks: u64) -> Certificate {
     }
 }
 
+/// A run that has ended.
+fn ran(program: u32, ticks: u64) -> Ran {
+    Ran {
+        certificate: run(program, ticks),
+        under_way: false,
+    }
+}
+
 fn entry(number: u32, what: Option<What>) -> Entry {
     Entry {
         number,
@@ -204,7 +212,7 @@ fn threads_are_told_once_they_have_ended_and_gaps_are_counted() {
         Body::Thread(Thread::of(start, 3, &certificate, cut))
     };
     let mut told = |threads: &[(ThreadCertificate, Cut)]| {
-        let seen = Observation::Certificates(run(3, 8), threads.to_vec());
+        let seen = Observation::Certificates(ran(3, 8), threads.to_vec());
         bodies(&mut model, HOUR, &seen)
     };
     assert_eq!(told(&[thread(1, UnderWay)]), []);
@@ -236,7 +244,7 @@ fn a_program_that_has_finished_stays_so_where_an_alarm_comes_after_it() {
     let ended = |ticks: u64, entries: Vec<Entry>| {
         let mut model = known();
         bodies(&mut model, HOUR, &Observation::Log(entries));
-        let seen = Observation::Certificates(run(3, ticks), Vec::new());
+        let seen = Observation::Certificates(ran(3, ticks), Vec::new());
         let told = bodies(&mut model, HOUR, &seen);
         let [Body::Run(told)] = &told[..] else {
             panic!("{told:?}");
@@ -264,7 +272,7 @@ fn a_program_that_has_finished_stays_so_where_an_alarm_comes_after_it() {
 #[test]
 fn a_new_start_counts_its_threads_anew() {
     let mut model = known();
-    let all = Observation::Certificates(run(0, 0), vec![thread(1, ThreadState::Finished)]);
+    let all = Observation::Certificates(ran(0, 0), vec![thread(1, ThreadState::Finished)]);
     assert_eq!(bodies(&mut model, HOUR, &all).len(), 1);
     let before = model.memory().start;
     let again = bodies(&mut model, HOUR, &Observation::Met(met(10, 1, None)));
@@ -282,7 +290,7 @@ fn a_new_start_counts_its_threads_anew() {
 #[test]
 fn a_run_is_told_behind_its_end_and_once() {
     let mut model = known();
-    let read = Observation::Certificates(run(3, 800), Vec::new());
+    let read = Observation::Certificates(ran(3, 800), Vec::new());
     assert_eq!(bodies(&mut model, HOUR, &read), []);
     let alarm = What::Alarm(Trouble {
         number: 4036,
@@ -305,9 +313,90 @@ fn a_run_is_told_behind_its_end_and_once() {
     assert_eq!(bodies(&mut model, HOUR, &read), []);
     let end = Observation::Log(vec![entry(23, Some(What::Finished))]);
     bodies(&mut model, HOUR, &end);
-    let read = Observation::Certificates(run(4, 90), Vec::new());
+    let read = Observation::Certificates(ran(4, 90), Vec::new());
     let result = Body::Run(Run::of(start, true, &run(4, 90)));
     assert_eq!(bodies(&mut model, HOUR, &read), [result]);
+}
+
+/// While nobody read, a program ended and the next one began: the board has the figures of that one.
+#[test]
+fn a_run_is_not_told_by_the_figures_of_the_next_one() {
+    let mut model = known();
+    let start = model.memory().start;
+    let last = model.memory().last_event;
+    let end = |number| Observation::Log(vec![entry(number, Some(What::Finished))]);
+    let lost = |number| {
+        Body::Gap(Gap {
+            start,
+            of: Missing::Runs,
+            first: number,
+            last: number,
+        })
+    };
+    let of = |number, program| {
+        let (certificate, cut) = thread(number, ThreadState::Finished);
+        Body::Thread(Thread::of(start, program, &certificate, cut))
+    };
+    bodies(&mut model, HOUR, &end(last + 1));
+    let under_way = Ran {
+        under_way: true,
+        ..ran(4, 50)
+    };
+    let hole = thread(1, ThreadState::Finished);
+    let seen = Observation::Certificates(under_way, vec![hole]);
+    assert_eq!(bodies(&mut model, HOUR, &seen), [of(1, 0), lost(last + 1)]);
+    // What is cut from then on is its own, and so is its end.
+    let hole = thread(2, ThreadState::Finished);
+    let seen = Observation::Certificates(under_way, vec![hole]);
+    assert_eq!(bodies(&mut model, HOUR, &seen), [of(2, 4)]);
+    bodies(&mut model, HOUR, &end(last + 2));
+    let seen = Observation::Certificates(ran(4, 90), Vec::new());
+    assert_eq!(
+        bodies(&mut model, HOUR, &seen),
+        [Body::Run(Run::of(start, true, &run(4, 90)))]
+    );
+    // Of two that have ended the last one has its figures.
+    let both = vec![
+        entry(last + 3, Some(What::Finished)),
+        entry(last + 4, Some(What::Finished)),
+    ];
+    let told = bodies(&mut model, HOUR, &Observation::Log(both));
+    assert!(told.contains(&lost(last + 3)), "{told:?}");
+    let hole = thread(3, ThreadState::Finished);
+    let seen = Observation::Certificates(ran(6, 70), vec![hole]);
+    assert_eq!(
+        bodies(&mut model, HOUR, &seen),
+        [of(3, 0), Body::Run(Run::of(start, true, &run(6, 70)))]
+    );
+}
+
+/// Nothing is kept of it: others may have read what was before.
+#[test]
+fn a_model_from_now_tells_nothing_of_the_time_before() {
+    let mut model = Model::from_now();
+    let end = |number| Observation::Log(vec![entry(number, Some(What::Finished))]);
+    bodies(&mut model, HOUR, &Observation::Met(met(1_000, 20, None)));
+    assert_eq!(bodies(&mut model, HOUR, &end(20)), []);
+    let threads = vec![
+        thread(8, ThreadState::UnderWay),
+        thread(7, ThreadState::Finished),
+    ];
+    let seen = Observation::Certificates(ran(3, 500), threads);
+    assert_eq!(bodies(&mut model, HOUR, &seen), []);
+    // What was under way is told, and all that comes.
+    let seen = Observation::Certificates(ran(3, 500), vec![thread(8, ThreadState::Finished)]);
+    assert!(
+        matches!(&bodies(&mut model, HOUR, &seen)[..], [Body::Thread(told)] if told.number == 8)
+    );
+    assert!(
+        matches!(&bodies(&mut model, HOUR, &end(21))[..], [Body::Event(told)] if told.number == 21)
+    );
+    let seen = Observation::Certificates(ran(4, 600), Vec::new());
+    assert!(matches!(&bodies(&mut model, HOUR, &seen)[..], [Body::Run(told)] if told.program == 4));
+    // A board that has not logged anything yet has no past of that kind.
+    let mut model = Model::from_now();
+    bodies(&mut model, HOUR, &Observation::Met(met(10, 0, None)));
+    assert_eq!(bodies(&mut model, HOUR, &end(1)).len(), 1);
 }
 
 #[test]

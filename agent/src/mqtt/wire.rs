@@ -122,6 +122,8 @@ pub enum WireError {
     Socket(io::Error),
     /// The connection has ended before a word came over it.
     Ended,
+    /// The other side has ended it after some words.
+    Dropped,
     /// It has ended before TLS was agreed upon, or what answers speaks no TLS.
     NoTls,
 }
@@ -139,6 +141,7 @@ impl fmt::Display for WireError {
             Self::NoKey => f.write_str("it holds no private key"),
             Self::Tls(error) | Self::Authority(error) => error.fmt(f),
             Self::Ended => f.write_str("the connection was ended without a word"),
+            Self::Dropped => f.write_str("the other side has ended the connection"),
             Self::NoTls => f.write_str("what is there does not answer in TLS"),
         }
     }
@@ -380,6 +383,7 @@ impl Wire {
             Ok(error) => WireError::Tls(error),
             Err(_) if is_end && self.stream.is_greeting() => WireError::NoTls,
             Err(_) if is_end && !self.heard => WireError::Ended,
+            Err(_) if is_end => WireError::Dropped,
             Err(error) => WireError::Socket(error),
         }
     }

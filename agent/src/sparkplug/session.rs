@@ -115,7 +115,8 @@ pub struct Session {
     number: u64,
     store_made: Moment,
     seq: u64,
-    born: Moment,
+    /// When the births were told, and the newest record that was kept then.
+    born: (Moment, u64),
     /// The machines that have been born and have not died.
     living: BTreeSet<String>,
 }
@@ -129,7 +130,7 @@ impl Session {
             number: connection % NUMBERS,
             store_made,
             seq: 0,
-            born: Moment(0),
+            born: (Moment(0), 0),
             living: BTreeSet::new(),
         }
     }
@@ -148,9 +149,10 @@ impl Session {
         named(BIRTH_NUMBER, Kind::Int64, Value::Long(self.number), None)
     }
 
-    /// Births of the edge node, and of each machine that answers, at the beginning and where they are asked for.
-    pub fn births(&mut self, at: Moment, machines: &Machines) -> Vec<Message> {
-        (self.seq, self.born) = (0, at);
+    /// Births of the edge node, and of each machine that answers, at the beginning and where they are asked for. `newest`:
+    /// the number of the last record that was kept.
+    pub fn births(&mut self, at: Moment, newest: u64, machines: &Machines) -> Vec<Message> {
+        (self.seq, self.born) = (0, (at, newest));
         self.living.clear();
         let made = Value::Long(self.store_made.0);
         let version = Value::String(env!("CARGO_PKG_VERSION").to_owned());
@@ -184,7 +186,9 @@ impl Session {
             };
             messages.push(birth);
         }
-        let historical = record.record.at < self.born;
+        // A clock that is set back makes nothing old that was kept after the births.
+        let (born, newest) = self.born;
+        let historical = record.record.at < born && record.number <= newest;
         let payload = self.numbered(at, of_record(record, historical));
         messages.push(message(self.names.device_topic("DDATA", machine), &payload));
         messages

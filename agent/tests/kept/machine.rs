@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use leadscrew_agent::model::{Entry, Met};
+use leadscrew_agent::model::{Entry, Met, Ran};
 use leadscrew_agent::record::{Cut, What};
 use leadscrew_agent::{Body, Keeper, Moment, Numbered, Observation, Store, StoreError};
 use leadscrew_core::link::{
@@ -59,15 +59,18 @@ impl Board {
             },
         };
         let threads = numbers.map(|number| (certificate(number), Cut::Hole));
-        let run = Certificate {
-            version: VERSION,
-            program: 1,
-            ticks: 0,
-            setpoint_hash: None,
-            measured: 0,
-            largest: Length::ZERO,
-            squares: 0,
-            late: 0,
+        let run = Ran {
+            certificate: Certificate {
+                version: VERSION,
+                program: 1,
+                ticks: 0,
+                setpoint_hash: None,
+                measured: 0,
+                largest: Length::ZERO,
+                squares: 0,
+                late: 0,
+            },
+            under_way: false,
         };
         [
             Observation::Met(met),

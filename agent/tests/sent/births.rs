@@ -120,6 +120,29 @@ fn births_come_first_and_what_is_older_is_history() {
 }
 
 #[test]
+fn a_clock_that_is_set_back_makes_nothing_old() {
+    let folder = Folder::new("clock");
+    let store = folder.store();
+    let mut values = Machines::default();
+    let early = Moment(BIRTH.0 / 2);
+    keep(&store, &mut values, early.0, [presence(true), state(1)]);
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+    // The clock is set back here.
+    keep(&store, &mut values, early.0 + 1, [state(2)]);
+    sending.take(&[], &values, early, NOW).unwrap();
+    let (words, _) = sent(&mut sending);
+    assert_eq!(
+        words[3..],
+        [
+            "DDATA/agent/lathe 3 line 1 old",
+            "DDATA/agent/lathe 4 line 2"
+        ],
+        "{words:?}"
+    );
+}
+
+#[test]
 fn what_is_not_acknowledged_is_sent_again_and_the_rest_is_gone() {
     let folder = Folder::new("again");
     let store = folder.store();

@@ -30,6 +30,10 @@ const WINDOW: usize = 32;
 /// a computer may stall for seconds [D178].
 const ANSWER: Duration = Duration::from_secs(5);
 
+/// An acknowledgement that has not come by then, where none has come since and other lines have, is lost: an adapter sends
+/// a frame and its acknowledgement within milliseconds, and a serial line drops bytes.
+const LOST: Duration = Duration::from_millis(200);
+
 /// Time for the version of an adapter that has already sent something.
 const NO_VERSION: Duration = Duration::from_secs(2);
 
@@ -49,6 +53,12 @@ pub struct Slcan {
     filters: Vec<Filter>,
     /// Frames sent and not yet acknowledged.
     under_way: usize,
+    /// When the last frame was sent or acknowledged.
+    active: Instant,
+    /// When a frame was acknowledged last, or sent where none was under way.
+    acknowledged: Instant,
+    /// When bytes came last.
+    heard: Instant,
     /// The adapter has refused a frame since the last report of a refusal.
     refused: bool,
     /// Packets received during another wait.
@@ -64,12 +74,16 @@ impl Slcan {
     /// The address does not exist, or it does not answer like an adapter.
     pub fn open(address: &Address, bit_rate: BitRate) -> Result<Self, CanError> {
         let (name, stream) = line::open(address)?;
+        let now = Instant::now();
         let mut adapter = Self {
             name,
             stream,
             lines: Lines::with_room(),
             filters: Vec::new(),
             under_way: 0,
+            active: now,
+            acknowledged: now,
+            heard: now,
             refused: false,
             early: Vec::new(),
             patience: ANSWER,
@@ -187,6 +201,10 @@ impl Slcan {
             _ => {}
         })?;
         self.under_way = self.under_way.saturating_sub(done);
+        if done > 0 {
+            let now = Instant::now();
+            (self.active, self.acknowledged) = (now, now);
+        }
         self.refused |= refused;
         Ok(())
     }
@@ -204,12 +222,18 @@ impl Slcan {
     /// Sends lines with frames, no more at a time than the adapter takes.
     fn post(&mut self, lines: &[Vec<u8>]) -> Result<(), CanError> {
         self.tell_refusal()?;
+        self.give_up_lost()?;
         let mut left = lines;
         while !left.is_empty() {
             let room = WINDOW.saturating_sub(self.under_way).min(left.len());
-            let (now, later) = left.split_at(room);
-            let text = now.concat();
+            let (first, later) = left.split_at(room);
+            let text = first.concat();
             left = later;
+            let now = Instant::now();
+            self.active = now;
+            if self.under_way == 0 {
+                self.acknowledged = now;
+            }
             self.under_way += room;
             self.write(&text)?;
             self.settle(WINDOW - 1)?;
@@ -219,6 +243,9 @@ impl Slcan {
 
     /// Waits until no more than `most` sent frames lack their acknowledgement. Before a command `most` must be 0,
     /// because an acknowledgement looks like the answer to a command.
+    ///
+    /// Acknowledgements that are lost would take their places for ever: on a line on which other things are heard they are
+    /// given up. Where none comes at all, nothing is.
     fn settle(&mut self, most: usize) -> Result<(), CanError> {
         let deadline = Instant::now() + self.patience;
         let mut early = std::mem::take(&mut self.early);
@@ -227,9 +254,14 @@ impl Slcan {
             let left = deadline.saturating_duration_since(Instant::now());
             result = match self.wait(left) {
                 // After the deadline, bytes that have already arrived still count.
-                Ok(true) if !over => self.hear(&mut early),
+                Ok(true) if !over => self.hear(&mut early).and_then(|()| {
+                    match self.acknowledged.elapsed() < self.patience {
+                        true => self.give_up_lost(),
+                        false => Ok(()),
+                    }
+                }),
                 Ok(false) if !left.is_zero() => Ok(()),
-                Ok(_) => Err(CanError::Stuck {
+                Ok(_) => Err(CanError::AdapterStuck {
                     name: self.name.clone(),
                 }),
                 Err(error) => Err(error),
@@ -238,6 +270,15 @@ impl Slcan {
         }
         self.early = early;
         result
+    }
+
+    /// Frames whose acknowledgement is lost are not under way any more: long after the last one something else was heard, and
+    /// nothing is left to be read.
+    fn give_up_lost(&mut self) -> Result<(), CanError> {
+        if self.under_way > 0 && self.heard >= self.active + LOST && !self.wait(Duration::ZERO)? {
+            self.under_way = 0;
+        }
+        Ok(())
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), CanError> {
@@ -256,7 +297,10 @@ impl Slcan {
                         name: self.name.clone(),
                     });
                 }
-                Ok(count) => return Ok(count),
+                Ok(count) => {
+                    self.heard = Instant::now();
+                    return Ok(count);
+                }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(self.failed("receive from", error)),
             }
@@ -281,7 +325,7 @@ impl Slcan {
             }
             // The error of a terminal after its device was unplugged.
             _ if error.raw_os_error() == Some(Errno::EIO as i32) => CanError::Closed { name },
-            ErrorKind::WouldBlock | ErrorKind::TimedOut => CanError::Stuck { name },
+            ErrorKind::WouldBlock | ErrorKind::TimedOut => CanError::AdapterStuck { name },
             _ => CanError::System { name, doing, error },
         }
     }

@@ -1,16 +1,18 @@
 //! Tests against the adapter's side of the protocol, over each kind of line.
 
-use std::io::{ErrorKind, Read, Write};
+use std::io::{BufRead as _, ErrorKind, Read, Write};
 use std::net::TcpListener;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use leadscrew_core::bus::{self, CobId, Frame};
 use leadscrew_slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
 use nix::pty::openpty;
 
+use super::WINDOW;
 use crate::{Address, Can, CanError, Filter, Packet, Received, Slcan};
 
 static NUMBER: AtomicU32 = AtomicU32::new(0);
@@ -404,26 +406,96 @@ fn a_line_that_ends_in_mid_run_is_told() {
     std::fs::remove_file(path).unwrap();
 }
 
+/// An adapter that is open, with frames under way.
+fn opened(stream: UnixStream, under_way: usize, patience: Duration) -> Slcan {
+    let now = Instant::now();
+    Slcan {
+        name: "adapter".into(),
+        stream: Box::new(stream),
+        lines: Lines::with_room(),
+        filters: Vec::new(),
+        under_way,
+        active: now,
+        acknowledged: now,
+        heard: now,
+        refused: false,
+        early: Vec::new(),
+        patience,
+    }
+}
+
+/// A serial line drops bytes. One acknowledgement in ten is lost; frames of others are heard.
+#[test]
+fn acknowledgements_that_are_lost_end_nothing() {
+    let (adapter, stream) = UnixStream::pair().unwrap();
+    let mut can = opened(stream, 0, Duration::from_secs(60));
+    let mut says = adapter.try_clone().unwrap();
+    let mut answers = adapter.try_clone().unwrap();
+    let acknowledges = std::thread::spawn(move || {
+        let lines = std::io::BufReader::new(adapter).split(b'\r');
+        let mut told = 0;
+        for (number, _) in lines.map_while(Result::ok).enumerate() {
+            if number % 10 != 9 {
+                let _ = answers.write_all(b"z\r");
+            }
+            told += 1;
+        }
+        told
+    });
+    let over = Arc::new(AtomicBool::new(false));
+    let ends = Arc::clone(&over);
+    let speaks = std::thread::spawn(move || {
+        while !ends.load(Ordering::Relaxed) && says.write_all(b"t10012A\r").is_ok() {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    });
+    for number in 0..200 {
+        can.send(&[frame(0x181, &[number])]).unwrap();
+    }
+    // Before a command all are waited for.
+    can.settle(0).unwrap();
+    assert_eq!(can.under_way, 0);
+    over.store(true, Ordering::Relaxed);
+    speaks.join().unwrap();
+    drop(can);
+    assert_eq!(
+        acknowledges.join().unwrap(),
+        201,
+        "and the line that closes it"
+    );
+}
+
+/// An adapter that acknowledges nothing at all is stuck, whatever is heard of others.
+#[test]
+fn an_adapter_that_hears_and_never_sends_is_stuck() {
+    let (adapter, stream) = UnixStream::pair().unwrap();
+    let mut can = opened(stream, WINDOW, Duration::from_millis(100));
+    let mut says = adapter.try_clone().unwrap();
+    let speaks = std::thread::spawn(move || {
+        while says.write_all(b"t10012A\r").is_ok() {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    });
+    let ended = can.send(&[frame(0x181, &[1])]);
+    assert!(
+        matches!(ended, Err(CanError::AdapterStuck { .. })),
+        "{ended:?}"
+    );
+    drop((can, adapter));
+    speaks.join().unwrap();
+}
+
 /// This side stalled: the bytes that arrived meanwhile are read before the adapter counts as late, but no later bytes.
 #[test]
 fn acknowledgements_that_lie_there_are_not_late() {
     for (acknowledged, is_taken) in [(5, true), (4, false), (0, false)] {
         let (mut adapter, stream) = UnixStream::pair().unwrap();
-        let mut can = Slcan {
-            name: "adapter".into(),
-            stream: Box::new(stream),
-            lines: Lines::with_room(),
-            filters: Vec::new(),
-            under_way: 5,
-            refused: false,
-            early: Vec::new(),
-            patience: Duration::ZERO,
-        };
+        let mut can = opened(stream, 5, Duration::ZERO);
         let said = "z\r".repeat(acknowledged) + "t10012A\r";
         adapter.write_all(said.as_bytes()).unwrap();
         match can.settle(0) {
             Ok(()) => assert!(is_taken),
-            Err(CanError::Stuck { .. }) => assert!(!is_taken),
+            Err(CanError::AdapterStuck { .. }) => assert!(!is_taken),
             other => panic!("{other:?}"),
         }
         let mut heard = Vec::new();

@@ -129,6 +129,11 @@ pub fn no_way(error: &WireError) -> Both {
             "the connection was ended without a word; where the port is for TLS, it wants mqtts:// and --ca",
             "连接未收到任何数据即被关闭；如果该端口使用 TLS，请用 mqtts:// 和 --ca"
         ),
+        WireError::Dropped => both!(
+            "the broker has ended the connection: it was ended itself, or another client has connected by the same name; an \
+             agent needs a --name of its own",
+            "代理服务器断开了连接：它已停止，或另一客户端以相同名称连接；每个代理程序须有自己的 --name"
+        ),
         WireError::NoTls => both!(
             "what is there does not answer in TLS; where the port is one without, it wants mqtt://",
             "对方没有以 TLS 应答；如果该端口不使用 TLS，请用 mqtt://"

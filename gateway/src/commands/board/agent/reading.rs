@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 
 use leadscrew_agent::Observation;
 use leadscrew_agent::metrics::Pulse;
-use leadscrew_agent::model::{Entry, Met};
+use leadscrew_agent::model::{Entry, Met, Ran};
 use leadscrew_agent::record::{State, Trouble, What};
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::board::Event;
 use leadscrew_core::board::device::objects::CYCLE_PERIOD;
-use leadscrew_core::bus::BoardStatus;
+use leadscrew_core::bus::{BoardState, BoardStatus};
 use leadscrew_core::link::{Logged, Status, ThreadCertificate, ThreadState};
 
 use super::super::heard;
@@ -43,6 +43,8 @@ pub struct Reading<'a> {
     global: &'a Global,
     link: Link,
     starts: Starts,
+    /// The board is to be met: what it says belongs to a start that is not known, or not kept.
+    unmet: bool,
     record: Status,
     read: Instant,
     mode: &'static str,
@@ -75,6 +77,7 @@ impl<'a> Reading<'a> {
         let mut reading = Self {
             global,
             starts: Starts::new(&link),
+            unmet: true,
             record: link.status()?,
             read: now,
             mode: "",
@@ -97,6 +100,7 @@ impl<'a> Reading<'a> {
         Ok(reading)
     }
 
+    /// Meets it; where that cannot be kept, again later.
     fn meet(&mut self, reader: &mut Reader) -> LinkResult {
         let name = self.link.board_name()?;
         let status = self.link.status()?;
@@ -111,7 +115,7 @@ impl<'a> Reading<'a> {
         self.mode = self.link.mode()?.name();
         self.record = status;
         (self.cut, self.ended) = (true, true);
-        reader.observe(&Observation::Met(Met {
+        let kept = reader.observe(&Observation::Met(Met {
             serial: name.serial,
             start: self.link.start()?,
             firmware: name.version,
@@ -122,6 +126,7 @@ impl<'a> Reading<'a> {
             newest_thread: threads.first().map_or(0, |thread| thread.number),
             last_event: entry.map(|entry| entry.tick),
         }));
+        self.unmet = !kept;
         Ok(())
     }
 
@@ -133,15 +138,15 @@ impl<'a> Reading<'a> {
         let mut last = Instant::now();
         loop {
             self.link.listen(Instant::now() + LOOK, &mut |_| false)?;
-            if self.starts.attend(&mut self.link)? {
-                let met = self.meet(reader);
-                self.tolerate(met)?;
-            }
+            self.unmet |= self.starts.attend(&mut self.link)?;
             // What cannot be kept is read again, and need not be often.
             let pause = if reader.is_full() { STATUS } else { LOOK };
             if last.elapsed() >= pause {
                 last = Instant::now();
-                let read = self.look(reader);
+                let read = match self.unmet {
+                    true => self.meet(reader),
+                    false => self.look(reader),
+                };
                 self.tolerate(read)?;
             }
             if interrupt::requested() {
@@ -166,7 +171,9 @@ impl<'a> Reading<'a> {
             || said.alarm != self.known.alarm
             || said.flags.program != self.known.flags.program;
         let pause = if changed { CHANGED } else { STATUS };
-        let due = now.duration_since(self.read) >= pause;
+        // The figures of a program that has ended are there until the next one begins.
+        let over = self.known.flags.program && !said.flags.program;
+        let due = over || now.duration_since(self.read) >= pause;
         if due {
             self.record = self.link.status()?;
             self.mode = self.link.mode()?.name();
@@ -251,7 +258,13 @@ impl<'a> Reading<'a> {
         if !due && !self.ended {
             return Ok(());
         }
-        let (run, threads) = self.link.certificates()?;
+        let at_work = |status: &Status| status.in_program && status.state != BoardState::Alarm;
+        let before = at_work(&self.link.status()?);
+        let (certificate, threads) = self.link.certificates()?;
+        let ran = Ran {
+            certificate,
+            under_way: before || at_work(&self.link.status()?),
+        };
         let told = reader.keeper.model().memory().last_thread();
         let (parameters, lang) = (self.record.parameters, self.global.lang());
         let newest = threads.first().map_or(0, |thread| thread.number);
@@ -266,7 +279,7 @@ impl<'a> Reading<'a> {
             threads,
             lang,
         )?;
-        let kept = reader.observe(&Observation::Certificates(run, threads));
+        let kept = reader.observe(&Observation::Certificates(ran, threads));
         self.threads = (now, newest, newest.saturating_sub(before));
         if kept {
             (self.cut, self.ended) = (goes_on, false);

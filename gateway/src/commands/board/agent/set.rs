@@ -91,7 +91,8 @@ impl Telling {
             values: values.clone(),
         };
         if let Some(told) = &self.told {
-            let old = set.seen.0.saturating_sub(told.seen.0);
+            // A clock that was set back says nothing of how old it is.
+            let old = set.seen.0.checked_sub(told.seen.0).unwrap_or(REFRESH);
             let same = Set {
                 seen: told.seen,
                 ..set.clone()
