@@ -4,13 +4,6 @@ use std::process::{Child, Stdio};
 
 use crate::{User, bad, good, text};
 
-/// A user whose machine waits for the frames of a press as long as it may: this computer has other work, too.
-fn patient() -> User {
-    let user = User::with_machine();
-    good(&user.does(&["params", "set", "9040=500"]));
-    user
-}
-
 /// A command that moves an axis by hand.
 fn moves(user: &User, args: &[&str]) -> Child {
     let mut command = user.command(args);
@@ -22,7 +15,7 @@ fn moves(user: &User, args: &[&str]) -> Child {
 
 #[test]
 fn a_step_that_is_cut_short_is_no_success() {
-    let user = patient();
+    let user = User::patient();
     for (order, why) in [
         (&["hold"][..], "a feed hold has ended it"),
         (&["stop"], "4300 emergency stop"),
@@ -47,7 +40,7 @@ fn a_step_that_is_cut_short_is_no_success() {
 
 #[test]
 fn what_another_moves_by_hand_goes_on() {
-    let user = patient();
+    let user = User::patient();
     let program = user.program("G98 G1 X-4 F3000\nM30\n");
     let press = moves(&user, &["jog", "Z-", "--hold", "--feed", "20"]);
     for (args, number) in [
@@ -74,7 +67,7 @@ fn what_another_moves_by_hand_goes_on() {
 
 #[test]
 fn the_spindle_turns_while_a_command_holds_it() {
-    let user = patient();
+    let user = User::patient();
     let commanded = || user.json(&["status"])["rpm_commanded"].clone();
     for (way, rpm) in [("S+", 80), ("S-", -80)] {
         let mut press = moves(&user, &["jog", way, "--hold", "--speed", "80"]);
