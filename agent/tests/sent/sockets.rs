@@ -321,8 +321,10 @@ fn a_port_of_the_other_kind_is_named() {
     let plain = heard_of("mqtts", &[0x20, 2, 0, 0]);
     assert!(matches!(plain, WireError::NoTls), "{plain:?}");
     // Who has spoken before is no port of the other kind.
+    // Whether its end is heard when reading or when writing hangs on how far the client has come by then.
     let cut = heard_of("mqtt", &[0x20, 2, 0, 0]);
-    assert!(matches!(cut, WireError::Socket(_)), "{cut:?}");
+    let is_cut = matches!(cut, WireError::Socket(_) | WireError::Ended);
+    assert!(is_cut, "{cut:?}");
 }
 
 #[test]
