@@ -20,6 +20,7 @@ fn a_carriage_return_that_ends_no_line_is_seen_and_kept() {
     tab.wait("document.querySelectorAll('#programs option').length === 3");
     tab.operate();
     let written = || std::fs::read_to_string(user.0.join("parts/a.nc")).unwrap();
+    let saved = "document.getElementById('answer').textContent === 'saved'";
     tab.choose("a.nc");
     tab.wait(&found("▲ 2: 4001"));
     assert_eq!(
@@ -29,7 +30,7 @@ fn a_carriage_return_that_ends_no_line_is_seen_and_kept() {
     // Changed elsewhere and saved it is what it was.
     tab.says("document.getElementById('source').focus() ?? document.getElementById('source').setSelectionRange(0, 0)");
     tab.asks("Input.insertText", json!({"text": "(B)\n"}));
-    tab.click("#save");
+    tab.click_once("#save", saved);
     tab.wait(&found("▲ 3: 4001"));
     assert_eq!(written(), format!("(B)\n{wrong}"));
     // Somebody makes it what it was meant to be. A return that is pasted is a line end at once.
@@ -38,7 +39,7 @@ fn a_carriage_return_that_ends_no_line_is_seen_and_kept() {
          source.setSelectionRange(at, at + 1); return true; })()",
     );
     tab.asks("Input.insertText", json!({"text": "\r"}));
-    tab.click("#save");
+    tab.click_once("#save", saved);
     tab.wait(&found("4: 4"));
     assert_eq!(written(), format!("(B)\n{}", wrong.replace('\r', "\n")));
     // A text that has the sign itself would not come back as it was.
