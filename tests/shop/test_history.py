@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import urllib.request
 
 from archive import FOLDER, Archive
 
@@ -18,6 +19,9 @@ PART = "G98\nM3 S600\nG0 X30 Z5\nG92 X29 Z-10 F1.5\nX28.6\nX28.3\nM5\nG0 X0 Z5\n
 THREAD_LINES = [4, 5, 6]
 HOLE_LINE = 10
 EMERGENCY_STOP = 4300
+# Figures of the agent.
+FINISHED = 'leadscrew_runs_total{machine="lathe1",end="finished"}'
+ALARM = f'leadscrew_alarms_total{{machine="lathe1",number="{EMERGENCY_STOP}"}}'
 LIMIT = 120
 
 
@@ -45,7 +49,9 @@ class Shop:
 
     def agent(self):
         command = [LEADSCREW, "agent", "--archive", str(self.archive), "--machine", "lathe1", "--name", "desk", "--group", "shop"]
-        agent = subprocess.Popen(command, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        command += ["--metrics", "127.0.0.1:0"]
+        agent = subprocess.Popen(command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.figures = next(line.split()[-1] for line in agent.stdout if line.startswith("figures are at "))
         for line in agent.stderr:
             if "is read" in line:
                 return agent
@@ -56,10 +62,27 @@ class Shop:
         agent.send_signal(signal.SIGTERM)
         agent.communicate(timeout=LIMIT)
 
+    def count(self, of):
+        """What the agent has read by now of this."""
+        with urllib.request.urlopen(self.figures, timeout=LIMIT) as answer:
+            lines = answer.read().decode().splitlines()
+        return sum(float(line.split()[-1]) for line in lines if line.startswith(of))
+
+    def wait(self, of, more_than):
+        """The agent reads by and by: whoever ends it before keeps it from what has happened."""
+        end = time.monotonic() + LIMIT
+        while self.count(of) <= more_than:
+            if time.monotonic() > end:
+                raise AssertionError(f"the agent reads no {of}")
+            time.sleep(0.1)
+
     def part(self):
         program = self.folder / "part.nc"
         program.write_text(PART)
-        return json.loads(self.does("run", str(program), "--json"))
+        before = self.count(FINISHED)
+        part = json.loads(self.does("run", str(program), "--json"))
+        self.wait(FINISHED, before)
+        return part
 
     def remove(self):
         self.does("down", "--name", "desk")
@@ -79,11 +102,9 @@ class OfAMachine(unittest.TestCase):
         agent.communicate()
         agent = cls.shop.agent()
         cls.parts.append(cls.shop.part())
-        # An alarm in the same look at the log would be the end of the part.
-        time.sleep(3)
+        # An alarm in the same look at the log would be the end of the part: that has been read by now.
         cls.shop.does("sim", "estop", "press")
-        # It is told with the next look at the log.
-        time.sleep(3)
+        cls.shop.wait(ALARM, 0)
         cls.shop.ends(agent)
 
     def setUp(self):

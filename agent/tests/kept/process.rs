@@ -53,13 +53,15 @@ fn a_child_is_no_test_of_its_own() {
 fn a_process_that_is_killed_at_any_point_loses_and_doubles_nothing() {
     leadscrew_seed::only_fresh(|seed| {
         let mut random = Random(seed);
-        for _ in 0..amount(2, 20) {
-            killed(&mut random);
-        }
+        let runs = amount(2, 20);
+        // One of them may be through before it is killed often: which process goes on is the computer's.
+        let kills: u32 = (0..runs).map(|_| killed(&mut random)).sum();
+        assert!(kills > 5 * runs, "{kills}");
     });
 }
 
-fn killed(random: &mut Random) {
+/// How often it was killed until it was through.
+fn killed(random: &mut Random) -> u32 {
     let folder = env::temp_dir().join(format!("leadscrew-agent-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -119,7 +121,7 @@ fn killed(random: &mut Random) {
             break;
         }
     }
-    assert!(kills > 5, "{kills}");
     broker.check(Board { threads: THREADS });
     std::fs::remove_dir_all(&folder).unwrap();
+    kills
 }

@@ -272,8 +272,8 @@ impl Slcan {
         result
     }
 
-    /// Frames whose acknowledgement is lost are not under way any more: long after the last one something else was heard, and
-    /// nothing is left to be read.
+    /// Frames whose acknowledgement is lost are not under way any more: long after the last one something else was heard,
+    /// and nothing is left to be read.
     fn give_up_lost(&mut self) -> Result<(), CanError> {
         if self.under_way > 0 && self.heard >= self.active + LOST && !self.wait(Duration::ZERO)? {
             self.under_way = 0;

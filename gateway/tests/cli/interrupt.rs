@@ -189,8 +189,20 @@ fn a_program_that_repeats_itself_ends_by_a_signal_and_keeps_the_passes_it_has_ma
     let program = folder.file("p.nc");
     let text = "O1\n#500=#500+1\nG0 X50 Z5\n#501=#500\nG0 X40\nM99\n";
     std::fs::write(&program, text).unwrap();
-    let mut child = listening(&["run", &program, "--json"], Stdio::null());
-    std::thread::sleep(Duration::from_millis(300));
+    // Nothing outside tells how many passes it has made: a computer that is busy is given more time until there are some.
+    let mut time = Duration::from_millis(300);
+    while passes_of_one_that_is_interrupted(&folder, &program, time) <= 1.0 {
+        assert!(time < Duration::from_secs(300), "it makes no passes");
+        time *= 2;
+    }
+}
+
+/// How many passes are kept of a program that is interrupted after this time: whole ones.
+fn passes_of_one_that_is_interrupted(folder: &Folder, program: &str, time: Duration) -> f64 {
+    // What the one before has kept is not counted.
+    let _ = std::fs::remove_file(folder.file("leadscrew.variables"));
+    let mut child = listening(&["run", program, "--json"], Stdio::null());
+    std::thread::sleep(time);
     kill(Pid::from_raw(child.id() as i32), Signal::SIGINT).unwrap();
     let (mut out, mut told) = (String::new(), String::new());
     child
@@ -206,22 +218,23 @@ fn a_program_that_repeats_itself_ends_by_a_signal_and_keeps_the_passes_it_has_ma
         .read_to_string(&mut told)
         .unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{out}{told}");
-    let result: serde_json::Value = serde_json::from_str(&out).unwrap();
-    assert_eq!(result["warnings"][0]["no"], 4996, "{out}");
-    let kept = std::fs::read_to_string(folder.file("leadscrew.variables")).unwrap();
+    // Before its first pass is over nothing is kept.
+    let kept = std::fs::read_to_string(folder.file("leadscrew.variables")).unwrap_or_default();
     let count = |name: &str| {
-        let value = kept
-            .lines()
-            .find_map(|line| line.strip_prefix(name))
-            .unwrap();
-        value.parse::<f64>().unwrap()
+        let value = kept.lines().find_map(|line| line.strip_prefix(name));
+        value.map_or(0.0, |value| value.parse::<f64>().unwrap())
     };
     // Whole passes: what the gateway has read ahead of the machine is not kept.
     let passes = count("#500 = ");
-    assert!(passes > 1.0 && passes == count("#501 = "), "{kept}");
-    let moves = result["moves"].as_f64().unwrap();
-    assert!(
-        (2.0 * passes..=2.0 * passes + 2.0).contains(&moves),
-        "{moves} {passes}"
-    );
+    assert_eq!(passes, count("#501 = "), "{kept}");
+    if passes > 1.0 {
+        let result: serde_json::Value = serde_json::from_str(&out).unwrap();
+        assert_eq!(result["warnings"][0]["no"], 4996, "{out}");
+        let moves = result["moves"].as_f64().unwrap();
+        assert!(
+            (2.0 * passes..=2.0 * passes + 2.0).contains(&moves),
+            "{moves} {passes}"
+        );
+    }
+    passes
 }

@@ -7,6 +7,8 @@ use std::net::{TcpListener, TcpStream};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Child, Stdio};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use bytes::BytesMut;
 use leadscrew_agent::sparkplug::payload::{Payload, Value};
@@ -119,6 +121,19 @@ impl Told {
     }
 }
 
+/// A broker beside the test: an agent that is not answered in time ends its connection.
+fn broker_until(
+    listener: TcpListener,
+    enough: impl Fn(&[(String, Value)]) -> bool + Send + 'static,
+) -> JoinHandle<Told> {
+    thread::spawn(move || {
+        let (stream, _) = listener.accept().unwrap();
+        let mut told = Told::new(stream);
+        told.until(enough);
+        told
+    })
+}
+
 /// Takes messages until one of these metrics has come.
 fn take_until(stream: TcpStream, wanted: &str) -> Told {
     let mut told = Told::new(stream);
@@ -127,8 +142,7 @@ fn take_until(stream: TcpStream, wanted: &str) -> Told {
 }
 
 /// What stands at the address of the figures.
-fn figures(first: &serde_json::Value) -> String {
-    let url = first["metrics"].as_str().unwrap();
+fn figures(url: &str) -> String {
     let place = url
         .trim_start_matches("http://")
         .trim_end_matches("/metrics");
@@ -137,6 +151,20 @@ fn figures(first: &serde_json::Value) -> String {
     let mut figures = String::new();
     stream.read_to_string(&mut figures).unwrap();
     figures
+}
+
+/// Waits until an agent has read the end of a run. Whoever ends it before does not hear of that run.
+#[track_caller]
+fn read_to_its_end(url: &str) {
+    let end = Instant::now() + LIMIT;
+    loop {
+        let figures = figures(url);
+        if figures.contains("leadscrew_runs_total{machine=\"lathe\",end=\"finished\"} 1\n") {
+            return;
+        }
+        assert!(Instant::now() < end, "{figures}");
+        thread::sleep(Duration::from_millis(50));
+    }
 }
 
 fn text<'a>(all: &'a [(String, Value)], wanted: &str) -> Vec<&'a str> {
@@ -153,7 +181,8 @@ fn a_broker_that_comes_late_gets_the_certificate_and_the_run() {
     // No agent has seen the start before this one: the board has counted it.
     good(&user.does(&["sim", "power", "cycle"]));
     // Nobody listens there yet.
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    // At an address at which no other test listens, for the port is free meanwhile.
+    let listener = TcpListener::bind("127.0.0.2:0").unwrap();
     let address = listener.local_addr().unwrap();
     drop(listener);
     let broker = format!("mqtt://{address}");
@@ -185,7 +214,7 @@ fn a_broker_that_comes_late_gets_the_certificate_and_the_run() {
     let run: serde_json::Value =
         serde_json::from_str(&good(&user.does(&["run", &program, "--json"]))).unwrap();
     // Its figures are there without a broker.
-    let figures = figures(&first);
+    let figures = figures(first["metrics"].as_str().unwrap());
     assert!(
         figures.contains("leadscrew_board_up{machine=\"lathe\"} 1\n"),
         "{figures}"
@@ -240,12 +269,18 @@ fn an_archive_needs_no_broker_and_what_cannot_be_written_waits() {
     let user = User::with_machine();
     let archive = user.0.join("archive");
     let args = ["--archive", archive.to_str().unwrap(), "--machine", "lathe"];
-    let mut agent = start(&user, &args);
-    begun(&mut agent);
+    let metrics = ["--metrics", "127.0.0.1:0"];
+    let mut agent = start(&user, &[&args[..], &metrics].concat());
+    let lines = begun(&mut agent);
+    let url = lines
+        .lines()
+        .find_map(|line| line.strip_prefix("figures are at "))
+        .unwrap();
     fs::remove_dir(&archive).unwrap();
     fs::write(&archive, "a file in the place of the folder").unwrap();
     let program = user.program(TAP);
     good(&user.does(&["run", &program]));
+    read_to_its_end(url);
     let said = end(agent);
     assert!(said.contains("is not written"), "{said}");
     assert!(said.contains("all is kept meanwhile"), "{said}");
@@ -274,14 +309,15 @@ fn a_typed_line_that_is_refused_is_told_as_that_and_as_no_reset() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let broker = format!("mqtt://{}", listener.local_addr().unwrap());
     let agent = start(&user, &["--broker", &broker, "--machine", "lathe"]);
-    let (stream, _) = listener.accept().unwrap();
+    let told = broker_until(listener, |all| {
+        text(all, "Event/Kind").contains(&"finished")
+    });
     good(&user.does(&["sim", "door", "open"]));
     bad(&user.does(&["mdi", "M3 S500"]), 1);
     good(&user.does(&["sim", "door", "close"]));
     let program = user.program("M30\n");
     good(&user.does(&["run", &program]));
-    let mut told = Told::new(stream);
-    told.until(|all| text(all, "Event/Kind").contains(&"finished"));
+    let told = told.join().unwrap();
     let kinds = text(&told.all, "Event/Kind");
     assert!(kinds.contains(&"refused"), "{kinds:?}");
     assert!(
@@ -301,11 +337,11 @@ fn the_cut_that_is_told_is_that_of_run() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let broker = format!("mqtt://{}", listener.local_addr().unwrap());
     let agent = start(&user, &["--broker", &broker, "--machine", "lathe"]);
-    let (stream, _) = listener.accept().unwrap();
+    let told = broker_until(listener, |all| !text(all, "Run/Setpoint Hash").is_empty());
     let program = user.program(THREAD);
     let run: serde_json::Value =
         serde_json::from_str(&good(&user.does(&["run", &program, "--json"]))).unwrap();
-    let told = take_until(stream, "Run/Setpoint Hash");
+    let told = told.join().unwrap();
     let all = &told.all;
     let threads = run["threads"].as_array().unwrap();
     assert_eq!(threads.len(), 3);
@@ -385,9 +421,12 @@ fn a_board_that_goes_or_never_was_delays_none_of_the_others() {
     good(&user.does(&["down", "--name", "other"]));
     good(&on_third(&["run", &program]));
     // The death and the run of the other come in any order.
-    told.until(|all| !text(all, "death").is_empty() && text(all, "Run/Setpoint Hash").len() == 2);
+    told.until(|all| {
+        text(all, "death").contains(&"other") && text(all, "Run/Setpoint Hash").len() == 2
+    });
     let all = &told.all;
-    assert_eq!(text(all, "death"), ["other"]);
+    // One that is not heard for a moment, on a busy computer, is told as that, too.
+    assert!(text(all, "death").contains(&"other"), "{all:?}");
     assert_eq!(text(all, "Thread/Kind"), ["rigid_tap"; 2]);
     let hashes = text(all, "Run/Setpoint Hash");
     assert_eq!(hashes[0], hashes[1]);
@@ -401,7 +440,7 @@ fn a_board_that_goes_or_never_was_delays_none_of_the_others() {
         .collect();
     let gapless: Vec<u64> = (1..=numbers.len() as u64).collect();
     assert_eq!(numbers, gapless);
-    let figures = figures(&first);
+    let figures = figures(first["metrics"].as_str().unwrap());
     for (machine, up) in [("other", 0), ("third", 1), ("gone", 0), ("wrong", 0)] {
         let line = format!("leadscrew_board_up{{machine=\"{machine}\"}} {up}\n");
         assert!(figures.contains(&line), "{figures}");

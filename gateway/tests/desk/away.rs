@@ -7,16 +7,12 @@ const PART: &str = "G98 G1 X-20 F2000\nG1 Z-200 F600\nM30\n";
 
 #[test]
 fn hold_jog_away_resume_twice() {
-    let user = User::with_machine();
-    good(&user.does(&["params", "set", "9040=500"]));
-    good(&user.does(&["sim", "speed", "5"]));
+    let user = User::patient();
     let run = user.run(PART);
     user.wait_for("run");
     good(&user.does(&["hold"]));
     let held = user.wait_for("hold");
     assert!(held["left"].is_null());
-    // The dead man's time is that of the machine.
-    good(&user.does(&["sim", "speed", "1"]));
     let told = good(&user.does(&["jog", "X+", "--by", "20"]));
     let status = user.json(&["status"]);
     assert_eq!(
@@ -30,7 +26,6 @@ fn hold_jog_away_resume_twice() {
     assert_eq!(status["program"], true, "{told}");
     good(&user.does(&["jog", "Z+", "--by", "1.5"]));
     assert!(text(&user.does(&["status"]).stdout).contains("the program was left at X "));
-    good(&user.does(&["sim", "speed", "5"]));
     // The first says what moves, and the axes come back; the second lets the program go on.
     let told = good(&user.does(&["resume"]));
     assert!(told.contains("back to machine X "), "{told}");
@@ -54,7 +49,7 @@ fn hold_jog_away_resume_twice() {
 
 #[test]
 fn a_reset_gives_the_program_up_and_the_next_resume_says_so() {
-    let user = User::with_machine();
+    let user = User::patient();
     let run = user.run(PART);
     good(&user.does(&["hold"]));
     user.wait_for("hold");

@@ -53,11 +53,24 @@ impl User {
         Self(path)
     }
 
-    /// A user whose machine `desk` runs.
+    /// A user whose machine `desk` runs. It does not watch the gateway: on a busy computer a command may be silent for
+    /// longer than a second, and a program would be held.
     #[track_caller]
     fn with_machine() -> Self {
+        Self::with_machine_of(&["9024=0"])
+    }
+
+    /// The same, and it waits for the frames of a press as long as it may, for the same reason.
+    #[track_caller]
+    fn patient() -> Self {
+        Self::with_machine_of(&["9024=0", "9040=500"])
+    }
+
+    #[track_caller]
+    fn with_machine_of(values: &[&str]) -> Self {
         let user = Self::new();
-        good(&user.does(&["up"]));
+        let set = values.iter().flat_map(|value| ["--set", value]);
+        good(&user.does(&["up"].into_iter().chain(set).collect::<Vec<_>>()));
         user
     }
 
@@ -73,7 +86,7 @@ impl User {
         let binary = Path::new(env!("CARGO_BIN_EXE_leadscrew")).parent().unwrap();
         let path = std::env::var("PATH").unwrap();
         let mut shell = self.program_of("timeout");
-        shell.args(["300", "sh"]);
+        shell.args(["900", "sh"]);
         shell.env("PATH", format!("{}:{path}", binary.display()));
         shell
     }

@@ -20,6 +20,9 @@ const QUESTION: &[u8] = b"\x1b[?u\x1b[c";
 const WITH_RELEASE: &[u8] = b"\x1b[?0u\x1b[?62c";
 const WITHOUT: &[u8] = b"\x1b[?62c";
 
+/// After this time a key is pressed again.
+const SOON: Duration = Duration::from_secs(1);
+
 struct Terminal {
     ends: OpenptyResult,
     before: Termios,
@@ -97,11 +100,44 @@ impl Terminal {
         self.keys.write_all(keys.as_bytes()).unwrap();
     }
 
-    /// Presses Enter, some time behind the key before, as often as it takes: where nothing is asked it does nothing.
+    /// Types these keys until the board says so. On a busy computer what the panel knows is old, and a key is for nobody:
+    /// it is pressed again after this time.
     #[track_caller]
-    fn enter(&mut self, user: &User, done: impl Fn(&Value) -> bool) {
+    fn until(&mut self, user: &User, keys: &str, time: Duration, done: impl Fn(&Value) -> bool) {
         let end = Instant::now() + LIMIT;
         loop {
+            self.types(keys);
+            let again = Instant::now() + time;
+            while Instant::now() < again {
+                let status = user.json(&["status", "--node", "1"]);
+                if done(&status) {
+                    return;
+                }
+                assert!(Instant::now() < end, "{keys:?}: {status}");
+            }
+        }
+    }
+
+    /// Types these keys until this is drawn, for the same reason.
+    #[track_caller]
+    fn draws(&mut self, keys: &str, text: &str) {
+        let (end, from) = (Instant::now() + LIMIT, self.text().len());
+        while !self.text()[from..].contains(text) {
+            assert!(Instant::now() < end, "{:?}", self.text());
+            self.types(keys);
+            let again = Instant::now() + Duration::from_secs(1);
+            while !self.text()[from..].contains(text) && Instant::now() < again {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
+    }
+
+    /// Types a key that asks and presses Enter, some time behind it, as often as it takes.
+    #[track_caller]
+    fn enter(&mut self, user: &User, key: &str, done: impl Fn(&Value) -> bool) {
+        let end = Instant::now() + LIMIT;
+        loop {
+            self.types(key);
             std::thread::sleep(Duration::from_millis(100));
             self.types("\r");
             let status = user.json(&["status", "--node", "1"]);
@@ -149,25 +185,20 @@ fn mz(status: &Value) -> f64 {
 fn keys_change_the_mode_run_a_line_jog_hold_and_leave() {
     let user = User::with_machine();
     let mut terminal = Terminal::start(&user, &[], WITH_RELEASE);
-    terminal.types("md");
-    wait(&user, |status| status["mode"] == "mdi");
-    // A line, which Space holds and resume lets go on.
-    terminal.types(":G98 G1 Z-1 F20");
-    terminal.enter(&user, |status| status["state"] == "run");
-    terminal.types(" ");
-    user.wait_for("hold");
+    terminal.until(&user, "md", SOON, |status| status["mode"] == "mdi");
+    // A line, which Space holds and resume lets go on. Letters that no line takes would be keys; Esc closes a line.
+    terminal.draws("\x1b[27u:", "di>");
+    terminal.types("G98 G1 Z-1 F20");
+    terminal.enter(&user, "", |status| status["state"] == "run");
+    terminal.until(&user, " ", SOON, |status| status["state"] == "hold");
     // Nobody leaves while it is under way.
     terminal.types("q");
-    terminal.types("r");
-    terminal.enter(&user, |status| {
+    terminal.enter(&user, "r", |status| status["state"] != "hold");
+    wait(&user, |status| {
         mz(status) == -1.0 && status["state"] == "idle"
     });
     // Whether the line has ended here too is shown, not told: the mode changes once it has.
-    let end = Instant::now() + LIMIT;
-    while user.json(&["status", "--node", "1"])["mode"] != "manual" {
-        terminal.types("mm");
-        assert!(Instant::now() < end);
-    }
+    terminal.until(&user, "mm", SOON, |status| status["mode"] == "manual");
     // Left, and its repetitions: towards Z minus, for as long as it takes.
     let end = Instant::now() + LIMIT;
     while mz(&user.json(&["status", "--node", "1"])) > -1.1 {
@@ -183,12 +214,18 @@ fn keys_change_the_mode_run_a_line_jog_hold_and_leave() {
     let still = |status: &Value| mz(status) == mz(&user.json(&["status", "--node", "1"]));
     wait(&user, still);
     assert!(mz(&place) < -1.0);
-    terminal.types("jj");
-    wait(&user, |status| status["override"]["feed"] == 80);
-    terminal.types("s");
-    user.wait_for("alarm");
-    terminal.types("e");
-    terminal.enter(&user, |status| status["state"] == "idle");
+    // Each is counted from the one before; where only one of them has been heard, both are typed anew.
+    let feed = |user: &User| user.json(&["status", "--node", "1"])["override"]["feed"].clone();
+    let end = Instant::now() + LIMIT;
+    while feed(&user) != 80 {
+        assert!(Instant::now() < end);
+        good(&user.does(&["override", "feed", "100"]));
+        std::thread::sleep(SOON);
+        terminal.types("jj");
+        std::thread::sleep(SOON);
+    }
+    terminal.until(&user, "s", SOON, |status| status["state"] == "alarm");
+    terminal.enter(&user, "e", |status| status["state"] == "idle");
     terminal.types("q");
     let (code, drawn) = terminal.end();
     assert_eq!(code, Some(0));
@@ -213,11 +250,7 @@ fn the_panel_stays_when_its_machine_is_gone_and_operates_the_next_one() {
         (&status["state"], &status["mode"], &status["hold"]),
         (&"idle".into(), &"manual".into(), &false.into())
     );
-    let end = Instant::now() + LIMIT;
-    while user.json(&["status", "--node", "1"])["mode"] != "mdi" {
-        terminal.types("md");
-        assert!(Instant::now() < end);
-    }
+    terminal.until(&user, "md", SOON, |status| status["mode"] == "mdi");
     terminal.types("q");
     assert_eq!(terminal.end().0, Some(0));
 }
@@ -235,8 +268,7 @@ fn a_board_that_has_started_again_is_read_anew_by_the_panel() {
     good(&user.does(&["sim", "power", "cycle"]));
     terminal.wait_for("has started again");
     user.wait_for("idle");
-    terminal.types("s");
-    terminal.wait_for("4300 emergency stop");
+    terminal.draws("s", "4300 emergency stop");
     terminal.types("q");
     assert_eq!(terminal.end().0, Some(0));
 }
@@ -256,15 +288,14 @@ fn a_panel_whose_machine_is_gone_is_left_by_a_key() {
 
 #[test]
 fn without_a_release_an_arrow_is_a_step_and_the_panel_says_so() {
-    let user = User::with_machine();
+    let user = User::patient();
     let mut terminal = Terminal::start(&user, &["--lang", "zh"], WITHOUT);
     // In manual it moves nothing.
-    terminal.types("\x1b[D");
-    terminal.wait_for("能");
-    terminal.types("mi");
-    wait(&user, |status| status["mode"] == "step");
-    terminal.types("4\x1b[D");
-    wait(&user, |status| mz(status) == -1.0);
+    terminal.draws("\x1b[D", "能");
+    terminal.until(&user, "mi", SOON, |status| status["mode"] == "step");
+    // A step that is on its way is not asked for again.
+    let long = SOON * 20;
+    terminal.until(&user, "4\x1b[D", long, |status| mz(status) == -1.0);
     terminal.types("q");
     let (code, drawn) = terminal.end();
     assert_eq!(code, Some(0));

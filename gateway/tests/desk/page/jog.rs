@@ -178,8 +178,11 @@ fn a_press_moves_an_axis_until_it_is_let_go_and_a_step_moves_it_once() {
     // In another mode nothing moves by hand, and the page is told why.
     one.does("mode", &json!({"mode": "automatic"}));
     let before = one.state();
-    let (mut press, _) = Press::begin(&one, -1);
-    let why = press.frame(&one, false);
+    let mut why = Press::begin(&one, -1).0.frame(&one, false);
+    // On a busy computer a frame comes too late to be asked anything else.
+    while why["en"].as_str().unwrap_or_default().contains("is old") {
+        why = Press::begin(&one, -1).0.frame(&one, false);
+    }
     assert!(why["en"].as_str().unwrap().starts_with("4501 "), "{why}");
     assert_eq!(one.state()["mz"], before["mz"]);
 }

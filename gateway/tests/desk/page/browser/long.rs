@@ -56,8 +56,7 @@ fn a_page_that_is_watched_for_long_does_not_grow() {
     assert!(told > 0.0);
     assert!(used_then - used < 500_000.0, "{used} {used_then}");
     assert!(nodes_then - nodes < 200.0, "{nodes} {nodes_then}");
-    tab.click("#stop");
-    user.wait_for("alarm");
+    tab.stops();
     let _ = run.wait().unwrap();
 }
 
@@ -117,6 +116,5 @@ fn the_tool_is_followed_along_a_long_path() {
     );
     println!("{pieces} pieces: frames: {told}");
     tab.wait("/^→ /.test(document.getElementById('gz').textContent)");
-    tab.click("#stop");
-    user.wait_for("alarm");
+    tab.stops();
 }

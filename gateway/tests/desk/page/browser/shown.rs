@@ -41,6 +41,8 @@ fn threads_and_contacts_are_shown_and_nobody_is_kept_from_using_the_page() {
     let mut browser = Browser::start(&user);
     let mut tab = browser.tab(&page.link());
     tab.wait("!document.getElementById('no_cuts').hidden");
+    // A thread takes a while on a busy computer too.
+    good(&user.does(&["sim", "speed", "0.25"]));
     let run = user.run(THREAD);
     good(&user.does(&["sim", "input", "3", "on"]));
     let listed =
