@@ -259,11 +259,11 @@ impl<'a> Reading<'a> {
             return Ok(());
         }
         let at_work = |status: &Status| status.in_program && status.state != BoardState::Alarm;
-        let before = at_work(&self.link.status()?);
+        let at_first = at_work(&self.link.status()?);
         let (certificate, threads) = self.link.certificates()?;
         let ran = Ran {
             certificate,
-            under_way: before || at_work(&self.link.status()?),
+            under_way: at_first || at_work(&self.link.status()?),
         };
         let told = reader.keeper.model().memory().last_thread();
         let (parameters, lang) = (self.record.parameters, self.global.lang());
