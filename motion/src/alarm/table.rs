@@ -1120,10 +1120,6 @@ codes! {
     /// A program or a change that was made with another revision; {0} its revision, {1} the board's.
     OffsetsOtherRevision = 4581, "this was made with revision {0} of the tool table, and the board has revision {1}", "somebody has changed offsets or tools meanwhile: look at them, then begin again",
         "此操作基于刀具表修订号 {0}，而控制板的修订号为 {1}", "期间有人修改了偏置或刀具数据：请查看后重新开始";
-    /// R or C of a wear that is not zero.
-    WearRadius = 4565, "{w} writes a wear of the nose radius, and a tool has one radius and no wear of it",
-        "write the radius itself: G10 P10001 R0.8 (P: 10000 and the number of the offset; Haas: L10); R0 may stay",
-        "{w} 写入刀尖半径磨损，而刀具只有一个半径，没有半径磨损", "请直接写半径：G10 P10001 R0.8（P 为 10000 加刀偏号；Haas 用 L10）；R0 可保留";
     /// A value out of its range, or finer than 0.1 µm; {0} its record.
     OffsetsOutOfRange = 4582, "record {0} of the tool table (1 to 32 tools, 33 the picked-up thread, 54 to 59 work offsets, 0 the shift) has a value out of its range; nothing has been written",
         "geometry up to 9999.9999 mm, wear up to 99.9999 mm, radius 0 to 99.9999 mm, work offsets up to 99999.9999 mm, tip 0 to 9, station 0 to 32, an angle below 360°; in steps of 0.0001 mm and 0.0001°",
@@ -1321,7 +1317,7 @@ codes! {
     TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
         "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
 
-    // -- 4850–4866 program flow: `language` ------------------------------------------------------------------------------
+    // -- 4850–4868, 4876, 4877 program flow: `language` ---------------------------------------------------------------
     /// A loop that goes on for ever; {0} how many statements it may have without a motion.
     RunawayLoop = 4850, "this loop has carried out {0} statements without a motion", "correct the condition that ends it",
         "该循环已执行 {0} 条语句而没有移动", "请修改结束循环的条件";
@@ -1390,6 +1386,10 @@ codes! {
     ContourTwice = 4876, "N{0} stands in lines {1} and {2} of this program, and nothing tells which of them begins the contour",
         "give the contour numbers that stand once; where one was roughed before with the same P and Q, G70 takes that",
         "N{0} 在本程序第 {1} 行和第 {2} 行重复，无法确定轮廓从哪一段开始", "请使轮廓的 N 号在程序中唯一；若前面已用相同的 P、Q 粗车，G70 采用该轮廓";
+    /// R or C of a wear that is not zero.
+    WearRadius = 4877, "{w} writes a wear of the nose radius, and a tool has one radius and no wear of it",
+        "write the radius itself: G10 P10001 R0.8 (P: 10000 and the number of the offset; Haas: L10); R0 may stay",
+        "{w} 写入刀尖半径磨损，而刀具只有一个半径，没有半径磨损", "请直接写半径：G10 P10001 R0.8（P 为 10000 加刀偏号；Haas 用 L10）；R0 可保留";
     /// M99 as the end of a line that was typed.
     LineRepeats = 4867, "M99 repeats a main program, and a line that was typed has nothing to repeat", "type the line without M99; a program that repeats itself is run from its file (`leadscrew run`)",
         "M99 使主程序重复执行，而键入的单行没有可重复的内容", "请去掉 M99 后重新键入；需要重复执行的程序请存为文件运行（`leadscrew run`）";
