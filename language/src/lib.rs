@@ -81,6 +81,7 @@ mod random;
 pub mod reader;
 pub mod roughing;
 pub mod statement;
+pub mod steps;
 pub mod stock;
 pub mod text;
 pub mod value;

@@ -573,8 +573,12 @@ impl Acting<'_, '_> {
 
     /// Carries out the words of a block that is none of a drilling cycle.
     fn plain_words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
-        if let Some((collected, Some(_))) = &mut self.core.contour {
-            collected.block(words.iter().map(|word| word.letter));
+        if let Some((collected, _)) = &mut self.core.contour {
+            let is_straight =
+                |word: &Word| word.letter == b'G' && matches!(word.value().whole(), Some(0 | 1));
+            let letters = words.iter().map(|word| word.letter);
+            let span = words.first().map_or(Span::default(), |word| word.span);
+            collected.block(letters, words.iter().any(is_straight), span)?;
         }
         let taken = self.take_words(words)?;
         let words = taken.as_deref().unwrap_or(words);
@@ -625,8 +629,10 @@ impl Acting<'_, '_> {
 
 impl Machine for Acting<'_, '_> {
     fn line(&mut self, line: u32, text: &[u8]) -> Result<Done, Alarm> {
-        if let Some((collected, Some(_))) = &mut self.core.contour {
-            collected.block(letters(text));
+        if let Some((collected, _)) = &mut self.core.contour {
+            let is_straight = codes(text).any(|code| matches!(code, 0 | 1));
+            let span = crate::text::span(line, 0, text.len());
+            collected.block(letters(text), is_straight, span)?;
         }
         let home = self.core.path.side() != Side::None && codes(text).any(goes_home);
         self.without_nose(home, |acting| {
@@ -678,6 +684,7 @@ impl Machine for Acting<'_, '_> {
             increment: self.core.unit().decimals,
             counts: self.core.counts(),
             holes: now.taps,
+            drills: self.core.drill.is_some(),
             inch: self.core.interpreter.is_inch(),
             per_turn: now.per_turn,
             counts_increments: self.core.counts_increments(),

@@ -309,6 +309,8 @@ enum Figures {
 
 /// Deeper cuts are hardly meant.
 const DEEPEST_NM: i64 = 10_000_000;
+/// Strokes of a cycle that are not asked about.
+const MOST_STROKES: i64 = crate::steps::MOST as i64;
 
 /// How far a contour reaches below and above the place where the tool begins, in nanometres; both are 0 or more.
 #[derive(Clone, Copy, Debug)]
@@ -334,6 +336,11 @@ impl Reach {
     const fn is_against(self, allowance: i64) -> bool {
         (self.above == 0 && self.below > 0 && allowance < 0)
             || (self.below == 0 && self.above > 0 && allowance > 0)
+    }
+
+    /// The way of the strokes to the end of the contour that is farthest from the start.
+    fn longest(self) -> i64 {
+        self.below.max(self.above)
     }
 
     /// How far the tool stands inside.
@@ -388,9 +395,21 @@ impl Collected {
         self.start
     }
 
-    /// The next block has these letters; only those of the first block count.
-    pub fn block(&mut self, letters: impl Iterator<Item = u8>) {
+    /// The next block has these letters, and perhaps a G00 or G01 of its own; only those of the first block count.
+    ///
+    /// # Errors
+    /// [`Code::ContourFirst`] where the first block goes on with the motion in force: that is another one in G70 than in
+    /// the cycle before it [D541].
+    pub fn block(
+        &mut self,
+        letters: impl Iterator<Item = u8>,
+        is_straight: bool,
+        span: Span,
+    ) -> Result<(), Alarm> {
         if self.axes.is_none() {
+            if !is_straight {
+                return Err(Alarm::new(Code::ContourFirst, span));
+            }
             let mut axes = Axes {
                 x: self.pockets,
                 z: self.pockets,
@@ -401,6 +420,7 @@ impl Collected {
             }
             self.axes = Some(axes);
         }
+        Ok(())
     }
 
     /// Adds a piece of the contour. One more than a contour may have is kept, so that the alarm can name it.
@@ -453,13 +473,22 @@ impl Collected {
             _ => DEEPEST_NM,
         };
         let most = half.min(DEEPEST_NM);
-        if let Some(depth) = depth.filter(|depth| depth.value.nm() > most) {
-            let written = if depth.span == Span::default() {
+        let place = |depth: At<Length>| {
+            if depth.span == Span::default() {
                 span
             } else {
                 depth.span
-            };
-            odd(letter, Arg::Length(depth.value), written);
+            }
+        };
+        if let Some(depth) = depth.filter(|depth| depth.value.nm() > most) {
+            odd(letter, Arg::Length(depth.value), place(depth));
+        }
+        let way = match self.figures {
+            Figures::Rough(Along::X, _) => z.longest(),
+            _ => x.longest(),
+        };
+        if let Some(depth) = depth.filter(|depth| way / depth.value.nm().max(1) > MOST_STROKES) {
+            odd(letter, Arg::Length(depth.value), place(depth));
         }
         let further = match self.figures {
             Figures::Rough(Along::X, _) => z.inside(),

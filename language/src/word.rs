@@ -4,6 +4,7 @@
 //! becomes a number of the increment of its word. This module must not know what a word is for.
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
+use leadscrew_core::program::slip;
 use leadscrew_core::units::Decimal;
 
 use crate::expression::{Calculator, Lookup};
@@ -239,14 +240,17 @@ fn written(
     } else {
         return Ok(number);
     };
-    let limit = [Arg::Int(i64::from(Decimal::MAX_DIGITS))];
+    let figure = match code {
+        Code::NumberMissing => slip(letter, after),
+        _ => i64::from(Decimal::MAX_DIGITS),
+    };
     // Spaces after a letter belong to no number.
     let end = if after.len() == text.len() {
         from + 1
     } else {
         cursor.at()
     };
-    let alarm = Alarm::new(code, span(cursor.line(), from, end)).with(limit);
+    let alarm = Alarm::new(code, span(cursor.line(), from, end)).with([Arg::Int(figure)]);
     Err(alarm.word(letter))
 }
 

@@ -13,6 +13,7 @@ use leadscrew_core::moves::{Move, MoveKind};
 use leadscrew_core::offsets::{Offsets, Source};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::{Axis, Diameter, Length, StartAngle};
+use leadscrew_language::steps;
 use leadscrew_language::stock::Stock;
 
 use crate::path::arc;
@@ -20,8 +21,7 @@ use crate::remains::{EDGE, Remains};
 
 /// Height over pitch of a thread, in thousandths: flat square threads and deep buttress threads are inside.
 const HEIGHT: core::ops::RangeInclusive<i64> = 150..=1_200;
-/// Pecks of a column, and of a whole groove.
-const PECKS: u64 = 250;
+/// Pecks of a whole groove.
 const ALL_PECKS: u64 = 5_000;
 /// Micrometres below which a first pass cuts nothing.
 const FIRST_PASS_NM: i64 = 5_000;
@@ -386,7 +386,7 @@ fn pecks(groove: &GrooveCall, span: Span, tell: &mut dyn FnMut(Alarm)) {
         peck.span
     };
     let all = count.infeeds.saturating_mul(count.columns);
-    if count.infeeds > PECKS || all > ALL_PECKS {
+    if count.infeeds > steps::MOST || all > ALL_PECKS {
         let number = |count: u64| Arg::Int(i64::try_from(count).unwrap_or(i64::MAX));
         let figures = [
             number(count.infeeds),
@@ -395,8 +395,16 @@ fn pecks(groove: &GrooveCall, span: Span, tell: &mut dyn FnMut(Alarm)) {
             Arg::Length(peck.value),
         ];
         tell(Alarm::new(Code::PecksMany, span).with(figures));
-    } else if peck.value >= depth.times(2) && peck.value.nm() / 10 < depth.nm() {
+    } else if steps::is_beyond(peck.value, depth) {
         let figures = [Arg::Length(peck.value), Arg::Length(depth)];
         tell(Alarm::new(Code::PeckBeyondDepth, span).with(figures));
+    }
+    let width = groove.last().value - groove.first();
+    if let Some(step) = groove
+        .step
+        .filter(|step| steps::is_of_other_unit(step.value, width))
+    {
+        let figures = [Arg::Length(step.value), Arg::Length(width.abs())];
+        tell(Alarm::new(Code::PeckBeyondDepth, step.span).with(figures));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! G10 P0 X Z               the shift of all work coordinate systems
-//! G10 P1–P32 X Z           wear of an offset number                      (Haas: L11)
+//! G10 P1–P32 X Z Q         wear of an offset number, the direction of its nose    (Haas: L11)
 //! G10 P10001–P10032 X Z R Q  its geometry, the radius and direction of its nose   (Haas: L10 P1–P32; L12: R alone)
 //! G10 L2 P0–P6 X Z         the same shift, and the zeros of G54 to G59
 //! ```
@@ -12,7 +12,7 @@
 
 use super::state::{State, needs_words};
 use crate::alarm::{Alarm, Arg, Code};
-use crate::offsets::{Offset, Offsets, Record, SYSTEMS, TOOLS};
+use crate::offsets::{Offset, Offsets, Record, SYSTEMS, TOOLS, Tool};
 use crate::text::{Block, Letters, Word};
 use crate::units::{Diameter, Length};
 
@@ -48,8 +48,8 @@ impl Destination {
     /// The words that this place has values for.
     const fn letters(self) -> Letters {
         match self {
-            Self::Shift | Self::Work(_) | Self::Wear(_) => Letters::of(b"LPXUZW"),
-            Self::Geometry(_) => Letters::of(b"LPXUZWRCQ"),
+            Self::Shift | Self::Work(_) => Letters::of(b"LPXUZW"),
+            Self::Wear(_) | Self::Geometry(_) => Letters::of(b"LPXUZWRCQ"),
             Self::Radius(_) => Letters::of(b"LPRC"),
         }
     }
@@ -98,7 +98,19 @@ impl State<'_> {
                 None => Ok(()),
             },
             Destination::Wear(number) => match table.tool_mut(number) {
-                Some(tool) => self.write_offset(&mut tool.wear, block),
+                Some(tool) => {
+                    // R0 stands in programs that clear all wear. The table has no other radius than that of the tool.
+                    for word in [b'R', b'C']
+                        .into_iter()
+                        .filter_map(|letter| block.find(letter))
+                    {
+                        if self.modal.scale.length(&word)? != Length::ZERO {
+                            return Err(word.alarm(Code::WearRadius));
+                        }
+                    }
+                    self.write_offset(&mut tool.wear, block)?;
+                    write_tip(tool, block)
+                }
                 None => Ok(()),
             },
             Destination::Geometry(number) | Destination::Radius(number) => {
@@ -109,10 +121,7 @@ impl State<'_> {
                 tool.measured_x |= by_x;
                 tool.measured_z |= by_z;
                 tool.radius = self.written(block, b'R', b'C', tool.radius)?;
-                if let Some(word) = block.find(b'Q') {
-                    tool.tip = word.count(Offsets::TIP.into())? as u8;
-                }
-                Ok(())
+                write_tip(tool, block)
             }
         }
     }
@@ -134,6 +143,14 @@ impl State<'_> {
         let steps = value.nm().saturating_add(STEP_NM / 2).div_euclid(STEP_NM);
         Ok(Length::from_nm(steps.saturating_mul(STEP_NM)))
     }
+}
+
+/// Q: the direction of the nose, which is that of the number, whether its geometry or its wear is written.
+fn write_tip(tool: &mut Tool, block: &Block) -> Result<(), Alarm> {
+    if let Some(word) = block.find(b'Q') {
+        tool.tip = word.count(Offsets::TIP.into())? as u8;
+    }
+    Ok(())
 }
 
 /// What P and L name.

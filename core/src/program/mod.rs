@@ -19,7 +19,7 @@ mod state;
 #[cfg(test)]
 mod tests;
 
-pub use crate::text::{Dialect, Event, MAX_LINE, Options};
+pub use crate::text::{Dialect, Event, LETTER_O, LETTERS, MAX_LINE, Options, slip};
 pub use arc::ARC_END_TOLERANCE;
 pub use carried::{Carried, CarriedFeed};
 pub use in_force::InForce;

@@ -122,6 +122,8 @@ impl State<'_> {
             let args = [
                 Arg::Int(i64::from(self.modal.speed)),
                 Arg::Int(i64::from(limit)),
+                // The remedy is another one than at G50.
+                Arg::GCode(970),
             ];
             plan.warn(word.alarm(Code::SpeedLimited).with(args));
         }

@@ -320,12 +320,35 @@ impl<'t> Cursor<'t> {
             column,
             end: self.column_of(rest),
         };
-        let args = [
-            Arg::Int(i64::from(Decimal::MAX_DIGITS)),
-            Arg::None,
-            Arg::None,
-            Arg::None,
-        ];
+        let figure = match code {
+            Code::NumberMissing => slip(letter, rest),
+            _ => i64::from(Decimal::MAX_DIGITS),
+        };
+        let args = [Arg::Int(figure), Arg::None, Arg::None, Arg::None];
         Alarm::new(code, span).word(letter).with(args)
+    }
+}
+
+/// A letter O stands for the digit 0.
+pub const LETTER_O: i64 = 1;
+/// Letters that follow one another: a remark, or a word of another language.
+pub const LETTERS: i64 = 2;
+
+/// Why a letter has no number, as the figure of [`Code::NumberMissing`]; `rest` is what stands behind it.
+#[must_use]
+pub fn slip(letter: u8, rest: &[u8]) -> i64 {
+    let is_code = matches!(letter, b'G' | b'M');
+    match rest {
+        [b'O' | b'o', next, ..] if next.is_ascii_alphabetic() && !is_code => LETTERS,
+        [b'O' | b'o', ..] => LETTER_O,
+        // A letter with a number of its own is the next word.
+        [next, b'0'..=b'9' | b'.' | b'+' | b'-' | b'#' | b'[', ..]
+            if next.is_ascii_alphabetic() =>
+        {
+            0
+        }
+        [next, ..] if next.is_ascii_alphabetic() => LETTERS,
+        _ if letter == b'O' => LETTER_O,
+        _ => 0,
     }
 }

@@ -22,6 +22,6 @@ pub(crate) use modal::{AXES, Modal, ModalFeed, PLANE_AXES, out_of_range};
 pub(crate) use plan::Plan;
 pub(crate) use scale::{Range, Scale, seconds};
 
-pub use lexer::MAX_LINE;
+pub use lexer::{LETTER_O, LETTERS, MAX_LINE, slip};
 pub use options::{Dialect, Options};
 pub use plan::Event;

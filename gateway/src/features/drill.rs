@@ -36,18 +36,16 @@ pub(super) struct Holes {
 
 /// The axis of a cycle.
 const fn axis(kind: Kind) -> TapAxis {
-    match kind {
-        Kind::Side => TapAxis::X,
-        _ => TapAxis::Z,
+    if kind.is_side() {
+        TapAxis::X
+    } else {
+        TapAxis::Z
     }
 }
 
 /// Where a hole of this kind is: the other axis, and C.
 const fn place(kind: Kind, at: &Position) -> (Length, i64) {
-    let across = match kind {
-        Kind::Side => at.z,
-        _ => at.x,
-    };
+    let across = if kind.is_side() { at.z } else { at.x };
     (across, at.c.udeg())
 }
 
@@ -186,14 +184,15 @@ impl Holes {
 
     /// Where the holes are.
     fn places(&self, lang: Lang) -> String {
-        if self.kind != Kind::Side && self.holes.iter().all(|hole| hole.radius == 0.0) {
+        if !self.kind.is_side() && self.holes.iter().all(|hole| hole.radius == 0.0) {
             return both!("on the axis", "在轴线上").get(lang).to_owned();
         }
         let one = |hole: &Hole| {
             let angle = measured(hole.angle);
-            match self.kind {
-                Kind::Side => format!("Z{} C{angle}", measured(hole.z)),
-                _ => format!("X{} C{angle}", measured(2.0 * hole.radius)),
+            if self.kind.is_side() {
+                format!("Z{} C{angle}", measured(hole.z))
+            } else {
+                format!("X{} C{angle}", measured(2.0 * hole.radius))
             }
         };
         let mut places: Vec<String> = self.holes.iter().take(PLACES).map(one).collect();

@@ -83,6 +83,28 @@ fn cases() -> Vec<(u64, String, String)> {
             groove("G75 X48 P30000 F0.1"),
             groove("G75 X48 P4000 F0.1"),
         ),
+        // A count of increments where millimetres are read: of a peck, and of the step to the next column.
+        (
+            4982,
+            format!("(DIALECT GSK988)\n{}", groove("G75 X20 P3000 F0.1")),
+            format!("(DIALECT GSK988)\n{}", groove("G75 X20 P3 F0.1")),
+        ),
+        (
+            4982,
+            groove("G75 X20 Z-30 P2000 Q3000000 F0.1"),
+            groove("G75 X20 Z-30 P2000 Q3000 F0.1"),
+        ),
+        (
+            4802,
+            lines("G99 G83 Z-20 R-1 Q5 F0.1"),
+            lines("G99 G83 Z-20 R-1 Q5000 F0.1"),
+        ),
+        (
+            4982,
+            lines("G99 G83 Z-20 R-1 Q5000000 F0.1"),
+            lines("G99 G83 Z-20 R-1 Q30000 F0.1"),
+        ),
+        (4989, one_block("D0.002"), one_block("D2.")),
         (4803, lines("G98 G1 Z-20 F0.2"), lines("G99 G1 Z-20 F0.2")),
         (4803, lines("G99 G1 Z-20 F120"), lines("G98 G1 Z-20 F120")),
         (

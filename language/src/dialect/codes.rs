@@ -106,7 +106,8 @@ impl Control {
             || match self {
                 Self::FanucB | Self::FanucC => matches!(code, 81 | 82 | 85 | 89 | 91),
                 Self::Haas => matches!(code, 81 | 82 | 85 | 89 | 91 | 103),
-                Self::Gsk980td | Self::Gsk988 | Self::FanucA => false,
+                Self::FanucA => matches!(code, 85 | 89),
+                Self::Gsk980td | Self::Gsk988 => false,
             }
     }
 

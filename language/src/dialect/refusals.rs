@@ -39,7 +39,7 @@ enum Of {
 impl Of {
     const fn has(self, control: Control) -> bool {
         let is_haas = matches!(control, Control::Haas);
-        let has_g85 = is_haas || control.has_system_b();
+        let has_g85 = !control.is_gsk();
         match self {
             Self::All => true,
             Self::Gsk => control.is_gsk(),
@@ -121,6 +121,9 @@ pub(super) const REFUSALS: &[Refusal] = &[
     row(Code::OtherControls, Of::Haas, "G87", &[(870, 870)],
         "write G01 to the bottom, M05, and M00, so that the operator moves the tool out by hand",
         "请写 G01 到孔底、M05，再写 M00，由操作者手动退刀"),
+    row(Code::OtherControls, Of::Haas, "G91", &[(910, 910)],
+        "write U and W (H for C) for increments, or G91 beside X and Z, or G28, in each block: it counts for that alone",
+        "增量请用 U、W（C 用 H）；或在每一段把 G91 与 X、Z 或 G28 写在一起：它只在本段有效"),
     row(Code::OtherControls, Of::Haas, "G187 E", &[(1870, 1870)],
         "leave E out: parameter 9033 is the tolerance at corners",
         "请省略 E：拐角允差为参数 9033"),
@@ -179,8 +182,8 @@ impl Refusal {
             Of::Fanuc => (" (FANUC)", "（FANUC）"),
             Of::Haas => (" (Haas)", "（Haas）"),
             Of::NoHaas => (" (GSK, FANUC)", "（GSK、FANUC）"),
-            Of::WithG85 => (" (FANUC B and C, Haas)", "（FANUC B、C、Haas）"),
-            Of::WithoutG85 => (" (GSK, FANUC A)", "（GSK、FANUC A）"),
+            Of::WithG85 => (" (FANUC, Haas)", "（FANUC、Haas）"),
+            Of::WithoutG85 => (" (GSK)", "（GSK）"),
         };
         let note = match lang {
             Lang::En => en,

@@ -2,6 +2,7 @@
 //! remedies.
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
+use leadscrew_core::program::{LETTER_O, LETTERS};
 
 use super::Control;
 use super::refusals::{REFUSALS, refusal};
@@ -9,6 +10,14 @@ use super::refusals::{REFUSALS, refusal};
 /// Alarms whose remedy depends on a number that they name: the number, how it is written, and what to do.
 #[rustfmt::skip]
 const BY_NUMBER: &[(Code, &[Arg], &str, [&str; 2])] = &[
+    (Code::NumberMissing, &[Arg::Int(LETTER_O)], "GO, X5O", [
+        "write the digit 0, and not the letter O",
+        "请写数字 0，而不是字母 O",
+    ]),
+    (Code::NumberMissing, &[Arg::Int(LETTERS)], "ROUGH", [
+        "put a remark in parentheses: (ROUGH); or write a number behind each letter",
+        "注释请写在括号内：(ROUGH)；或在每个字母后写数字",
+    ]),
     (Code::InhibitVariable, &[Arg::Int(3003)], "#3003", [
         "leave it out: a thread, or a chain of G32, stops at its end alone in any case",
         "请省略：螺纹及连续的 G32 总是在其终点才停",
@@ -61,6 +70,21 @@ pub fn help(alarm: &Alarm, lang: Lang) -> Option<String> {
             "请在前面写 G99（FANUC B、C 为 G95），或修改 F；若为 FANUC 或 Haas 程序，请用 `--dialect` 指定；确实如此请写 \
              `(ALLOW 4803)`",
         ),
+        (Code::SpeedLimited, [_, _, Arg::GCode(_), _]) => both(
+            "write a higher G50 S (FANUC B, C: G92 S) before this block, where the work may turn so fast; or a lower S here",
+            "若工件允许，请在本段之前写更高的 G50 S（FANUC B、C 为 G92 S）；或在此写较低的 S",
+        ),
+        (Code::PointInIncrements, [Arg::Int(count), Arg::Letter(letter), ..]) => {
+            let letter = char::from(letter);
+            match lang {
+                Lang::En => format!(
+                    "write {letter}{count}: on a FANUC {letter} counts increments here, without a point"
+                ),
+                Lang::Zh => {
+                    format!("请写 {letter}{count}：FANUC 在此以最小增量计数，{letter} 不带小数点")
+                }
+            }
+        }
         (Code::WordWithoutUse, _) if matches!(alarm.word, Some(b'C' | b'R')) => both(
             "remove it, or write the code it belongs to; where a corner between two lines is meant, write `,C` or `,R`",
             "请去掉它，或写出它所属的代码；若指两直线间的拐角，请写 `,C` 或 `,R`",

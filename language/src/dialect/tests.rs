@@ -385,6 +385,13 @@ fn a_limit_holds_under_g97_where_the_control_says_so() {
         .iter()
         .any(|event| matches!(event, Event::Warning(alarm) if alarm.number() == 4901));
     assert!(warned);
+    // It is told what to do here, and not at G50.
+    let limited = read(Control::FanucA, "G50 S1500;G97 S2500 M3").0;
+    let told = limited.iter().find_map(|event| match event {
+        Event::Warning(alarm) => super::remedies::help(alarm, leadscrew_core::alarm::Lang::En),
+        Event::Call(_) => None,
+    });
+    assert!(told.is_some_and(|told| told.contains("higher G50 S")));
 }
 
 #[test]

@@ -18,8 +18,10 @@ pub struct Setting {
     pub increment: u8,
     /// P and Q of G74 to G76 count increments on a GSK 980TD.
     pub counts: bool,
-    /// A cycle of holes is in force, whose words come without its code.
+    /// A tapping cycle is in force, whose words come without its code.
     pub holes: bool,
+    /// A drilling cycle is, and its words too.
+    pub drills: bool,
     /// Lengths are inches.
     pub inch: bool,
     /// The feed is per turn.
@@ -35,6 +37,7 @@ impl Default for Setting {
             increment: 3,
             counts: false,
             holes: false,
+            drills: false,
             inch: false,
             per_turn: false,
             counts_increments: false,
@@ -121,7 +124,7 @@ impl Translator {
             refuse_speed_limit(words)?;
         }
         let motion = motion_of(words, now);
-        let alone = !now.holes && !words.iter().any(is_one_shot);
+        let alone = !now.holes && !goes_on_drilling(words, now) && !words.iter().any(is_one_shot);
         if self.control.is_gsk() {
             if alone && matches!(motion, 1..=3) {
                 corners_of_gsk(words);
@@ -169,7 +172,7 @@ impl Translator {
 
     /// The G codes. True where the axis words of the block count from where the tool is.
     fn codes(&mut self, words: &mut Vec<Word>) -> Result<bool, Alarm> {
-        let (control, mut here) = (self.control, false);
+        let (control, mut here) = (self.control, None);
         let mut wrong = None;
         words.retain_mut(|word| {
             let Some(code) = code_of(word) else {
@@ -178,7 +181,7 @@ impl Translator {
             match code {
                 90 | 91 if control.has_system_b() => self.incremental = code == 91,
                 98 | 99 if control.has_system_b() => self.returns_to_r = code == 99,
-                91 if control == Control::Haas => here = true,
+                91 if control == Control::Haas => here = Some(*word),
                 _ => {
                     match control.to_a(code) {
                         Some(a) if a != code => word.given = Given::Written(Decimal::new(a, 0)),
@@ -194,8 +197,17 @@ impl Translator {
             }
             false
         });
+        // G91 of a Haas is in force for the words of its block, and alone it would change nothing [D543].
+        if let Some(word) = here
+            && !words.iter().any(|word| b"XUZWCH".contains(&word.letter))
+            && !has_code(words, 28)
+            && !has_code(words, 30)
+        {
+            let alarm = word.alarm(Code::GNotAvailable);
+            wrong.get_or_insert(alarm.with([Arg::GCode(910)]));
+        }
         let incremental = self.incremental && control.has_system_b();
-        wrong.map_or(Ok(here || incremental), Err)
+        wrong.map_or(Ok(here.is_some() || incremental), Err)
     }
 }
 
@@ -225,6 +237,13 @@ pub(super) fn motion_of(words: &[Word], now: Setting) -> i64 {
     let codes = [90, 92, 94, 32, 34, 0, 1, 2, 3];
     let written = codes.into_iter().find(|motion| has_code(words, *motion));
     written.unwrap_or_else(|| i64::from(now.motion))
+}
+
+/// True for a block of the drilling cycle in force, without its code.
+fn goes_on_drilling(words: &[Word], now: Setting) -> bool {
+    const MOTIONS: [i64; 9] = [0, 1, 2, 3, 32, 34, 90, 92, 94];
+    let ends = |word: &Word| code_of(word).is_some_and(|code| MOTIONS.contains(&code));
+    now.drills && !words.iter().any(|word| ends(word) || is_one_shot(word))
 }
 
 /// True for a code that gives the axis words of its block another meaning than motion.
@@ -331,6 +350,8 @@ fn of_fanuc(words: &mut [Word], now: Setting) -> Result<(), Alarm> {
     let axes = words
         .iter()
         .any(|word| matches!(word.letter, b'X' | b'U' | b'Z' | b'W'));
+    let goes_on = now.holes && !words.iter().any(is_one_shot);
+    let taps = goes_on || has_code(words, 84) || has_code(words, 88);
     let letters: &[u8] = if has_code(words, 74) || has_code(words, 75) {
         b"PQD"
     } else if has_code(words, 76) {
@@ -338,7 +359,7 @@ fn of_fanuc(words: &mut [Word], now: Setting) -> Result<(), Alarm> {
         if axes { b"PQD" } else { b"Q" }
     } else if has_code(words, 71) || has_code(words, 72) {
         b"D"
-    } else if has_code(words, 83) || has_code(words, 87) {
+    } else if taps || has_code(words, 83) || has_code(words, 87) || goes_on_drilling(words, now) {
         b"Q"
     } else {
         return Ok(());
@@ -347,18 +368,20 @@ fn of_fanuc(words: &mut [Word], now: Setting) -> Result<(), Alarm> {
     let one_line = one_line::is_thread(words);
     for word in words {
         if letters.contains(&word.letter) && !(one_line && word.letter != b'D') {
-            word.given = counted(word, now.increment)?;
+            word.given = counted(word, now.increment, taps)?;
         }
     }
     Ok(())
 }
 
-/// A count of increments as a length.
-fn counted(word: &Word, increment: u8) -> Result<Given, Alarm> {
+/// A count of increments as a length. With a point D, and Q of a tap, are lengths as they stand [D544].
+fn counted(word: &Word, increment: u8, taps: bool) -> Result<Given, Alarm> {
     let steps = libm::pow(10.0, f64::from(increment));
     Ok(match word.given {
-        Given::Written(number) if number.has_point() && word.letter != b'D' => {
-            return Err(word.alarm(Code::PointInIncrements));
+        Given::Written(number) if number.has_point() && word.letter != b'D' && !taps => {
+            let count = in_steps(number, increment);
+            let figures = [Arg::Int(count), Arg::Letter(word.letter)];
+            return Err(word.alarm(Code::PointInIncrements).with(figures));
         }
         Given::Written(number) if number.has_point() => Given::Written(number),
         Given::Written(number) => Given::Written(Decimal::new(number.mantissa(), increment)),
@@ -369,6 +392,15 @@ fn counted(word: &Word, increment: u8) -> Result<Given, Alarm> {
         Given::Calculated(Value::Increments(count)) => {
             Given::Calculated(Value::Number(count / steps))
         }
+    })
+}
+
+/// How many increments a number is; what is finer is rounded.
+fn in_steps(number: Decimal, increment: u8) -> i64 {
+    number.scaled(increment).unwrap_or_else(|_| {
+        let finer = number.decimals().saturating_sub(increment);
+        let step = 10_i64.saturating_pow(finer.into());
+        (number.mantissa() + step / 2 * number.mantissa().signum()) / step
     })
 }
 

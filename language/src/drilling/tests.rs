@@ -1,6 +1,6 @@
 //! Drilling against move lists worked out by hand.
 
-use leadscrew_core::alarm::Alarm;
+use leadscrew_core::alarm::{Alarm, Arg};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Event, Options};
 use leadscrew_core::units::Length;
@@ -102,6 +102,198 @@ fn holes_one_after_the_other() {
     );
 }
 
+/// What is not written again stays, with the code or without it.
+#[test]
+fn a_cycle_that_is_written_again_keeps_its_words() {
+    for (control, first, again) in [
+        (Control::FanucA, "G83 Z-10 R-3 Q5000 P200", "Z-20"),
+        (Control::Gsk980td, "G83 Z-10 R-3 Q5000 P200", "Z-20"),
+        (Control::FanucB, "G83 Z-10 R-3 Q5000 P200", "X10"),
+        (Control::Haas, "G83 Z-10 R2 Q5 P200", "X4 Z-20"),
+        (Control::Haas, "G83 Z-10 R2 Q5 P200", "X4 R1"),
+        (Control::FanucB, "G82 Z-10 R-3 P200", "X10"),
+    ] {
+        let start = if control == Control::FanucB {
+            "G94"
+        } else {
+            "G98"
+        };
+        let with = |code: &str| {
+            let text = format!("{start} G0 X0 Z5;{first} F100;{code} {again};G80");
+            moves(&[], control, &text)
+        };
+        assert_eq!(with(&first[..3]), with(""), "{first};{again}");
+    }
+    // One cycle keeps for another what it has no use for.
+    let text = "G94 G0 X0 Z5;G83 Z-10 R-3 Q5000 P200 F100;G81 X10;G83 X20;G80";
+    assert_eq!(
+        moves(&[], Control::FanucB, text),
+        "R0,5 R0,2 F0,-3 R0,-2 F0,-8 R0,-7 F0,-10 D R0,5 R10,5 R10,2 F10,-10 R10,5 \
+         R20,5 R20,2 F20,-3 R20,-2 F20,-8 R20,-7 F20,-10 D R20,5"
+    );
+    // The bottom may come with the code that is written again; G80 and the other axis forget all.
+    let text = "G98 G0 X0 Z5;G83 R-3 Q5000 F100;G83 Z-5;G80";
+    assert_eq!(
+        moves(&[], Control::FanucA, text),
+        "R0,5 R0,2 F0,-3 R0,-2 F0,-5 R0,5"
+    );
+    for text in [
+        "G98 G0 X0 Z5;G83 Z-5 R-3 F100;G80;G83 X4",
+        "G98 G0 X50 Z5;G83 Z-5 R-3 F100;G87 Z-3",
+    ] {
+        assert_eq!(refused(Control::FanucA, text), 4062, "{text}");
+    }
+}
+
+/// Q of a FANUC counts increments wherever a cycle of holes reads it.
+#[test]
+fn pecks_of_a_fanuc_are_increments() {
+    let text = "G98 G0 X0 Z5;G83 Z-5 R-3 Q5000 F100;X10 Q3000;G80";
+    let pecked =
+        "R0,5 R0,2 F0,-3 R0,-2 F0,-5 R0,5 R10,5 R10,2 F10,-1 R10,0 F10,-4 R10,-3 F10,-5 R10,5";
+    assert_eq!(moves(&[], Control::FanucA, text), pecked);
+    assert_eq!(
+        moves(&[], Control::FanucB, &text.replace("G98", "G94")),
+        pecked
+    );
+    let text = "G98 G0 X0 Z5;G83 R-3 F100;Z-5 Q5000;#1=3000;X10 Q#1;G80";
+    assert_eq!(
+        moves(&[], Control::FanucC, &text.replace("G98", "G94")),
+        pecked
+    );
+    assert_eq!(
+        refused(Control::FanucA, "G98 G0 X0 Z5;G83 R-3 F100;Z-5 Q5."),
+        4045
+    );
+    // G65 has its own Q.
+    let text = "G98 G0 X0 Z5;G83 Z-5 R-3 Q5000 F100;G65 P9 Q1.;X10;G80;M30;O9;M99";
+    assert!(
+        moves(&[], Control::FanucA, text).contains("R10,2 F10,-3 R10,-2 F10,-5"),
+        "{text}"
+    );
+}
+
+/// Q of another unit is told, once for each Q.
+#[test]
+fn pecks_of_another_unit_are_told() {
+    let told = |control, text: &str| {
+        let (events, alarm) = read_with(&[], control, text);
+        assert_eq!(alarm, None, "{text}");
+        let number = |event: &Event| match event {
+            Event::Warning(alarm) => Some((alarm.number(), alarm.span.line)),
+            Event::Call(_) => None,
+        };
+        events.iter().filter_map(number).collect::<Vec<_>>()
+    };
+    let start = "G98 G0 X0 Z2;";
+    let one = |control, hole: &str| told(control, &format!("{start}{hole} F100;X10;G80"));
+    assert_eq!(one(Control::FanucA, "G83 Z-20 Q5"), [(4802, 2)]);
+    assert_eq!(one(Control::Gsk980td, "G83 Z-20 Q5"), [(4802, 2)]);
+    assert_eq!(one(Control::Gsk988, "G83 Z-20 Q5000"), [(4982, 2)]);
+    assert_eq!(one(Control::Haas, "G83 Z-20 R1 Q5000"), [(4982, 2)]);
+    for right in [
+        "G83 Z-20 Q5000",
+        "G83 Z-20 Q30000",
+        "G83 Z-20",
+        "G83 Z-20 Q0",
+    ] {
+        assert_eq!(one(Control::FanucA, right), [], "{right}");
+    }
+    // Another Q is told anew.
+    let text = format!("{start}G83 Z-20 Q5 F100;X10;X20 Q6;G80");
+    assert_eq!(told(Control::FanucA, &text), [(4802, 2), (4802, 4)]);
+}
+
+/// G85 and G89 of a FANUC dwell and come out at feed, one along Z and the other along X.
+#[test]
+fn boring_of_a_fanuc() {
+    for (control, start) in [
+        (Control::FanucA, "G98"),
+        (Control::FanucB, "G94"),
+        (Control::FanucC, "G94"),
+    ] {
+        let text = format!("{start} G0 X20 Z2;G85 Z-10 R-1 P500 F100;G80");
+        assert_eq!(
+            moves(&[], control, &text),
+            "R20,2 R20,1 F20,-10 D F20,1 R20,2"
+        );
+        let text = format!("{start} G0 X50 Z-5;G89 Z-10 X20 R-5 P500 F100;Z-20;G80");
+        assert_eq!(
+            moves(&[], control, &text),
+            "R50,-5 R50,-10 R40,-10 F20,-10 D F40,-10 R50,-10 R50,-20 R40,-20 F20,-20 D F40,-20 R50,-20"
+        );
+        let text = format!("{start} G0 X50 Z-5;G89 Z-10 R-5 F100;G80");
+        let alarm = read_with(&[], control, &text).1.expect("no bottom");
+        assert_eq!(
+            (alarm.number(), alarm.args[0], alarm.args[1]),
+            (4062, Arg::GCode(890), Arg::Letter(b'X'))
+        );
+    }
+    // A Haas has both along Z.
+    let text = "G98 G0 X20 Z2;G89 Z-10 R1 P500 F100;G80";
+    assert_eq!(
+        moves(&[], Control::Haas, text),
+        "R20,2 R20,1 F20,-10 D F20,1 R20,2"
+    );
+    for control in [Control::Gsk980td, Control::Gsk988] {
+        assert_eq!(refused(control, "G98 G0 X20 Z2;G85 Z-10 R-1 F100"), 4018);
+    }
+    for (control, code) in [(Control::FanucA, 81), (Control::FanucA, 82)] {
+        assert_eq!(
+            refused(control, &format!("G98 G0 X20 Z2;G{code} Z-10 R-1 F100")),
+            4018
+        );
+    }
+    let alarm = read_with(&[], Control::Haas, "G98 G0 X0 Z2;G81 X4 R1 F100")
+        .1
+        .unwrap();
+    assert_eq!((alarm.number(), alarm.args[0]), (4062, Arg::GCode(810)));
+}
+
+/// A block of another code has its own words.
+#[test]
+fn codes_of_one_block_between_holes() {
+    let first = "G98 G0 X0 Z5;G83 Z-5 R-3 F100";
+    let drilled = "R0,5 R0,2 F0,-5 R0,5";
+    for (control, code, then) in [
+        (Control::FanucA, "G4 X1.", " D"),
+        (Control::FanucA, "G4 P500", " D"),
+        (Control::FanucA, "G4 U1.", " D"),
+        (Control::Gsk980td, "G4 P500", " D"),
+        (Control::FanucA, "G50 S1500", ""),
+        (Control::FanucA, "G10 P1 X0 Z0", ""),
+        (Control::FanucA, "G53 X20 Z5", " R20,5"),
+    ] {
+        let text = format!("{first};{code};X10;G80");
+        let expected = format!("{drilled}{then} R10,5 R10,2 F10,-5 R10,5");
+        assert_eq!(moves(&[], control, &text), expected, "{text}");
+    }
+    // G28 and G30 end the cycle, and what follows is a rapid.
+    for (control, code) in [
+        (Control::FanucA, "G28 U0 W0"),
+        (Control::Gsk980td, "G28 U0 W0"),
+        (Control::FanucA, "G30 U0 W0"),
+        (Control::Haas, "G28"),
+    ] {
+        let first = if control == Control::Haas {
+            first.replace("R-3", "R2")
+        } else {
+            first.to_owned()
+        };
+        let of = |text: String| moves(&[], control, &text);
+        let ended = of(format!("{first};{code};X10;Z4"));
+        assert_eq!(ended, of(format!("{first};G80;{code};X10;Z4")), "{code}");
+    }
+    // The place of the work has changed, and that of the tool has not.
+    let text = format!("{first};G50 X0 Z6;X10;G80");
+    let expected = format!("{drilled} R10,6 R10,3 F10,-5 R10,6");
+    assert_eq!(moves(&[], Control::FanucA, &text), expected);
+    assert_eq!(
+        refused(Control::FanucA, "G98 G0 X0 Z5;G83 R-3 F100;G28 U0"),
+        4062
+    );
+}
+
 /// A cycle may keep its words and drill at a later place; one that never does has lost a word.
 #[test]
 fn a_cycle_without_a_hole_is_refused() {
@@ -147,12 +339,11 @@ fn cycles_of_the_other_systems() {
         ("G98 G82 Z-5 R-3 P100", "D R0,5"),
         ("G98 G85 Z-5 R-3", "F0,2 R0,5"),
         ("G99 G85 Z-5 R-3", "F0,2"),
-        ("G98 G89 Z-5 R-3 P100", "D F0,2 R0,5"),
+        ("G98 G85 Z-5 R-3 P100", "D F0,2 R0,5"),
     ] {
         let text = format!("G94 G0 X0 Z5;{words} F100;G80");
         let found = moves(&[], Control::FanucB, &text);
         assert_eq!(found, format!("{drilled}{after}"), "{words}");
-        assert_eq!(refused(Control::FanucA, &text.replace("G94", "G98")), 4018);
     }
     // With G99 the next hole begins at R, and R stays where it is.
     let text = "G94 G0 X0 Z5;G99 G81 Z-5 R-3 F100;X10;G80";

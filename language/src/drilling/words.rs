@@ -19,10 +19,12 @@ pub enum Kind {
     Plain,
     /// G82, along Z: without pecks, with a dwell.
     Dwelling,
-    /// G85, along Z: out at feed.
+    /// G85, along Z: out at feed, in a FANUC after a dwell.
     Boring,
-    /// G89, along Z: out at feed after a dwell.
+    /// G89 of a Haas, along Z: out at feed after a dwell.
     BoringDwelling,
+    /// G89 of a FANUC, along X: the same.
+    SideBoring,
 }
 
 impl Kind {
@@ -33,13 +35,15 @@ impl Kind {
             return None;
         }
         let more = control.has_system_b() || control == Control::Haas;
+        let bores = !control.is_gsk();
         Some(match word.value().whole()? {
             83 => Self::Face,
             87 if control != Control::Haas => Self::Side,
             81 if more => Self::Plain,
             82 if more => Self::Dwelling,
-            85 if more => Self::Boring,
-            89 if more => Self::BoringDwelling,
+            85 if bores => Self::Boring,
+            89 if control == Control::Haas => Self::BoringDwelling,
+            89 if bores => Self::SideBoring,
             _ => return None,
         })
     }
@@ -53,32 +57,45 @@ impl Kind {
             Self::Plain => "G81",
             Self::Dwelling => "G82",
             Self::Boring => "G85",
-            Self::BoringDwelling => "G89",
+            Self::BoringDwelling | Self::SideBoring => "G89",
         }
+    }
+
+    /// The same as a figure of an alarm.
+    #[must_use]
+    pub const fn figure(self) -> Arg {
+        Arg::GCode(match self {
+            Self::Face => 830,
+            Self::Side => 870,
+            Self::Plain => 810,
+            Self::Dwelling => 820,
+            Self::Boring => 850,
+            Self::BoringDwelling | Self::SideBoring => 890,
+        })
+    }
+
+    /// It drills along X.
+    #[must_use]
+    pub const fn is_side(self) -> bool {
+        matches!(self, Self::Side | Self::SideBoring)
     }
 
     /// The letters of the axis along which it drills: absolute, increment.
     #[must_use]
     pub const fn axis(self) -> [u8; 2] {
-        match self {
-            Self::Side => *b"XU",
-            _ => *b"ZW",
-        }
+        if self.is_side() { *b"XU" } else { *b"ZW" }
     }
 
     /// The letters that place the hole.
     #[must_use]
     pub const fn place(self) -> &'static [u8] {
-        match self {
-            Self::Side => b"ZWCH",
-            _ => b"XUCH",
-        }
+        if self.is_side() { b"ZWCH" } else { b"XUCH" }
     }
 
     /// Its tool leaves at feed.
     #[must_use]
     pub const fn feeds_out(self) -> bool {
-        matches!(self, Self::Boring | Self::BoringDwelling)
+        matches!(self, Self::Boring | Self::BoringDwelling | Self::SideBoring)
     }
 
     /// It has pecks.
@@ -110,10 +127,12 @@ pub struct Drill {
     pub bottom: Option<Level>,
     /// Q.
     pub peck: Option<At<Length>>,
-    /// P.
-    pub dwell: u32,
+    /// P, and the cycle that it was written for.
+    pub dwell: (u32, Kind),
     /// A block has asked for a hole.
     pub drills: bool,
+    /// What is odd about Q has been told.
+    pub doubted: bool,
 }
 
 /// The words of a block, divided.
@@ -143,9 +162,34 @@ impl Drill {
             level: None,
             bottom: None,
             peck: None,
-            dwell: 0,
+            dwell: (0, kind),
             drills: false,
+            doubted: false,
         }
+    }
+
+    /// A cycle that is written while this one is in force. Along the same axis its words stay [D545].
+    #[must_use]
+    pub fn then(self, kind: Kind, code: Span) -> Self {
+        if self.kind.is_side() != kind.is_side() {
+            return Self::new(kind, code);
+        }
+        Self {
+            kind,
+            code,
+            drills: false,
+            ..self
+        }
+    }
+
+    /// The dwell at the bottom, in milliseconds. A cycle that has none of its own does not take over that of another.
+    #[must_use]
+    pub fn dwell(&self) -> u32 {
+        let (dwell, written_for) = self.dwell;
+        if self.kind == Kind::Plain && written_for != Kind::Plain {
+            return 0;
+        }
+        dwell
     }
 
     /// A cycle is over. One that has only kept its words has lost the word that asks for the hole.
@@ -156,10 +200,15 @@ impl Drill {
         if self.drills {
             return Ok(());
         }
+        Err(self.bottom_missing())
+    }
+
+    /// The alarm of a cycle that does not know how deep it goes.
+    #[must_use]
+    pub fn bottom_missing(&self) -> Alarm {
         let [letter, _] = self.kind.axis();
-        let code = if self.kind == Kind::Side { 870 } else { 830 };
-        let figures = [Arg::GCode(code), Arg::Letter(letter)];
-        Err(Alarm::new(Code::TapBottomMissing, self.code).with(figures))
+        let figures = [self.kind.figure(), Arg::Letter(letter)];
+        Alarm::new(Code::TapBottomMissing, self.code).with(figures)
     }
 
     /// Reads a block: the cycle keeps its own words, and the others are divided. `counts`: Q counts increments.
@@ -211,11 +260,13 @@ impl Drill {
                         return Err(word.alarm(Code::Negative));
                     }
                     self.peck = (peck.value > Length::ZERO).then_some(peck);
+                    self.doubted = false;
                 }
                 b'P' if control == Control::Haas => {
-                    self.dwell = in_milliseconds(word).count(0, 99_999_999)?;
+                    let count = in_milliseconds(word).count(0, 99_999_999)?;
+                    self.dwell = (count, self.kind);
                 }
-                b'P' => self.dwell = word.count(0, 99_999_999)?,
+                b'P' => self.dwell = (word.count(0, 99_999_999)?, self.kind),
                 b'K' | b'L' => parts.holes = word.count(1, 9999)?,
                 b'M' if is_free_m(whole()) => {
                     if parts.clamp.is_some() {

@@ -6,6 +6,7 @@ use super::frame::{Frame, Modal};
 use super::jumps::no_label;
 use super::{Flow, Machine, Trouble};
 use crate::arguments::arguments;
+use crate::dialect::Control;
 use crate::lines::Source;
 use crate::macro_a::{self, After};
 use crate::variables::{Locals, Scope};
@@ -127,13 +128,16 @@ impl<S: Source> Flow<S> {
         Ok(true)
     }
 
-    /// M98 P L, or P with the passes in front of four digits.
+    /// M98 P L, or P with the passes in front of four digits [D542].
     fn subprogram_call(&mut self, word: Word, words: &[Word]) -> Result<(), Trouble> {
         let target = find(words, b'P')?.ok_or_else(|| word.alarm(Code::CallWithoutTarget))?;
         let number = target.count(0, HIGHEST)?;
         let (number, passes) = match find(words, b'L')? {
             Some(passes) => (number, passes.count(1, 9999)?),
-            None if number > 9999 => (number % 10_000, (number / 10_000).max(1)),
+            // A Haas has programs of five digits, and L alone counts.
+            None if number > 9999 && self.translator.control() != Control::Haas => {
+                (number % 10_000, (number / 10_000).max(1))
+            }
             None => (number, 1),
         };
         let modals = self.top().modals.clone();

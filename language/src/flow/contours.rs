@@ -3,10 +3,12 @@
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 
 use super::calls::{HIGHEST, find};
+use super::search::keep;
 use super::{Flow, Machine, Trouble};
 use crate::lines::{Place, Source};
 use crate::outline::Scanner;
 use crate::roughing::Cycle;
+use crate::whose::line_in_file;
 use crate::word::Word;
 
 impl<S: Source> Flow<S> {
@@ -37,11 +39,7 @@ impl<S: Source> Flow<S> {
             (None, _) => return Err(missing(&code, b'P').into()),
             (_, None) => return Err(missing(&code, b'Q').into()),
         };
-        let begin = self.contour_block(&first)?;
-        let end = self.contour_block(&last)?;
-        if end.is_before(begin) {
-            return Err(not_there(&last).into());
-        }
+        let (begin, end) = self.contour(cycle, &first, &last)?;
         machine.contour_begins(cycle, &mine, code.span)?;
         let (back, around) = (self.at, self.top().loops.clone());
         self.at = begin;
@@ -71,13 +69,65 @@ impl<S: Source> Flow<S> {
         Ok(())
     }
 
-    /// The block that P or Q names.
-    fn contour_block(&mut self, word: &Word) -> Result<Place, Trouble> {
+    /// The first and the last block of a cycle's contour. Programs use their numbers again for the next tool: G70 takes the
+    /// contour that was roughed last under its numbers [D540].
+    fn contour(
+        &mut self,
+        cycle: Cycle,
+        first: &Word,
+        last: &Word,
+    ) -> Result<(Place, Place), Trouble> {
+        let numbers = [first.count(0, HIGHEST)?, last.count(0, HIGHEST)?];
+        let key = (self.top().start, numbers);
+        if cycle == Cycle::Finish
+            && let Some(known) = self.memo.contours.get(&key)
+        {
+            return Ok(*known);
+        }
+        let from = self.at;
+        let begin = self.contour_block(first, from)?;
+        if cycle == Cycle::Finish || begin.is_before(from) {
+            self.refuse_twice(first, numbers[0])?;
+        }
+        let end = self.contour_block(last, begin)?;
+        if end.is_before(begin) {
+            return Err(not_there(last).into());
+        }
+        keep(&mut self.memo.contours, key, (begin, end));
+        Ok((begin, end))
+    }
+
+    /// The block that P or Q names, from `from` on.
+    fn contour_block(&mut self, word: &Word, from: Place) -> Result<Place, Trouble> {
         let number = word.count(0, HIGHEST)?;
-        match self.find_label(number, self.at)? {
+        match self.find_label(number, from)? {
             Some(target) => Ok(target.place),
             None => Err(not_there(word).into()),
         }
+    }
+
+    /// Refuses a number that two blocks of the program have, where nothing tells which of them is meant.
+    fn refuse_twice(&mut self, word: &Word, number: u32) -> Result<(), Trouble> {
+        let mut scanner = Scanner::from(self.top().start);
+        let (mut at_front, mut one) = (true, None);
+        while let Some(block) = scanner.next(&mut self.lines)? {
+            if block.program.is_some() && !at_front {
+                break;
+            }
+            at_front = false;
+            if block.sequence != Some(number) {
+                continue;
+            }
+            let line = line_in_file(block.place.line);
+            match one {
+                None => one = Some(line),
+                Some(one) => {
+                    let figures = [number, one, line].map(|figure| Arg::Int(i64::from(figure)));
+                    return Err(word.alarm(Code::ContourTwice).with(figures).into());
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Refuses a word that leads elsewhere while a contour is read.

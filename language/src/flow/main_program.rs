@@ -5,7 +5,7 @@ use std::io;
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 use super::Flow;
-use crate::dialect::written;
+use crate::dialect::{Control, written};
 use crate::lines::{Place, Source};
 use crate::outline::{Outline, Scanner};
 use crate::text::piece;
@@ -117,7 +117,9 @@ impl<S: Source> Flow<S> {
             }
         }
         let first = f64::from(first);
-        let is_first = |number: f64| number == first || number % 10_000.0 == first;
+        let passes_in_front = self.rules.control != Control::Haas;
+        let is_first =
+            |number: f64| number == first || (passes_in_front && number % 10_000.0 == first);
         signs.calls_first = calls && called.is_some_and(is_first);
         Ok(signs)
     }

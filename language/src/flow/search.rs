@@ -34,10 +34,13 @@ pub struct Memo {
     labels: HashMap<(Place, u32), Option<Target>>,
     programs: HashMap<(Whose, u32), Option<Place>>,
     ends: HashMap<Place, Place>,
+    /// The contours of the latest cycles by the front of their program, P and Q. One that has gone is looked for anew, and
+    /// refused where its numbers stand twice.
+    pub(super) contours: HashMap<(Place, [u32; 2]), (Place, Place)>,
 }
 
 /// Keeps an answer; all others go where there are too many.
-fn keep<K: Eq + Hash, V>(answers: &mut HashMap<K, V>, key: K, answer: V) {
+pub(super) fn keep<K: Eq + Hash, V>(answers: &mut HashMap<K, V>, key: K, answer: V) {
     if answers.len() >= KEPT {
         answers.clear();
     }

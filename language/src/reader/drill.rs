@@ -8,8 +8,9 @@ use leadscrew_core::units::{Decimal, Length};
 use super::Acting;
 use crate::dialect::{Control, is_m19};
 use crate::drilling::{Drill, Hole, Kind, Level, Parts, Step};
-use crate::flow::Done;
+use crate::flow::{Done, Machine};
 use crate::plane::Point;
+use crate::steps;
 use crate::word::{Given, Word};
 
 /// More pecks than any hole needs.
@@ -23,6 +24,17 @@ fn ends(word: &Word) -> bool {
             code,
             Some(0..=3 | 32 | 34 | 74..=76 | 78 | 80 | 84 | 88 | 90 | 92 | 94)
         )
+}
+
+/// True for a code that has all words of its block, so that none of them is one of the hole's.
+fn is_of_its_block(word: &Word) -> bool {
+    let code = word.value().whole();
+    word.letter == b'G' && matches!(code, Some(4 | 10 | 28 | 30 | 50 | 53))
+}
+
+/// True for G28 and G30, which end a cycle.
+fn goes_to_reference(word: &Word) -> bool {
+    word.letter == b'G' && matches!(word.value().whole(), Some(28 | 30))
 }
 
 /// True for M02 and M30.
@@ -44,12 +56,17 @@ impl Acting<'_, '_> {
                     let code = u16::try_from(code).unwrap_or(0);
                     return Err(word.alarm(Code::TapCycleKept).with([Arg::GCode(code * 10)]));
                 }
-                let level = match &self.core.drill {
-                    Some((drill, initial)) if drill.kind.axis() == kind.axis() => *initial,
-                    _ => self.core.interpreter.position(),
+                let drill = match self.core.drill {
+                    Some((drill, initial)) if drill.kind.axis() == kind.axis() => {
+                        (drill.then(kind, word.span), initial)
+                    }
+                    _ => {
+                        self.end_drilling()?;
+                        let here = self.core.interpreter.position();
+                        (Drill::new(kind, word.span), here)
+                    }
                 };
-                self.end_drilling()?;
-                self.core.drill = Some((Drill::new(kind, word.span), level));
+                self.core.drill = Some(drill);
                 self.core.drilled = Some((kind, word.span));
             }
             None if words.iter().any(ends) => self.end_drilling()?,
@@ -60,6 +77,12 @@ impl Acting<'_, '_> {
         };
         if self.core.contour.is_some() {
             return Err(Alarm::new(Code::ContourWord, drill.code).word(b'G'));
+        }
+        if begins.is_none() && words.iter().any(is_of_its_block) {
+            if words.iter().any(goes_to_reference) {
+                self.end_drilling()?;
+            }
+            return Ok(None);
         }
         // A spindle that stands at an angle drills no hole, and R of the block would be its level.
         if self.core.params.orients_by_m19()
@@ -113,11 +136,12 @@ impl Acting<'_, '_> {
                 self.plain_words(line, &[code(motion, drill.code)])?;
             }
             let hole = self.hole(line, drill, initial)?;
+            self.doubt(drill, &hole);
             if let Some(clamp) = &parts.clamp {
                 self.clamp(clamp, 0)?;
             }
             let span = drill.code;
-            let side = drill.kind == Kind::Side;
+            let side = drill.kind.is_side();
             hole.steps(|step| {
                 let at = self.core.interpreter.position();
                 let to = |to: Length| {
@@ -143,10 +167,37 @@ impl Acting<'_, '_> {
         Ok(())
     }
 
+    /// Tells once what is odd about Q.
+    fn doubt(&mut self, drill: &Drill, hole: &Hole) {
+        let Some((in_force, _)) = &mut self.core.drill else {
+            return;
+        };
+        let Some(peck) = drill.peck.filter(|_| drill.kind.pecks()) else {
+            return;
+        };
+        if std::mem::replace(&mut in_force.doubted, true) {
+            return;
+        }
+        let (count, depth) = (hole.pecks(), (hole.bottom - hole.level).abs());
+        if count > steps::MOST {
+            let number = |count: u64| Arg::Int(i64::try_from(count).unwrap_or(i64::MAX));
+            let figures = [
+                number(count),
+                number(1),
+                Arg::Length(depth),
+                Arg::Length(peck.value),
+            ];
+            self.note(Alarm::new(Code::PecksMany, peck.span).with(figures));
+        } else if steps::is_beyond(peck.value, depth) {
+            let figures = [Arg::Length(peck.value), Arg::Length(depth)];
+            self.note(Alarm::new(Code::PeckBeyondDepth, peck.span).with(figures));
+        }
+    }
+
     /// The hole at the present place.
     fn hole(&mut self, line: u32, drill: &Drill, initial: Position) -> Result<Hole, Alarm> {
         let at = self.core.interpreter.position();
-        let side = drill.kind == Kind::Side;
+        let side = drill.kind.is_side();
         let of = |position: Position| if side { position.x } else { position.z };
         let [letter, _] = drill.kind.axis();
         let outside = of(at);
@@ -156,10 +207,7 @@ impl Acting<'_, '_> {
             Some(Level::Coordinate(word)) => of(self.probe(line, letter, &word)?),
         };
         let bottom = match drill.bottom {
-            None => {
-                let args = [Arg::GCode(830), Arg::Letter(letter)];
-                return Err(Alarm::new(Code::TapBottomMissing, drill.code).with(args));
-            }
+            None => return Err(drill.bottom_missing()),
             Some(Level::Away(away)) => level + away,
             Some(Level::Coordinate(word)) => of(self.probe(line, letter, &word)?),
         };
@@ -167,10 +215,13 @@ impl Acting<'_, '_> {
             initial: outside,
             level,
             bottom,
-            peck: drill.peck.map(|peck| peck.value),
+            peck: drill
+                .peck
+                .filter(|_| drill.kind.pecks())
+                .map(|peck| peck.value),
             deep: self.core.params.drill_deep_peck(),
             clearance: self.core.params.drill_clearance(),
-            dwell: drill.dwell,
+            dwell: drill.dwell(),
             feeds_out: drill.kind.feeds_out(),
             ends_at_r: self.modes.returns_to_r,
         };

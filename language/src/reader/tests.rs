@@ -318,6 +318,44 @@ fn finishing_cuts_the_contour_as_it_is_written() {
     );
 }
 
+/// The second tool has a contour with the numbers of the first.
+#[test]
+fn finishing_takes_the_contour_that_was_roughed_last() {
+    let first = "G98 F100\nG0 X42 Z2\nG71 U5 R.5\nG71 P10 Q20 U.4 W.1\nN10 G0 X20\nG1 Z-10\nN20 X42\nG70 P10 Q20\n";
+    let second =
+        "G0 X16 Z2\nG71 U5 R.5\nG71 P10 Q20 U-.4 W.1\nN10 G0 X24\nG1 Z-8\nN20 X16\nG70 P10 Q20\n";
+    let only = |text: &str| moves(&text.replace("N10", "N1").replace("P10", "P1"));
+    let (one, other) = (only(first), only(&format!("G98 F100\n{second}")));
+    let place = other.find("R15.6").unwrap();
+    let both = format!("{one} R16,2 {}", &other[place..]);
+    assert_eq!(moves(&format!("{first}{second}M30\n")), both);
+    // A block of the first lines has the number of the contour.
+    let header = format!("N10 G21 G40\nN20 G97\n{first}");
+    assert_eq!(moves(&header), one);
+    // Q is the first of its number behind the block of P.
+    let behind = "G98 F100\nG0 X42 Z2\nG70 P10 Q20\nM30\nN20 X1\nN10 G0 X20\nG1 Z-10\nN20 X42\n";
+    assert_eq!(moves(behind), "R20,2 F20,-10 F42,-10 R42,2");
+}
+
+#[test]
+fn a_contour_whose_number_stands_twice_is_refused_where_nothing_was_roughed() {
+    let told = |text: &str| {
+        let alarm = read_with(text, &is_b(), Options::default()).1?;
+        let lines = [alarm.args[1], alarm.args[2]];
+        Some((alarm.number(), alarm.span.line, lines))
+    };
+    let contour = "N10 G0 X20\nG1 Z-10\nN20 X42\n";
+    let start = "G98 F100\nG0 X42 Z2\n";
+    let twice = |line, one, other| Some((4876, line, [Arg::Int(one), Arg::Int(other)]));
+    let text = format!("{start}G70 P10 Q20\nG0 X50\n{contour}M1\nN10 G0 X30\nM30");
+    assert_eq!(told(&text), twice(3, 5, 9));
+    let text = format!("O1\nN10 G21\nN20 G97\n{start}{contour}G71 U2 R1\nG71 P10 Q20 U.4\nM30");
+    assert_eq!(told(&text), twice(10, 2, 6));
+    // Another program of the file has numbers of its own.
+    let text = format!("O1\n{start}G70 P10 Q20\nM30\n{contour}O2\n{contour}M99");
+    assert_eq!(told(&text), None);
+}
+
 #[test]
 fn a_cycle_without_its_contour_is_refused() {
     let refused = |text: &str| {
@@ -406,6 +444,40 @@ fn the_nose_is_that_of_the_table_after_g10() {
     let (written, known) = (kinds(&written), kinds(&known));
     assert_eq!(written, known);
     assert_ne!(written, kinds(&other));
+}
+
+/// Without a code of its own the first block would be a rapid in one cycle, and a cut in another.
+#[test]
+fn the_first_block_of_a_contour_has_its_own_motion() {
+    let refused = |text: &str| {
+        let alarm = read_with(text, &is_b(), Options::default()).1?;
+        Some((alarm.number(), alarm.span.line))
+    };
+    let roughed = "G98 F100\nG0 X42 Z2\nG71 U2 R2\nG71 P1 Q2 U.4 W.1\n";
+    for (first, cycle) in [
+        ("N1 X20", "G71"),
+        ("N1 X20 Z0", "G73"),
+        ("N1 Z-9", "G72"),
+        ("N1 G90 X20", "G71"),
+    ] {
+        let text = format!(
+            "{}{first}\nG1 Z-10\nN2 X42\n",
+            roughed.replace("G71", cycle).replace("G72 U2", "G72 W2")
+        );
+        assert_eq!(refused(&text), Some((65, 5)), "{text}");
+    }
+    for first in ["N1 G0 X20", "N1 G01 X20", "N1 G40 G00 X20", "N1 G#1 X20"] {
+        let text = format!("#1=1\n{roughed}{first}\nG1 Z-10\nN2 X42\n");
+        assert_eq!(refused(&text), None, "{text}");
+    }
+    // A block without a move is not the first one.
+    let text = format!("{roughed}N1 F80\nG0 X20\nG1 Z-10\nN2 X42\n");
+    assert_eq!(refused(&text), Some((65, 5)), "{text}");
+    // G70 alone.
+    assert_eq!(
+        refused("G98 F100\nG0 X42 Z2\nG70 P1 Q2\nN1 X20\nG1 Z-10\nN2 X42\n"),
+        Some((65, 4))
+    );
 }
 
 #[test]

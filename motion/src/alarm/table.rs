@@ -162,8 +162,8 @@ codes! {
         "轮廓在 {0} 方向折返 {1}", "轮廓应单向变化：沿切削方向必须单调；首段不同时写 X 和 Z（类型 I）时，进刀方向也必须单调";
     /// The first block of a contour does not fit its cycle.
     ContourFirst = 65, "the first block of the contour cannot begin this cycle",
-        "write G00 or G01 with X alone (G71), Z alone (G72), both (type II of either), or any of them (G70, G73)",
-        "轮廓首段不符合该循环的要求", "首段用 G00 或 G01：G71 只写 X，G72 只写 Z，类型 II 两者都写，G70、G73 任意";
+        "write G00 or G01 in that block, with X alone (G71), Z alone (G72), both (type II of either), or any of them (G70, G73)",
+        "轮廓首段不符合该循环的要求", "首段中须写 G00 或 G01：G71 只写 X，G72 只写 Z，类型 II 两者都写，G70、G73 任意";
     /// A word or a code that a contour may not have.
     ContourWord = 66, "{w} may not stand in the contour of a cycle",
         "write moves G00 to G03 with their chamfers there, and F, S, T, M; calls, jumps and other cycles before or after",
@@ -236,8 +236,8 @@ codes! {
         "write letters, digits, signs and spaces of the plain (half-width) kind; full-width parentheses are read in UTF-8 alone, not in GBK",
         "注释之外出现非 ASCII 字符", "请使用半角字母、数字、符号和空格；全角括号只在 UTF-8 文件中有效，GBK 文件请用半角括号";
     /// A letter without a number.
-    NumberMissing = 4003, "{w} has no number", "write the number directly after the letter, without a space",
-        "{w} 后没有数字", "请在字母后直接写数字，不留空格";
+    NumberMissing = 4003, "{w} has no number", "write a number behind the letter, or remove it",
+        "{w} 后没有数字", "请在字母后写数字，或去掉该字母";
     /// More digits than a number may have; {0} how many it may have.
     NumberTooLong = 4004, "the number of {w} has more than {0} digits", "write fewer digits",
         "{w} 的数字超过 {0} 位", "请减少位数";
@@ -1302,8 +1302,8 @@ codes! {
     FirstPassAboveHeight = 4801, "the first pass is {0} deep, and the thread {1}", "write a Q smaller than P, both in the same unit; `(ALLOW 4801)` if it is meant",
         "第一刀切深 {0}，而牙高只有 {1}", "请写小于 P 的 Q，且单位相同；确实如此请写 `(ALLOW 4801)`";
     /// Hundreds of pecks; {0} pecks, {1} columns, {2} depth, {3} peck.
-    PecksMany = 4802, "{0} pecks in each of {1} columns: {2} deep by {3}", "write P and Q in the unit of this control (increments or millimetres: 182.7); `(ALLOW 4802)` if it is meant",
-        "每列 {0} 次进给，共 {1} 列：深 {2}，每次 {3}", "请按本系统的单位写 P、Q（增量或 mm：182.7）；确实如此请写 `(ALLOW 4802)`";
+    PecksMany = 4802, "{0} pecks in each of {1} columns: {2} deep by {3}", "write P and Q in the unit of this control: a FANUC, and a GSK 980TD by 182.7, count increments (Q5000 is 5 mm), a Haas and a GSK 988 write millimetres (Q5.); `(ALLOW 4802)` if it is meant",
+        "每列 {0} 次进给，共 {1} 列：深 {2}，每次 {3}", "请按本系统的单位写 P、Q：FANUC 和 GSK 980TD（182.7）为增量数（Q5000 即 5 mm），Haas 和 GSK 988 为 mm（Q5.）；确实如此请写 `(ALLOW 4802)`";
     /// A feed that makes sense in the other of G98 and G99 alone; {0} the feed, {1} S.
     FeedOfOtherMode = 4803, "F {0} at {1} turns a minute makes sense in the other of G98 and G99 alone", "write G98 (per minute) or G99 (per turn) before it, or another F; `(ALLOW 4803)` if it is meant",
         "主轴 {1} r/min 时 F {0} 只在 G98/G99 的另一方式下才合理", "请在前面写 G98（每分）或 G99（每转），或修改 F；确实如此请写 `(ALLOW 4803)`";
@@ -1317,7 +1317,7 @@ codes! {
     TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
         "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
 
-    // -- 4850–4866 program flow: `language` ------------------------------------------------------------------------------
+    // -- 4850–4868, 4876, 4877 program flow: `language` ---------------------------------------------------------------
     /// A loop that goes on for ever; {0} how many statements it may have without a motion.
     RunawayLoop = 4850, "this loop has carried out {0} statements without a motion", "correct the condition that ends it",
         "该循环已执行 {0} 条语句而没有移动", "请修改结束循环的条件";
@@ -1382,6 +1382,14 @@ codes! {
     /// I or K that leads into the part; {0} its length.
     RoughLeftInside = 4868, "{w} of {0} leads into the part: the strokes would cut below the finished contour",
         "turn its sign, or leave {w} out", "{0} 的 {w} 指向工件内部：粗车会切到成品轮廓以下", "请改变其符号，或省略 {w}";
+    /// The contour's first block has a number that another block has, too; {0} the number, {1} and {2} their lines.
+    ContourTwice = 4876, "N{0} stands in lines {1} and {2} of this program, and nothing tells which of them begins the contour",
+        "give the contour numbers that stand once; where one was roughed before with the same P and Q, G70 takes that",
+        "N{0} 在本程序第 {1} 行和第 {2} 行重复，无法确定轮廓从哪一段开始", "请使轮廓的 N 号在程序中唯一；若前面已用相同的 P、Q 粗车，G70 采用该轮廓";
+    /// R or C of a wear that is not zero.
+    WearRadius = 4877, "{w} writes a wear of the nose radius, and a tool has one radius and no wear of it",
+        "write the radius itself: G10 P10001 R0.8 (P: 10000 and the number of the offset; Haas: L10); R0 may stay",
+        "{w} 写入刀尖半径磨损，而刀具只有一个半径，没有半径磨损", "请直接写半径：G10 P10001 R0.8（P 为 10000 加刀偏号；Haas 用 L10）；R0 可保留";
     /// M99 as the end of a line that was typed.
     LineRepeats = 4867, "M99 repeats a main program, and a line that was typed has nothing to repeat", "type the line without M99; a program that repeats itself is run from its file (`leadscrew run`)",
         "M99 使主程序重复执行，而键入的单行没有可重复的内容", "请去掉 M99 后重新键入；需要重复执行的程序请存为文件运行（`leadscrew run`）";
@@ -1437,8 +1445,8 @@ codes! {
     CutInMode = 4900, "cut-in mode {0} does not exist: parameter 5144 decides", "write 00 to 04 as the middle two digits of P",
         "切入方式 {0} 不存在：由参数 5144 决定", "请把 P 的中间两位写成 00 至 04";
     /// The limit of G50 S cuts a speed down; {0} the speed, {1} the limit.
-    SpeedLimited = 4901, "the limit S{0} is above the spindle's {1} rpm (parameter 3772), so {1} rpm is the limit", "write G50 S{1}",
-        "G50 的限速 S{0} 超过主轴最高转速 {1} rpm（参数 3772），按 {1} rpm 限制", "请写 G50 S{1}";
+    SpeedLimited = 4901, "S{0} is above {1} rpm, the highest speed of the spindle (3772) or of this program (G50 S), so {1} rpm is the limit", "write G50 S{1}",
+        "S{0} 超过 {1} rpm（主轴最高转速 3772，或本程序的 G50 S），按 {1} rpm 限制", "请写 G50 S{1}";
     /// The extraction override asks for more than the tap may; {0} asked, {1} the limit.
     TapExtractionLimited = 4902, "the retract at {0} is cut down to {1} rpm (parameters 5241 and 3772)", "write a smaller J, or lower 5211",
         "退刀转速 {0} 被限制为 {1} rpm（参数 5241、3772）", "请减小 J，或减小 5211";
@@ -1525,8 +1533,8 @@ codes! {
     FirstPassTiny = 4981, "the first pass is {0} deep, of a thread of {1}", "is Q in the unit of this control? `(ALLOW 4981)` if it is meant",
         "第一刀切深仅 {0}，牙高 {1}", "Q 的单位是否正确？确实如此请写 `(ALLOW 4981)`";
     /// A peck far beyond the depth; {0} peck, {1} depth.
-    PeckBeyondDepth = 4982, "a peck of {0} is beyond the depth of {1}: there is one plunge and no peck", "is it in the unit of this control (increments or millimetres: 182.7)? `(ALLOW 4982)` if it is meant",
-        "每次进给 {0} 超过深度 {1}：将一次切到底", "单位是否正确（增量或 mm：182.7）？确实如此请写 `(ALLOW 4982)`";
+    PeckBeyondDepth = 4982, "a step of {0} is beyond the whole way of {1} that it is to divide", "is it in the unit of this control? A FANUC, and a GSK 980TD by 182.7, count increments (Q5000 is 5 mm); a Haas and a GSK 988 write millimetres (Q5.); `(ALLOW 4982)` if it is meant",
+        "每步 {0} 超过需分割的全长 {1}", "单位是否正确？FANUC 和 GSK 980TD（182.7）为增量数（Q5000 即 5 mm），Haas 和 GSK 988 为 mm（Q5.）；确实如此请写 `(ALLOW 4982)`";
     /// A feed per minute, or a groove, with a spindle that nothing has started.
     CutStanding = 4984, "this feeds with the spindle standing: no M03 or M04 with S is in force here",
         "start the spindle before this block: M03 or M04 with S; where the tool cuts nothing, nothing needs to be done",
@@ -1538,8 +1546,8 @@ codes! {
     RapidInStock = 4987, "this rapid goes into the material at X {0}, Z {1}", "go around it, cut it away first, or correct the comment `(STOCK ..)`; `(ALLOW 4987)` if it is meant",
         "此快速移动在 X {0}、Z {1} 处进入毛坯", "请绕开、先切除，或修改注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4987)`";
     /// An allowance into the part, or a depth that hardly any tool takes; {w} the word, {0} its length.
-    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm, or than half of the declared stock", "outside U is positive and in a bore negative; toward the chuck W is positive; `(ALLOW 4989)` if it is meant",
-        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm 或所声明毛坯的一半", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；确实如此请写 `(ALLOW 4989)`";
+    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm, or than half of the declared stock, or so small that there are more than 250 strokes", "outside U is positive and in a bore negative; toward the chuck W is positive; `(ALLOW 4989)` if it is meant",
+        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm 或所声明毛坯的一半，或过小而超过 250 刀", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；确实如此请写 `(ALLOW 4989)`";
     /// A contour cycle that begins between the lowest and the highest point of its contour; {0} how far below.
     StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
         "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";

@@ -47,7 +47,7 @@ fn each_form_writes_its_record_and_no_other() {
         change(&mut table);
         table
     };
-    let rows: [(&str, Change); 12] = [
+    let rows: [(&str, Change); 15] = [
         ("G10 P0 X1 Z-2", |t| t.shift = offset(10_000, -20_000)),
         ("G10 L2 P0 W.5", |t| t.shift = offset(10, 5_020)),
         ("G10 L2 P6 X5", |t| t.work[5] = offset(50_000, 40)),
@@ -69,6 +69,12 @@ fn each_form_writes_its_record_and_no_other() {
             tool.measured_z = true;
         }),
         ("G10 L12 P7 R1.2", |t| t.tools[6].radius = um(1_200)),
+        // A wear has no radius of its own, and the tip is that of the number.
+        ("G10 P7 X.2 Z0 R0 Q2", |t| {
+            (t.tools[6].wear, t.tools[6].tip) = (offset(2_000, 0), 2);
+        }),
+        ("G10 P7 R0 C0", |_| {}),
+        ("G10 L11 P7 Q3", |t| t.tools[6].tip = 3),
         // In inches, to the nearest 0.1 µm: 25.4 and 2.54 mm; 2.54 µm.
         ("G20 G10 P0 X1 Z.1", |t| t.shift = offset(254_000, 25_400)),
         ("G20 G10 P0 Z.0001", |t| t.shift = offset(10, 25)),

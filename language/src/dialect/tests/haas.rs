@@ -276,3 +276,42 @@ fn p_of_m19_is_its_angle_and_no_number_of_it_counts_increments() {
     assert_eq!(alarm(Control::FanucA, "M19 P90").number(), 4028);
     assert_eq!(alarm(Control::Haas, "M19 P90 R90").number(), 4013);
 }
+
+/// X and Z of later blocks would be absolute, and U and W say what is meant.
+#[test]
+fn g91_of_its_own_is_refused() {
+    for text in ["G91", "G91 G1 F.2", "N5 G91 G99", "G91 M8", "G91 G4 P1."] {
+        let alarm = alarm(Control::Haas, &format!("G0 X42. Z2.;{text};X-1."));
+        assert_eq!((alarm.number(), alarm.span.line), (4097, 2), "{text}");
+        let help = crate::dialect::remedies::help(&alarm, leadscrew_core::alarm::Lang::En);
+        assert!(help.is_some_and(|help| help.contains("U and W")), "{text}");
+    }
+    let same = |text, plain| assert_eq!(haas(text), haas(plain), "{text}");
+    same("G0 X42. Z2.;G91 G1 X-2. F.2", "G0 X42. Z2.;G1 U-2. F.2");
+    same("G0 X42. Z2.;G91 G28", "G0 X42. Z2.;G28 U0 W0");
+    same("G0 X42. Z2.;G91 G28 X0 Z0", "G0 X42. Z2.;G28 U0 W0");
+    same("G0 X42. Z2.;G28 U0 W0 G91", "G0 X42. Z2.;G28 U0 W0");
+}
+
+/// Q of a tap of a FANUC, in any block of it.
+#[test]
+fn pecks_of_a_tap_are_increments_on_a_fanuc() {
+    let begin = "M5;G0 X0 Z5.;M29 S300";
+    let tap = |text: &str| kinds(Control::FanucA, &format!("{begin};{text};G80"));
+    let gsk = |text: &str| kinds(Control::Gsk988, &format!("G99;{begin};{text};G80"));
+    let pecked = gsk("G84 Z-20. R-3. Q5. F1.5");
+    assert_ne!(pecked, gsk("G84 Z-20. R-3. F1.5"));
+    for text in [
+        "G84 Z-20. R-3. Q5000 F1.5",
+        "G84 Z-20. R-3. Q5. F1.5",
+        "#1=5000;G84 Z-20. R-3. Q#1 F1.5",
+    ] {
+        assert_eq!(tap(text)[..], pecked[..], "{text}");
+    }
+    assert_eq!(
+        tap("G84 Z-20. R-3. Q5000 F1.5;X4. Q3000"),
+        gsk("G84 Z-20. R-3. Q5. F1.5;X4. Q3."),
+    );
+    let side = "G88 X-20. R-3. Q5000 F1.5";
+    assert_eq!(tap(side), gsk(&side.replace("Q5000", "Q5.")));
+}

@@ -45,12 +45,39 @@ fn the_same_code_has_another_remedy_on_another_control() {
     assert!(told(Control::Gsk980td, "G51").starts_with("nothing is scaled"));
     assert!(told(Control::Gsk988, "G05").starts_with("write the arc"));
     assert!(told(Control::FanucB, "G05").starts_with("leave it out"));
-    assert!(!told(Control::FanucA, "G86").contains("G85"));
-    assert!(told(Control::FanucB, "G86").contains("G85"));
+    assert!(!told(Control::Gsk988, "G86").contains("G85"));
+    assert!(told(Control::FanucA, "G86").contains("G85"));
+    assert!(told(Control::Gsk988, "G85").contains("fanuc-a, fanuc-b"));
     assert!(told(Control::Gsk980td, "G95").contains("fanuc-b, fanuc-c:"));
     assert!(told(Control::Gsk980td, "G81").contains("fanuc-b, fanuc-c, haas:"));
     assert!(told(Control::FanucA, "G103").contains("a code of haas:"));
     assert_eq!(help(&alarm(Control::Gsk980td, "G198"), Lang::En), None);
+    for (text, part) in [
+        ("GO X50. Z2.", "digit 0"),
+        ("G0 X5O. Z2.", "digit 0"),
+        ("TO101", "digit 0"),
+        ("G0 X1. ROUGH", "parentheses"),
+        ("O1 PART 12", "parentheses"),
+    ] {
+        for control in Control::ALL {
+            let refused = alarm(control, text);
+            assert_eq!(refused.number(), 4003, "{control:?} {text}");
+            let told = help(&refused, Lang::En).expect(text);
+            assert!(told.contains(part), "{control:?} {text}: {told}");
+        }
+    }
+    assert_eq!(help(&alarm(Control::FanucA, "G0 X Z5."), Lang::En), None);
+    for (text, part) in [
+        ("G83 Z-12. R-3. Q5. F.1", "write Q5000:"),
+        ("G74 R1.;G74 Z-9. Q.0004 F.1", "write Q0:"),
+        ("M3 S9;G0 X40. Z5.;G76 P010060 Q0.1 R0.05", "write Q100:"),
+    ] {
+        let told = told(Control::FanucA, text);
+        assert!(told.starts_with(part) && !told.contains("182"), "{told}");
+    }
+    assert!(
+        told(Control::FanucA, "G0 X40. Z5.;G75 R.5;G75 X20. P2. F.1").starts_with("write P2000:")
+    );
     assert!(told(Control::Gsk980td, "#3003=1").starts_with("leave it out: a thread"));
     assert!(told(Control::Haas, "#3004=4").contains("G64"));
     assert!(told(Control::Gsk980td, "G28").contains("--dialect haas"));

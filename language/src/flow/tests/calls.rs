@@ -1,6 +1,7 @@
 use std::num::NonZeroU32;
 
 use super::{Rules, refused, run, run_with};
+use crate::dialect::Control;
 use crate::flow::Passes;
 
 #[test]
@@ -30,6 +31,33 @@ fn a_subprogram_runs_as_often_as_it_is_called() {
         run("M97 P100 L2\nX1\nM30\nN100 Z1\nM99"),
         "4:N100 Z1 | 4:N100 Z1 | 2:X1 | 3:M30"
     );
+}
+
+/// Its programs have numbers of five digits, and L alone counts.
+#[test]
+fn a_haas_has_no_passes_in_front_of_a_number() {
+    let haas = |text: &str| {
+        let rules = Rules {
+            control: Control::Haas,
+            ..Rules::default()
+        };
+        let (machine, alarm) = run_with(text, rules);
+        (machine.heard.join(" | "), alarm.map(|alarm| alarm.number()))
+    };
+    let behind = "M30\nO2345\nX1\nM99\nO12345\nX2\nM99";
+    let done = |text: &str| (text.to_owned(), None);
+    assert_eq!(haas(&format!("M98 P12345\n{behind}")), done("7:X2 | 2:M30"));
+    assert_eq!(
+        haas(&format!("M98 P12345 L2\n{behind}")),
+        done("7:X2 | 7:X2 | 2:M30")
+    );
+    assert_eq!(haas("M98 P12345\nM30\nO2345\nX1\nM99").1, Some(4853));
+    assert_eq!(run(&format!("M98 P12345\n{behind}")), "4:X1 | 2:M30");
+    // The main program is told by the call, too.
+    let second = |first: &str| format!("{first}\nX1\nM99\nO7\nM98 P12345\nM30");
+    assert_eq!(haas(&second("O12345")).0, "4:O7 | 2:X1 | 6:M30");
+    assert_eq!(haas(&second("O2345")).0, "1:O2345 | 2:X1");
+    assert_eq!(run(&second("O2345")), "4:O7 | 2:X1 | 6:M30");
 }
 
 #[test]
