@@ -311,6 +311,10 @@ fn why(lack: Lack) -> Both {
             "the parameters are not known (`--params`)",
             "参数未知（`--params`）"
         ),
+        Lack::Rests => both!(
+            "an axis did not stand before and behind a way of 1000 counts",
+            "轴在 1000 个脉冲以上的移动前后没有静止"
+        ),
         Lack::Earlier => both!("what was found comes first", "先解决已发现的问题"),
     }
 }
