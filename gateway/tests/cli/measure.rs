@@ -255,6 +255,20 @@ fn two_threads_two_starts_and_none() {
     );
 }
 
+/// Cut by the norm: minor diameter at the face E0 - 0.8 p. E0, the pitch diameter at the face, is 0.75843 inch.
+#[test]
+fn a_pipe_thread_of_the_norm_is_good_without_its_tool() {
+    let folder = Folder::new("measure-pipe");
+    let text =
+        "M3 S350\nG0 X26 Z6\nG92 X20.9 Z-14 R-0.625 F1.8143\nX20\nX19.4\nX18.687\nG0 X60\nM30\n";
+    let program = write(&folder, "npt.nc", text);
+    for name in ["1/2-14NPT", "1/2-14 NPT"] {
+        let thread = &measured(&[&program, "--thread", name])["threads"][0];
+        near(&thread["pitch_mm"], 0.75843 * 25.4, 0.005);
+        assert_eq!(thread["verdict"], "within");
+    }
+}
+
 #[test]
 fn grooves_and_contours_come_out_as_they_are_programmed() {
     let shaft = measured(&["examples/shaft.nc", "--tool-width", "T2=4"]);
