@@ -228,9 +228,10 @@ impl Judge {
             return Some(Verdict::Open);
         };
         let Figure { nm, u_nm } = found.worst;
+        // A pass with hardly a position may be anywhere beside it.
         Some(if nm - u_nm > tolerance {
             Verdict::Beyond
-        } else if nm + u_nm <= tolerance {
+        } else if nm + u_nm <= tolerance && is_complete(record) {
             Verdict::Within
         } else {
             Verdict::Open
@@ -282,8 +283,14 @@ impl Judge {
             .doubt()
             .map_or_else(Both::default, |Both { en, zh }| both!("; {en}", "；{zh}"));
         Some(both!(
-            "{grooves_en}{apart_en}{lead_en}worst {worst} µm{age_en}",
-            "{grooves_zh}{apart_zh}{lead_zh}最大 {worst} µm{age_zh}",
+            "{grooves_en}{apart_en}{lead_en}worst {seen_en}{worst} µm{age_en}",
+            "{grooves_zh}{apart_zh}{lead_zh}最大{seen_zh} {worst} µm{age_zh}",
+            seen_en = if is_complete(record) { "" } else { "seen " },
+            seen_zh = if is_complete(record) {
+                ""
+            } else {
+                "（仅所见位置）"
+            },
             grooves_en = grooves.en,
             grooves_zh = grooves.zh,
             apart_en = apart.en,
@@ -391,5 +398,55 @@ impl Judge {
         )
         .get(lang)
         .to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use leadscrew_core::link::{PassCut, Tally, ThreadState};
+
+    use super::*;
+
+    /// A thread of two passes of 3 µm, of which so many had positions for their groove.
+    fn thread(grooves: u8) -> ThreadRecord {
+        let nm = Length::from_nm;
+        let mut cut = CutTally::NONE;
+        for _ in 0..2 + 40 * u16::from(grooves) {
+            cut.take(nm(3_000), nm(0), nm(1_500_000), nm(10_000_000));
+        }
+        for _ in 0..grooves {
+            cut.close(&PassCut {
+                groove: nm(3_000),
+                slope: nm(0),
+                scatter: nm(0),
+            });
+        }
+        ThreadRecord {
+            line: 1,
+            kind: ThreadKind::Thread,
+            state: ThreadState::Finished,
+            tally: Tally {
+                passes: 2,
+                ..Tally::NONE
+            },
+            cut,
+        }
+    }
+
+    #[test]
+    fn a_thread_is_good_only_where_each_pass_was_seen() {
+        let judge = |um: i64| {
+            let tolerance = Tolerance { pm: um * 1_000_000 };
+            Judge::new(&Params::slant_bed(), Some(tolerance))
+        };
+        for (grooves, verdict) in [(0, Verdict::Open), (1, Verdict::Open), (2, Verdict::Within)] {
+            let record = thread(grooves);
+            assert_eq!(judge(40).verdict(&record), Some(verdict), "{grooves}");
+            let told = judge(40).words(&record).unwrap();
+            assert_eq!(told.en.contains("worst seen"), grooves < 2, "{}", told.en);
+            // What was seen beyond it is beyond it.
+            let narrow = judge(1).verdict(&record);
+            assert_ne!(narrow, Some(Verdict::Within));
+        }
     }
 }

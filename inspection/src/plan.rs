@@ -2,7 +2,7 @@
 
 use leadscrew_core::call::{Aux, Call, CallKind, Position, ThreadCall, ThreadCycle};
 use leadscrew_core::moves::{Move, MoveKind};
-use leadscrew_core::units::{LeadChange, Length};
+use leadscrew_core::units::{LeadChange, Length, StartAngle};
 use leadscrew_metrology::{Degrees, Designation, Limits, Mm, Nose, NotKnown, Side, Stock, Tool};
 
 use crate::guess::{Traits, free, guess};
@@ -106,6 +106,47 @@ struct Found {
     first: (Length, Option<Length>),
     /// Z where the last stroke of a chain ends.
     reach: Length,
+    /// Where the helices of its calls lie against each other.
+    helices: Helices,
+}
+
+/// Places of helices of one lead, in leads, 0 to 1.
+#[derive(Clone, Debug, Default)]
+struct Helices(Vec<f64>);
+
+impl Helices {
+    /// A call that begins a stroke: where its helix crosses an angle that all have.
+    fn take(&mut self, call: &ThreadCall) {
+        let way = if call.end_z.value < call.start.z {
+            -1.0
+        } else {
+            1.0
+        };
+        let angle = f64::from(call.first_angle.mdeg()) / f64::from(StartAngle::FULL);
+        let place = (mm(call.start.z) / lead(call) - way * angle).rem_euclid(1.0);
+        if !self.0.iter().any(|known| is_same_helix(*known - place)) {
+            self.0.push(place);
+        }
+    }
+
+    /// Starts that were cut one after the other: all helices lie equal parts of the lead apart. Anything else is an infeed
+    /// along a flank, which a program shifts by hand.
+    fn starts(&self) -> u8 {
+        let Some(first) = self.0.first() else {
+            return 1;
+        };
+        let count = u8::try_from(self.0.len()).unwrap_or(1);
+        let is_part = |place: &f64| {
+            let parts = (place - first) * f64::from(count);
+            is_same_helix(parts / f64::from(count) - parts.round() / f64::from(count))
+        };
+        if self.0.iter().all(is_part) { count } else { 1 }
+    }
+}
+
+/// Closer than a thousandth of the lead, whole turns left out.
+fn is_same_helix(apart: f64) -> bool {
+    (apart - apart.round()).abs() < 1e-3
 }
 
 /// Why there is no plan.
@@ -135,6 +176,17 @@ pub enum Refusal {
         named: Mm,
         /// Pitch of the program.
         cut: Mm,
+    },
+    /// The program cuts another number of starts than the name has.
+    Starts {
+        /// Name of the thread.
+        name: String,
+        /// Source line.
+        line: u32,
+        /// Starts and lead of the name.
+        named: (u8, Mm),
+        /// Starts and lead of the program.
+        cut: (u8, Mm),
     },
 }
 
@@ -187,6 +239,7 @@ impl Finder {
             },
             first: (thread.end_x.value, None),
             reach: thread.end_z.value,
+            helices: Helices::default(),
         };
         let threads = &mut self.threads;
         if !threads
@@ -282,6 +335,9 @@ impl Found {
         } else {
             self.pass
         };
+        if !call.part.is_joined() && !self.long_x {
+            self.helices.take(call);
+        }
         for (from, to, pass) in cuts {
             // What belongs to no pass is that of the one before it.
             self.pass = before + pass;
@@ -398,7 +454,11 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Result<Job, Refusal> {
     } else {
         mm(call.taper.value) / (start - end)
     };
-    let starts = call.starts.value.max(1);
+    // Those of a cycle, or of calls that each cut one.
+    let starts = match call.starts.value.max(1) {
+        1 => found.helices.starts(),
+        starts => starts,
+    };
     let (low, high) = (start.min(end), start.max(end));
     let face = wish.known_face().unwrap_or_else(|| {
         assumed.face = true;
@@ -434,6 +494,14 @@ fn job(found: &Found, name: Option<&str>, wish: &Wish) -> Result<Job, Refusal> {
             line: found.line,
             named: thread.pitch,
             cut: traits.pitch,
+        });
+    }
+    if thread.starts != traits.starts {
+        return Err(Refusal::Starts {
+            name: thread.text,
+            line: found.line,
+            named: (thread.starts, thread.pitch * f64::from(thread.starts)),
+            cut: (traits.starts, Mm(lead(call))),
         });
     }
     let crest = traits.crest.unwrap_or_else(|| {

@@ -71,7 +71,8 @@ impl Designation {
     /// # Errors
     /// The name says nothing, or it names the other side.
     pub fn read(text: &str, side: Side) -> Result<Self, NotKnown> {
-        let name = text.trim();
+        let plain = without_blanks(text);
+        let name = plain.as_str();
         let mut read = if let Some(rest) = name.strip_prefix('M') {
             metric(rest, side)
         } else if let Some(size) = name.strip_suffix("NPT") {
@@ -79,7 +80,7 @@ impl Designation {
         } else {
             unified(name, side)
         }?;
-        name.clone_into(&mut read.text);
+        text.trim().clone_into(&mut read.text);
         Ok(read)
     }
 
@@ -113,9 +114,11 @@ impl Designation {
     /// Radius of the tool's tip by the norm: that of the root of the basic profile.
     #[must_use]
     pub fn tip(&self) -> Mm {
-        match self.side {
-            Side::External => Mm(self.triangle().0 / 6.0),
-            Side::Internal => Mm(self.triangle().0 / 12.0),
+        match (self.series, self.side) {
+            // A tip of 60° ends its radius before the sharp corner: the least truncation, of both sides.
+            (Series::Pipe { .. }, _) => self.pitch * 0.033,
+            (_, Side::External) => Mm(self.triangle().0 / 6.0),
+            (_, Side::Internal) => Mm(self.triangle().0 / 12.0),
         }
     }
 
@@ -149,6 +152,21 @@ impl Designation {
     }
 }
 
+/// A name without its blanks; one between digits is the hyphen of `1 1/4`.
+fn without_blanks(text: &str) -> String {
+    let mut plain = String::new();
+    let mut words = text.split_whitespace();
+    plain.extend(words.next());
+    for word in words {
+        let digit = |sign: Option<char>| sign.is_some_and(|sign| sign.is_ascii_digit());
+        if digit(plain.chars().last()) && digit(word.chars().next()) {
+            plain.push('-');
+        }
+        plain.push_str(word);
+    }
+    plain
+}
+
 fn number(text: &str) -> Option<f64> {
     let plain = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit() || b == b'.');
     let value = text.parse().ok().filter(|_| plain);
@@ -158,7 +176,8 @@ fn number(text: &str) -> Option<f64> {
 /// A fraction, a whole number, both (`1-1/4`), a decimal, or a screw number (`#10`); inches.
 fn inches(text: &str) -> Option<f64> {
     if let Some(screw) = text.strip_prefix('#') {
-        return number(screw).map(|n| 0.06 + 0.013 * n);
+        let screw = screw.parse::<u8>().ok();
+        return screw.map(|n| 0.06 + 0.013 * f64::from(n));
     }
     if let Some((whole, part)) = text.split_once('-') {
         return Some(number(whole)? + inches(part)?);

@@ -41,7 +41,7 @@ impl Band {
 /// Where limits come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// Printed in the norm.
+    /// From the norm's tables, by size and pitch.
     Table,
     /// Computed as the norm says; of ISO 965 within one step of R40 of what is printed.
     Formula,
@@ -58,7 +58,7 @@ pub struct Limits {
     pub pitch: Band,
     /// Of the minor diameter.
     pub minor: Band,
-    /// Where those of the pitch diameter come from.
+    /// Where all of them come from.
     pub origin: Origin,
 }
 
@@ -89,83 +89,119 @@ impl Limits {
     }
 }
 
-/// Tolerance of the pitch diameter of a bolt by grade, micrometres; that of a nut is `1.32` times the one of grade 6.
-pub(crate) fn pitch_tolerance(side: Side, d: f64, p: f64, grade: u8) -> f64 {
+/// Tolerance of the pitch diameter by the formula of ISO 965-1, micrometres; of a nut `1.32` times that of a bolt.
+pub(crate) fn by_formula(side: Side, d: f64, p: f64, grade: u8) -> f64 {
     let six = 90.0 * p.powf(0.4) * tables::mean_diameter(d).powf(0.1);
     let nut = if side == Side::Internal { 1.32 } else { 1.0 };
-    tables::r40(six * nut * factor(grade))
+    of_grade(tables::r40(six * nut), grade)
 }
 
-fn factor(grade: u8) -> f64 {
-    match grade {
-        ..=3 => 0.5,
-        4 => 0.63,
-        5 => 0.8,
-        6 => 1.0,
-        7 => 1.25,
-        8 => 1.6,
-        9.. => 2.0,
+/// The tolerance of another grade than the sixth: grades are steps of R40.
+fn of_grade(six: f64, grade: u8) -> f64 {
+    let steps = match grade {
+        ..=3 => -12,
+        4 => -8,
+        5 => -4,
+        6 => 0,
+        7 => 4,
+        8 => 8,
+        9.. => 12,
+    };
+    tables::steps_on(six, steps)
+}
+
+/// What ISO 965-1 has of a thread, micrometres, and where it is from.
+struct Metric {
+    /// Distance of the tolerance from the basic profile, positive.
+    off: f64,
+    pitch: f64,
+    crest: f64,
+    origin: Origin,
+}
+
+impl Metric {
+    fn of(side: Side, d: f64, p: f64, pitch: (u8, char), crest: (u8, char)) -> Self {
+        let row = tables::BY_PITCH.iter().find(|row| row.pitch == p);
+        let (off, off_by) = match pitch.1 {
+            'g' | 'G' => (row.map(|row| row.g), 15.0),
+            'f' => (row.and_then(|row| row.f), 30.0),
+            'e' => (row.and_then(|row| row.e), 50.0),
+            _ => (Some(0.0), 0.0),
+        };
+        let six = tables::pitch_diameter(d, p);
+        let (six, of_crest, crest_by) = match side {
+            Side::External => (
+                six.map(|[bolt, _]| bolt),
+                row.map(|row| row.major),
+                180.0 * p.powf(2.0 / 3.0) - 3.15 / p.sqrt(),
+            ),
+            Side::Internal => (
+                six.map(|[_, nut]| nut),
+                row.and_then(|row| row.minor),
+                if p >= 1.0 {
+                    230.0 * p.powf(0.7)
+                } else {
+                    433.0 * p - 190.0 * p.powf(1.22)
+                },
+            ),
+        };
+        let is_table = off.is_some() && six.is_some() && of_crest.is_some();
+        Self {
+            off: off.unwrap_or_else(|| tables::r40(off_by + 11.0 * p)),
+            pitch: six.map_or_else(
+                || by_formula(side, d, p, pitch.0),
+                |six| of_grade(six, pitch.0),
+            ),
+            crest: of_grade(of_crest.unwrap_or_else(|| tables::r40(crest_by)), crest.0),
+            origin: if is_table {
+                Origin::Table
+            } else {
+                Origin::Formula
+            },
+        }
     }
 }
 
-/// Distance of the tolerance from the basic profile, micrometres, positive.
-fn deviation(letter: char, p: f64) -> f64 {
-    match letter {
-        'g' | 'G' => tables::r40(15.0 + 11.0 * p),
-        'f' => tables::r40(30.0 + 11.0 * p),
-        'e' => tables::r40(50.0 + 11.0 * p),
-        _ => 0.0,
-    }
+/// Rounded as ISO 965-2 prints: to a micrometre.
+fn whole(mm: Mm) -> Mm {
+    Mm((mm.0 * 1e3).round() / 1e3)
 }
 
 fn metric(thread: &Designation, pitch: (u8, char), crest: (u8, char)) -> Limits {
-    let (d, p) = (thread.major.0, thread.pitch.0);
-    let off = Mm::from_um(deviation(pitch.1, p));
-    let tolerance = Mm::from_um(pitch_tolerance(thread.side, d, p, pitch.0));
-    let printed = tables::ISO_965_2
-        .iter()
-        .find(|row| row[0] == d && row[1] == p);
-    match thread.side {
+    let norm = Metric::of(thread.side, thread.major.0, thread.pitch.0, pitch, crest);
+    let [off, of_pitch, of_crest] = [norm.off, norm.pitch, norm.crest].map(Mm::from_um);
+    let basic = whole(thread.pitch_diameter());
+    let (major, pitch, minor) = match thread.side {
         Side::External => {
-            let six = 180.0 * p.powf(2.0 / 3.0) - 3.15 / p.sqrt();
-            let of_crest = Mm::from_um(tables::r40(six * factor(crest.0)));
-            let highest = thread.pitch_diameter() - off;
-            let (band, origin) = match printed.filter(|_| pitch == (6, 'g')) {
-                Some(row) => (Band::new(Mm(row[3]), Mm(row[2])), Origin::Table),
-                None => (Band::new(highest - tolerance, highest), Origin::Formula),
+            let (highest, crest) = (basic - off, thread.major - off);
+            let minor = Band {
+                low: None,
+                high: Some(thread.minor() - off),
             };
-            Limits {
-                major: Band::new(thread.major - off - of_crest, thread.major - off),
-                pitch: band,
-                minor: Band {
-                    low: None,
-                    high: Some(thread.minor() - off),
-                },
-                origin,
-            }
+            (
+                Band::new(crest - of_crest, crest),
+                Band::new(highest - of_pitch, highest),
+                minor,
+            )
         }
         Side::Internal => {
-            let six = if p >= 1.0 {
-                230.0 * p.powf(0.7)
-            } else {
-                433.0 * p - 190.0 * p.powf(1.22)
+            let (lowest, crest) = (basic + off, whole(thread.minor()) + off);
+            let major = Band {
+                low: Some(thread.major + off),
+                high: None,
             };
-            let of_crest = Mm::from_um(tables::r40(six * factor(crest.0)));
-            let lowest = thread.pitch_diameter() + off;
-            let (band, origin) = match printed.filter(|_| pitch == (6, 'H')) {
-                Some(row) => (Band::new(Mm(row[4]), Mm(row[5])), Origin::Table),
-                None => (Band::new(lowest, lowest + tolerance), Origin::Formula),
-            };
-            Limits {
-                major: Band {
-                    low: Some(thread.major + off),
-                    high: None,
-                },
-                pitch: band,
-                minor: Band::new(thread.minor() + off, thread.minor() + off + of_crest),
-                origin,
-            }
+            (
+                major,
+                Band::new(lowest, lowest + of_pitch),
+                Band::new(crest, crest + of_crest),
+            )
         }
+    };
+    Limits {
+        major,
+        pitch,
+        minor,
+        origin: norm.origin,
     }
 }
 
@@ -206,7 +242,7 @@ fn unified(thread: &Designation, class: u8, engagement: Mm) -> Limits {
             let high = (class < 3).then(|| {
                 let small = 0.05 * p.powf(2.0 / 3.0) + 0.03 * p / d - 0.002;
                 let wide = if d < 0.25 {
-                    small
+                    small.min(0.394 * p)
                 } else {
                     0.25 * p - 0.4 * p * p
                 };

@@ -357,7 +357,8 @@ pub struct Tune {
     /// Age of 6064h at the SYNC that it is sent for, as its maker tells it; 9072 of the axis where it is not given
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=20_000))]
     pub age: Option<u32>,
-    /// How well that age is known, plus or minus; with `--write` it becomes 9075 of the axis
+    /// How well that age is known, plus or minus; with `--write` it becomes 9075 of the axis. Another age than 9072 without
+    /// it makes 9075 0: not known
     #[arg(long, value_name = "US", requires = "age", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     pub age_within: Option<u32>,
     /// Write 9003, 9070, 9071 and 9072 of the axis, or 9004 of the spindle, 9010 where its speed varies more, and

@@ -42,9 +42,9 @@ pub fn run(global: &Global, args: &cli::Doctor) -> Outcome {
         None => of_bus(global, args)?,
     };
     if global.json {
-        output::json(|json| whole(&report, &notes, lang, json))?;
+        output::json(|json| whole(&report, &notes, (lang, &global.bus), json))?;
     } else {
-        output::write(text(&report, &notes, lang).as_bytes())?;
+        output::write(text(&report, &notes, lang, &global.bus).as_bytes())?;
     }
     match report.findings.is_empty() {
         true => Ok(()),
@@ -223,8 +223,27 @@ fn machine(
     Ok(machine)
 }
 
+/// A command with the bus that was listened on; a log does not say which it was.
+fn on_bus(command: &str, bus: &Address) -> String {
+    let name = match bus {
+        Address::Sim => "BUS".to_owned(),
+        Address::SocketCan(name) => name.to_string(),
+        named => named.to_string(),
+    };
+    if let Some(frame) = command.strip_prefix("cansend can0 ") {
+        return format!("cansend {name} {frame}");
+    }
+    if !command.starts_with("leadscrew params ") {
+        return command.to_owned();
+    }
+    match command.split_once("   #") {
+        Some((command, remark)) => format!("{command} --bus {name}   #{remark}"),
+        None => format!("{command} --bus {name}"),
+    }
+}
+
 /// The report for people.
-fn text(report: &Report, notes: &[Both], lang: Lang) -> String {
+fn text(report: &Report, notes: &[Both], lang: Lang, bus: &Address) -> String {
     let mut text = String::new();
     let of = |words: Words| pick(lang, words.0, words.1);
     let ms = report.heard.span().as_millis();
@@ -254,7 +273,7 @@ fn text(report: &Report, notes: &[Both], lang: Lang) -> String {
             let remedy = of(first.rule.remedy);
             text.push_str(both!("remedy: {remedy}\n", "措施：{remedy}\n").get(lang));
             if let Some(command) = &first.found.command {
-                text.push_str(&format!("  {command}\n"));
+                text.push_str(&format!("  {}\n", on_bus(command, bus)));
             }
             for Finding { rule, found } in others {
                 let (number, fault) = (rule.number, of(rule.fault));
@@ -311,6 +330,10 @@ fn why(lack: Lack) -> Both {
             "the parameters are not known (`--params`)",
             "参数未知（`--params`）"
         ),
+        Lack::Rests => both!(
+            "an axis did not stand before and behind a way of 1000 counts",
+            "轴在 1000 个脉冲以上的移动前后没有静止"
+        ),
         Lack::Earlier => both!("what was found comes first", "先解决已发现的问题"),
     }
 }
@@ -324,7 +347,7 @@ fn line(at: Stamp, packet: &leadscrew_can::Packet) -> String {
     String::from_utf8(bytes).unwrap_or_default()
 }
 
-fn whole(report: &Report, notes: &[Both], lang: Lang, json: &mut Json) {
+fn whole(report: &Report, notes: &[Both], (lang, bus): (Lang, &Address), json: &mut Json) {
     let heard = &report.heard;
     json.flag("ok", report.findings.is_empty());
     json.number("frames", heard.frames);
@@ -345,7 +368,7 @@ fn whole(report: &Report, notes: &[Both], lang: Lang, json: &mut Json) {
                 }
                 json.text("evidence", found.evidence.get(lang));
                 if let Some(command) = &found.command {
-                    json.text("command", command);
+                    json.text("command", &on_bus(command, bus));
                 }
                 json.number("count", found.hits.count);
                 json.number("longest_ms", found.hits.longest.as_millis());
@@ -375,4 +398,31 @@ fn whole(report: &Report, notes: &[Both], lang: Lang, json: &mut Json) {
             json.text_item(note.get(lang));
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_has_the_bus_that_was_listened_on() {
+        let on = |command: &str, bus: &str| on_bus(command, &bus.parse().unwrap());
+        assert_eq!(
+            on("leadscrew params set 9024=500", "can1"),
+            "leadscrew params set 9024=500 --bus can1"
+        );
+        assert_eq!(
+            on("leadscrew params push M.toml   # 9021 = 8", "sim:b"),
+            "leadscrew params push M.toml --bus sim:b   # 9021 = 8"
+        );
+        assert_eq!(on("cansend can0 000#0110", "can1"), "cansend can1 000#0110");
+        assert_eq!(
+            on("leadscrew explain 4359", "can1"),
+            "leadscrew explain 4359"
+        );
+        assert_eq!(
+            on_bus("leadscrew params set 9023=500", &Address::Sim),
+            "leadscrew params set 9023=500 --bus BUS"
+        );
+    }
 }

@@ -47,6 +47,22 @@ fn words(why: &Refusal) -> Both {
             named = measured(named.0),
             cut = measured(cut.0)
         ),
+        Refusal::Starts {
+            name,
+            line,
+            named,
+            cut,
+        } => both!(
+            "`--thread {name}` has {starts} with a lead of {lead} mm, and line {line} cuts {own} with one of {cut} mm: write it \
+             as `M30x4P2` (lead, pitch)",
+            "`--thread {name}` 为 {from} 头、导程 {lead} mm，而第 {line} 行车削 {to} 头、导程 {cut} mm：写法如 `M30x4P2`（导程、螺距）",
+            starts = counted(named.0),
+            own = counted(cut.0),
+            from = named.0,
+            to = cut.0,
+            lead = measured(named.1.0),
+            cut = measured(cut.1.0)
+        ),
         Refusal::Name { name, reason } => {
             let why = reason_in_words(*reason);
             both!(
@@ -56,6 +72,13 @@ fn words(why: &Refusal) -> Both {
                 zh = why.zh
             )
         }
+    }
+}
+
+fn counted(starts: u8) -> String {
+    match starts {
+        1 => "one start".to_owned(),
+        starts => format!("{starts} starts"),
     }
 }
 

@@ -255,6 +255,79 @@ fn two_threads_two_starts_and_none() {
     );
 }
 
+/// Cut by the norm: minor diameter at the face E0 - 0.8 p. E0, the pitch diameter at the face, is 0.75843 inch.
+#[test]
+fn a_pipe_thread_of_the_norm_is_good_without_its_tool() {
+    let folder = Folder::new("measure-pipe");
+    let text =
+        "M3 S350\nG0 X26 Z6\nG92 X20.9 Z-14 R-0.625 F1.8143\nX20\nX19.4\nX18.687\nG0 X60\nM30\n";
+    let program = write(&folder, "npt.nc", text);
+    for name in ["1/2-14NPT", "1/2-14 NPT"] {
+        let thread = &measured(&[&program, "--thread", name])["threads"][0];
+        near(&thread["pitch_mm"], 0.75843 * 25.4, 0.005);
+        assert_eq!(thread["verdict"], "within");
+    }
+}
+
+/// Two starts of calls that each cut one: by Q, and by a start that is half a lead further away.
+#[test]
+fn starts_of_their_own_calls_are_one_thread() {
+    let folder = Folder::new("measure-starts");
+    let stroke = |x: &str, q: &str| format!("G0 X{x}\nG32 Z-25 F4{q}\nG0 X34\nZ8\n");
+    let strokes = |q: &str| ["29.2", "28.4", "27.6"].map(|x| stroke(x, q)).concat();
+    let (first, second) = (strokes(""), strokes(" Q180000"));
+    let by_angle = format!("M3 S200\nG0 X34 Z8\n{first}{second}G0 X60\nM30\n");
+    let passes = "G92 X29.2 Z-25 F4\nX28.4\nX27.6\n";
+    let by_place = format!("M3 S200\nG0 X34 Z8\n{passes}G0 Z10\n{passes}G0 X60\nM30\n");
+    for (file, text) in [("q.nc", by_angle), ("z.nc", by_place)] {
+        let program = write(&folder, file, &text);
+        for args in [&[&program[..]][..], &[&program, "--thread", "M30x4P2-6g"]] {
+            let result = measured(args);
+            let threads = result["threads"].as_array().unwrap();
+            assert_eq!(threads.len(), 1, "{file}");
+            let thread = &threads[0];
+            assert_eq!(
+                (&thread["thread"], &thread["starts"]),
+                (&"M30x4P2-6g".into(), &2.into())
+            );
+            near(&thread["lead_mm"], 4.0, 1e-6);
+            near(&thread["drunkenness_um"], 0.0, 0.1);
+            near(&thread["start_to_start_um"][1], 0.0, 0.5);
+        }
+    }
+}
+
+/// A shift by hand that is an infeed along a flank is none of a start.
+#[test]
+fn passes_that_go_down_a_flank_are_one_start() {
+    let folder = Folder::new("measure-flank");
+    let text = "M3 S200\nG0 X34 Z8\nG92 X29.2 Z-25 F2\nG0 Z7.77\nG92 X28.4 Z-25 F2\nG0 Z7.54\nG92 X27.6 Z-25 F2\n\
+                G0 X60\nM30\n";
+    let thread = &measured(&[&write(&folder, "flank.nc", text)])["threads"][0];
+    assert_eq!(
+        (&thread["thread"], &thread["starts"]),
+        (&"M30x2-6g".into(), &1.into())
+    );
+}
+
+/// A name of fewer starts than are cut has another lead.
+#[test]
+fn a_name_with_other_starts_is_refused() {
+    let folder = Folder::new("measure-lead");
+    let text = "M3 S200\nG0 X34 Z8\nG92 X29.2 Z-25 F4 L2\nX28.4\nX27.6\nG0 X60\nM30\n";
+    let program = write(&folder, "two.nc", text);
+    let output = leadscrew(&["measure", &program, "--thread", "M30x2-6g"]);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert!(
+        stderr(&output)
+            .contains("one start with a lead of 2 mm, and line 3 cuts 2 starts with one of 4 mm"),
+        "{}",
+        stderr(&output)
+    );
+    let right = &measured(&[&program, "--thread", "M30x4P2-6g"])["threads"][0];
+    assert_eq!(right["starts"], 2);
+}
+
 #[test]
 fn grooves_and_contours_come_out_as_they_are_programmed() {
     let shaft = measured(&["examples/shaft.nc", "--tool-width", "T2=4"]);

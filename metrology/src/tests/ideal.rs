@@ -1,7 +1,7 @@
 //! Ideal threads: within 1 µm and one minute of the norm.
 
 use super::{Made, within};
-use crate::{Degrees, Grid, Mm, Nose, Side, Stock, Tool, Turns, Work, inspect, measure, tables};
+use crate::{Degrees, Grid, Mm, Nose, Side, Stock, Tool, Turns, Work, inspect, measure};
 
 const MICROMETRE: f64 = 1e-3;
 const MINUTE: f64 = 1.0 / 60.0;
@@ -54,7 +54,7 @@ fn prove(made: &Made) {
 
 #[test]
 fn bolts_of_the_table_in_the_middle_of_their_tolerance() {
-    for [d, p, high, low, _, _] in tables::ISO_965_2 {
+    for [d, p, high, low, _, _] in super::norms::ISO_965_2 {
         prove(&Made::ideal(
             &format!("M{d}x{p}-6g"),
             Side::External,
@@ -65,7 +65,7 @@ fn bolts_of_the_table_in_the_middle_of_their_tolerance() {
 
 #[test]
 fn nuts_of_the_table_in_the_middle_of_their_tolerance() {
-    for [d, p, _, _, low, high] in tables::ISO_965_2 {
+    for [d, p, _, _, low, high] in super::norms::ISO_965_2 {
         prove(&Made::ideal(
             &format!("M{d}x{p}-6H"),
             Side::Internal,

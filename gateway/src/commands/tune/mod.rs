@@ -56,8 +56,16 @@ fn axis(global: &Global, args: &Tune, way: AxisWay) -> Outcome {
     let feed_forward = args
         .feed_forward
         .map_or(params.drive_feed_forward(axis), |percent| percent * 10);
+    let age_within = result::age_within(args.age_within, age, params.actual_age_us(axis));
+    let other = if way.on_z { Axis::X } else { Axis::Z };
     let before = result::Before {
         letter,
+        others: result::Others {
+            letter: char::from(other.letter()),
+            gain: params.drive_gain(other),
+            latency: params.latency_us(other),
+            spindle_gain: way.on_z.then(|| params.spindle_drive_gain()),
+        },
         taken_off: f64::from(params.latency_us(axis)) * 1e-6
             + result::behind(params.drive_gain(axis), params.drive_feed_forward(axis)),
         increment,
@@ -88,7 +96,7 @@ fn axis(global: &Global, args: &Tune, way: AxisWay) -> Outcome {
         dead_time,
         feed_forward,
         age,
-        age_within: args.age_within,
+        age_within,
         found,
         known,
     };

@@ -17,6 +17,49 @@ pub struct Before {
     pub taken_off: f64,
     pub increment: f64,
     pub tick: f64,
+    pub others: Others,
+}
+
+/// The lags of what moves together with the axis.
+#[derive(Clone, Copy)]
+pub struct Others {
+    /// X for Z, and Z for X; its 9070 and 9003.
+    pub letter: char,
+    pub gain: u32,
+    pub latency: u32,
+    /// 9073, where this axis taps rigidly.
+    pub spindle_gain: Option<u32>,
+}
+
+impl Others {
+    /// What does not go together with this gain of the axis. Equal lags cancel on a contour and in a tap; one that is taken
+    /// off does not.
+    fn differ(&self, own: char, gain: u32) -> Vec<Both> {
+        let mut all = Vec::new();
+        let other = self.letter;
+        if self.latency == 0 || (self.gain == 0) != (gain == 0) {
+            all.push(both!(
+                "{own} and {other} differ: with {own} alone tuned a contour is off by the lag of {other}; tune {other} too before \
+                 anything is cut\n",
+                "{own} 与 {other} 不一致：只整定 {own} 时，轮廓误差为 {other} 的滞后；切削前请同样整定 {other}\n"
+            ));
+        }
+        if let Some(spindle) = self.spindle_gain
+            && (spindle == 0) != (gain == 0)
+        {
+            all.push(both!(
+                "{own} and the spindle differ: 9070.{own} is {gain} and 9073 {spindle}; a rigid tap is pulled by the lag of the one \
+                 that keeps it: set both, or none\n",
+                "{own} 与主轴不一致：9070.{own} 为 {gain}，9073 为 {spindle}；刚性攻丝时丝锥受未补偿一方滞后的拉力：两者都设，或都不设\n"
+            ));
+        }
+        all
+    }
+}
+
+/// 9075 with this age: as it was typed, and 0 (not known) where another age was typed without it.
+pub fn age_within(typed: Option<u32>, age: u32, before: u32) -> Option<u32> {
+    typed.or((age != before).then_some(0))
 }
 
 /// How far a loop of this gain (0.1 /s; 0: not known) and feed-forward (0.1 %) is behind at constant speed, in seconds.
@@ -36,7 +79,7 @@ pub struct Told {
     pub feed_forward: u32,
     /// In µs.
     pub age: u32,
-    /// How well that is known.
+    /// How well that is known, where this is to be written.
     pub age_within: Option<u32>,
     pub found: Found,
     pub known: Known,
@@ -110,7 +153,7 @@ impl Tells for Told {
         let (offset, dead, age) = (lag.offset, self.dead_time, self.age);
         let (count, slow) = (self.known.quantum, self.known.tick * 1e6);
         let (before, after) = (us(before) * 0.05, us(after) * 0.05);
-        both!(
+        let mut told = both!(
             "{letter}: total lag {d:.1} ± {sd:.1} µs; towards plus {plus:.1} ± {plus_sd:.1}, minus {minus:.1} ± {minus_sd:.1}\n\
              equivalent model: dead time {dead} µs, age of 6064h {age} µs, Kv {kv}, feed-forward {ff} %; {rms} from the drive\n\
              \x20 the bus does not show the parts of the lag: with another dead time or feed-forward another Kv fits\n\
@@ -123,7 +166,12 @@ impl Tells for Told {
              静止噪声 {at_rest}，运动噪声 {at_speed:.2} µm；分辨率 {count:.3} µm，SYNC {slow:.0} µs\n\
              两方向相差 {offset:.2} µm；摩擦未知（总线上无电流），未读取 60F4h\n\
              50 mm/s 时未被补偿的预计滞后误差：之前 {before:.1} µm，采用这些数值后 {after:.1} µm\n"
-        )
+        );
+        for one in self.before.others.differ(letter, self.gain()) {
+            told.en.push_str(&one.en);
+            told.zh.push_str(&one.zh);
+        }
+        told
     }
 
     fn fields(&self, json: &mut Json) {
@@ -168,6 +216,11 @@ impl Tells for Told {
         json.number("increment_um", format!("{:.4}", self.before.increment));
         json.number("tick_us", format!("{:.0}", self.before.tick * 1e6));
         json.null("friction");
+        json.array_at("warnings", |json| {
+            for one in self.before.others.differ(self.before.letter, self.gain()) {
+                json.text_item(one.en.trim_end());
+            }
+        });
         json.number("left_before_us", format!("{:.3}", before * 1e6));
         json.number("left_after_us", format!("{:.3}", after * 1e6));
     }
@@ -254,4 +307,41 @@ pub fn refusal(why: &Refusal) -> Failure {
             "驱动器的 60F4h 与总线上的滞后相差 {periods:.1} 个 SYNC 周期：它采用了另一个目标，或死区时间有误"
         ),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_that_is_tuned_alone_names_the_other_and_the_spindle() {
+        let told = |gain: u32, latency: u32, spindle_gain: Option<u32>, own: u32| {
+            let others = Others {
+                letter: 'X',
+                gain,
+                latency,
+                spindle_gain,
+            };
+            let all = others.differ('Z', own);
+            all.into_iter().map(|one| one.en).collect::<String>()
+        };
+        assert_eq!(told(300, 1000, Some(200), 300), "");
+        assert_eq!(told(300, 1000, None, 300), "");
+        // Drives without a loop's lag: only what 9003 has.
+        assert_eq!(told(0, 1000, Some(0), 0), "");
+        assert!(told(0, 0, None, 300).contains("tune X too"));
+        assert!(told(0, 1000, None, 300).contains("tune X too"));
+        assert!(told(300, 1000, None, 0).contains("tune X too"));
+        assert!(told(0, 0, None, 0).contains("tune X too"));
+        assert!(told(300, 1000, Some(0), 300).contains("9073 0"));
+        assert!(told(0, 1000, Some(200), 0).contains("9073 200"));
+    }
+
+    #[test]
+    fn another_age_is_not_known_as_well_as_the_one_before() {
+        assert_eq!(age_within(None, 600, 100), Some(0));
+        assert_eq!(age_within(Some(30), 600, 100), Some(30));
+        assert_eq!(age_within(None, 100, 100), None);
+        assert_eq!(age_within(Some(30), 100, 100), Some(30));
+    }
 }

@@ -15,6 +15,8 @@ const SETTLED: Duration = Duration::from_millis(100);
 const REASON: Duration = Duration::from_secs(1);
 /// More counts than an axis can be from its target when it is enabled without a jump.
 const JUMP: u32 = 100;
+/// A target this many counts away moves a sound axis.
+const FAR: u32 = 1000;
 
 /// Statusword: voltage enabled, limit active, follows its target or homing attained, error in homing.
 const VOLTAGE: u16 = 1 << 4;
@@ -89,8 +91,8 @@ pub struct Drive {
     homing: Option<Homing>,
     /// When it last had a reason to go without torque.
     reason: Option<Stamp>,
-    /// Since when, and from where, it stands while its target moves on.
-    stood: Option<(Stamp, DriveStatus, i32)>,
+    /// Where it stands, its target when it came there, and since when that is far off.
+    stood: Option<(DriveStatus, i32, Option<Stamp>)>,
     /// Targets and positions.
     pub motion: Motion,
 }
@@ -310,15 +312,16 @@ impl Drive {
         };
         self.motion.sample(status.actual.get());
         let target = command.target.get();
-        match self.stood {
-            Some((since, from, at_first)) if from.actual.distance(status.actual) <= 2 => {
+        match &mut self.stood {
+            Some((from, at_first, far)) if from.actual.distance(status.actual) <= 2 => {
                 let away = command.target.distance(from.actual);
-                let moved = target.abs_diff(at_first);
-                if moved >= 1000 && away >= 1000 && at.since(since) >= SETTLED {
+                if away < FAR || target.abs_diff(*at_first) < FAR {
+                    *far = None;
+                } else if at.since(*far.get_or_insert(at)) >= SETTLED {
                     self.stands.hit(at, packet);
                 }
             }
-            _ => self.stood = Some((at, status, target)),
+            _ => self.stood = Some((status, target, None)),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Targets against positions of a drive: how the axis moves, the ratio of both, the lag, and a pure dead time.
+//! Targets against positions of a drive: how the axis moves, its way from rest to rest, the lag, and a pure dead time.
 
 use std::collections::VecDeque;
 
@@ -8,6 +8,8 @@ const PAST: usize = 33;
 const KEPT: usize = 50_000;
 /// Travel from which a ratio is told, in increments.
 const TRAVEL: u32 = 1000;
+/// Increments by which a position that stands may change.
+const STANDS: u32 = 2;
 /// Of so many samples.
 const SAMPLES: usize = 30;
 
@@ -29,27 +31,28 @@ pub enum Way {
 struct Sample {
     /// Counts up where the drive was not enabled between.
     run: u32,
+    /// Targets that were heard until then.
+    heard: usize,
     actual: i32,
     targets: [i32; PAST],
 }
 
-/// The straight relation of positions to targets.
+/// How far an axis goes from rest to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Relation {
+pub struct Gear {
     /// Increments of the drive to one that it was told.
     pub ratio: f64,
-    /// Periods that it lags behind.
-    pub lag: f64,
     /// Travel that this was seen over, in increments.
     pub travel: u32,
-    /// Samples in motion.
-    pub samples: usize,
+    /// Ways from rest to rest.
+    pub ways: u64,
 }
 
 /// Targets and positions.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
     targets: VecDeque<i32>,
+    heard: usize,
     samples: Vec<Sample>,
     run: u32,
 }
@@ -59,6 +62,7 @@ impl Motion {
     pub fn target(&mut self, target: i32) {
         self.targets.push_front(target);
         self.targets.truncate(PAST);
+        self.heard += 1;
     }
 
     /// What comes does not belong to what came.
@@ -79,6 +83,7 @@ impl Motion {
         }
         self.samples.push(Sample {
             run: self.run,
+            heard: self.heard,
             actual,
             targets,
         });
@@ -102,11 +107,55 @@ impl Motion {
         (way, speed)
     }
 
-    /// The ratio and the lag, by least squares of the position over target and speed in every run.
+    /// It was told to go far enough for a ratio.
     #[must_use]
-    pub fn relation(&self) -> Option<Relation> {
+    pub fn has_moved(&self) -> bool {
+        self.samples.chunk_by(|a, b| a.run == b.run).any(is_far)
+    }
+
+    /// The way of the axis from rest to rest. In motion an axis lags, and in a ramp no line is what its loop does.
+    #[must_use]
+    pub fn gear(&self) -> Option<Gear> {
+        let (mut told, mut gone) = (0.0, 0.0);
+        let (mut travel, mut ways) = (0, 0);
+        for run in self.samples.chunk_by(|a, b| a.run == b.run) {
+            let mut rested: Option<&Sample> = None;
+            let mut stands = run.first();
+            for sample in run {
+                let still = stands.filter(|from| from.actual.abs_diff(sample.actual) <= STANDS);
+                let since = still.unwrap_or(sample);
+                stands = Some(since);
+                if is_moving(sample) || sample.heard - since.heard < PAST {
+                    continue;
+                }
+                let Some(from) = rested else {
+                    rested = Some(sample);
+                    continue;
+                };
+                let way = sample.targets[0].abs_diff(from.targets[0]);
+                if way >= TRAVEL {
+                    let both = |to: i32, from: i32| f64::from(to) - f64::from(from);
+                    let target = both(sample.targets[0], from.targets[0]);
+                    told += target * target;
+                    gone += target * both(sample.actual, from.actual);
+                    travel = travel.max(way);
+                    ways += 1;
+                    rested = Some(sample);
+                }
+            }
+        }
+        (ways > 0).then(|| Gear {
+            ratio: gone / told,
+            travel,
+            ways,
+        })
+    }
+
+    /// Periods that the axis lags behind, by least squares of the position over target and speed in every run.
+    #[must_use]
+    pub fn lag(&self) -> Option<f64> {
         let (mut ss, mut sv, mut vv, mut sa, mut va) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        let (mut travel, mut moving) = (0, 0);
+        let mut moving = 0;
         for run in self.samples.chunk_by(|a, b| a.run == b.run) {
             let count = run.len() as f64;
             let places: Vec<[f64; 3]> = run.iter().filter_map(of_sample).collect();
@@ -124,12 +173,8 @@ impl Motion {
                 va += v * a;
                 moving += usize::from(place[1] != 0.0);
             }
-            let targets = run.iter().map(|sample| sample.targets[0]);
-            if let (Some(low), Some(high)) = (targets.clone().min(), targets.max()) {
-                travel = travel.max(low.abs_diff(high));
-            }
         }
-        if travel < TRAVEL || moving < SAMPLES {
+        if !self.has_moved() || moving < SAMPLES {
             return None;
         }
         let determinant = ss * vv - sv * sv;
@@ -141,21 +186,16 @@ impl Motion {
         } else {
             (sa / ss, 0.0)
         };
-        Some(Relation {
-            ratio,
-            lag: if ratio == 0.0 { 0.0 } else { -speed / ratio },
-            travel,
-            samples: moving,
-        })
+        Some(if ratio == 0.0 { 0.0 } else { -speed / ratio })
     }
 
     /// Periods that the position comes behind the target, where it is exactly the target of then, ramps included: a
     /// buffer. A lag of a loop is not of this kind.
     #[must_use]
     pub fn dead_time(&self) -> Option<usize> {
-        let relation = self.relation()?;
+        self.lag()?;
         // A line through all of it would hide which of several fits.
-        if (relation.ratio - 1.0).abs() > 0.02 || !self.changes_speed() {
+        if !self.changes_speed() {
             return None;
         }
         let off = |dead: usize| {
@@ -176,6 +216,13 @@ impl Motion {
             _ => false,
         }
     }
+}
+
+/// The targets of these go far enough.
+fn is_far(run: &[Sample]) -> bool {
+    let targets = run.iter().map(|sample| sample.targets[0]);
+    let ends = targets.clone().min().zip(targets.max());
+    ends.is_some_and(|(low, high)| low.abs_diff(high) >= TRAVEL)
 }
 
 fn is_moving(sample: &Sample) -> bool {

@@ -73,7 +73,7 @@ rules! {
     42 gear
         ("the drive moves another distance than it is told", "驱动器移动的距离与指令不符"),
         ("make 6091h and 6092h of the drive and 9001 and 9002 the same", "使驱动器的 6091h、6092h 与 9001、9002 一致"),
-        ("off by more than 2 % over 1000 counts and 30 moving samples; lag is taken out", "1000 个脉冲、30 个运动采样上偏差大于 2 %；已扣除滞后");
+        ("off by more than 2 % from rest to rest, 1000 counts and more; at rest targets and positions stand for 33 periods", "从静止到静止、1000 个脉冲以上，偏差大于 2 %；静止指目标与位置 33 个周期不变");
     43 reversed
         ("the drive moves the other way", "驱动器反向运动"),
         ("turn 607Eh of the drive (polarity)", "修改驱动器的 607Eh（极性）"),
@@ -81,14 +81,14 @@ rules! {
     44 stuck
         ("the drive stands while its target moves", "目标移动而驱动器不动"),
         ("look at brake, coupling and the free way of the axis", "检查制动器、联轴器和轴的行程是否受阻"),
-        ("enabled; 1000 counts and 100 ms within 2 counts of one place", "已使能；目标移动 1000 个脉冲、历时 100 ms，位置变化不超过 2");
+        ("enabled; within 2 counts of one place while its target has been 1000 counts away for 100 ms", "已使能；目标相距 1000 个脉冲以上已 100 ms，而位置变化不超过 2");
     45 jump
         ("the drive is told a place elsewhere while it is being enabled", "使能时的目标与实际位置不同"),
         ("the master has to set 607Ah to 6064h before 000Fh", "主站须在 000Fh 之前令 607Ah 等于 6064h"),
         ("more than 100 counts, in three setpoints", "相差 100 个脉冲以上，三个设定值");
     46 buffer
         ("the drive holds targets back in a buffer", "驱动器的缓冲区推迟目标"),
-        ("tell the board by 9003: one period each", "用 9003 告知控制板：每个目标一个周期"),
+        ("tell the board by 9003: one period each, and one of interpolation", "用 9003 告知控制板：每个目标一个周期，另加一个插补周期"),
         ("positions are the targets of 3 periods and more before, to 3 counts and in ramps too, or the profile says it; 9003 is \
           smaller", "位置等于 3 个周期以前的目标（误差 3 个脉冲以内，含加减速段），或配置如此；且 9003 较小");
     47 limited
@@ -359,14 +359,14 @@ fn ratios(heard: &Heard, wrong: impl Fn(f64) -> bool) -> Vec<Found> {
     let of = |expected: &Expected| {
         let drive = heard.drives.get(&expected.node)?;
         // What stands is no gear.
-        let relation = drive.motion.relation().filter(|_| !drive.stands.enough())?;
-        if !wrong(relation.ratio) {
+        let gear = drive.motion.gear().filter(|_| !drive.stands.enough())?;
+        if !wrong(gear.ratio) {
             return None;
         }
         let mut hits = Hits::standing(heard.now);
-        hits.count = u64::try_from(relation.samples).unwrap_or(u64::MAX);
+        hits.count = gear.ways;
         let name = expected.name;
-        let (ratio, travel) = (relation.ratio, relation.travel);
+        let (ratio, travel) = (gear.ratio, gear.travel);
         Some(Found::at(
             expected.node,
             &hits,
@@ -383,14 +383,19 @@ fn is_reversed(ratio: f64) -> bool {
     (ratio + 1.0).abs() <= 0.02
 }
 
+/// Each axis that went far came to rest before and behind.
+fn has_rested(heard: &Heard) -> bool {
+    let mut drives = heard.drives.values().map(|drive| &drive.motion);
+    drives.all(|motion| !motion.has_moved() || motion.gear().is_some())
+}
+
 fn gear(heard: &Heard) -> Verdict {
-    found(ratios(heard, |ratio| {
-        (ratio - 1.0).abs() > 0.02 && !is_reversed(ratio)
-    }))
+    let wrong = |ratio: f64| (ratio - 1.0).abs() > 0.02 && !is_reversed(ratio);
+    found_or(ratios(heard, wrong), has_rested(heard), Lack::Rests)
 }
 
 fn reversed(heard: &Heard) -> Verdict {
-    found(ratios(heard, is_reversed))
+    found_or(ratios(heard, is_reversed), has_rested(heard), Lack::Rests)
 }
 
 fn stuck(heard: &Heard) -> Verdict {
@@ -435,14 +440,18 @@ fn buffer(heard: &Heard) -> Verdict {
             .motion
             .dead_time()
             .and_then(|dead| u32::try_from(dead).ok());
-        let lag = drive.motion.relation().map_or(0.0, |relation| relation.lag);
+        let lag = drive.motion.lag().unwrap_or(0.0);
         // A profile only says so; the lag has to be there, too.
         let said = expected.known.and_then(|known| known.buffer);
-        let said = said.filter(|periods| lag >= f64::from(*periods));
-        let periods = seen.or(said).filter(|periods| *periods >= 3)?;
+        let said = said.filter(|targets| lag >= f64::from(*targets));
+        // Positions come late by up to a period, and tell the period of interpolation with the buffer. A profile has
+        // the buffer alone.
+        let seen = seen.map(|periods| (periods, tick));
+        let said = said.map(|targets| (targets.saturating_add(1), tick / 2));
+        let (periods, within) = seen.or(said).filter(|(periods, _)| *periods >= 3)?;
         let latency = heard.machine.params.latency_us(axis);
         let wanted = periods.saturating_mul(tick);
-        if latency.saturating_add(tick) >= wanted {
+        if latency.saturating_add(within) >= wanted {
             return None;
         }
         let name = expected.name;

@@ -65,6 +65,8 @@ pub enum Lack {
     Clock,
     /// The parameters are not known (`--params`).
     Parameters,
+    /// An axis that moved did not rest before and behind.
+    Rests,
     /// Something that is not about drives comes first.
     Earlier,
 }

@@ -79,7 +79,7 @@ pub const RULES: &[Rule] = &[
             "过程数据占用总线超过 90 %",
         ),
         remedy: (
-            "let the drives answer less often (9021), or lengthen the tick (9000)",
+            "let the drives answer less often (9021 and their 1800h:02, both), or lengthen the tick (9000)",
             "降低驱动器应答频率（9021），或加长周期（9000）",
         ),
         guard: (
@@ -275,5 +275,8 @@ fn load(heard: &Heard) -> Verdict {
             "过程数据占 {kbit} kbit/s 的 {percent} %"
         ),
     )
-    .mended_by(format!("leadscrew params set 9021={every}"))])
+    // Both sides: the drives go on at their own 1800h:02.
+    .mended_by(format!(
+        "leadscrew params push MACHINE.toml   # 9021 = {every}, and in each [drive.*] tpdo1_transmission = {every}"
+    ))])
 }

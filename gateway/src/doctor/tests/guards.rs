@@ -1,7 +1,7 @@
 //! For each rule what looks like its fault and is none.
 
 use super::scene::{Scene, error, frame, is};
-use super::seeds::{block, following};
+use super::seeds::{block, following, loops, told_buffer};
 use crate::doctor::machine::{Clock, Known};
 
 /// An emergency of X that is over at once.
@@ -224,8 +224,20 @@ pub fn all() -> Vec<(u8, Scene)> {
         Scene::moving(|target, k| (target(k - 5) + target(k - 25)) / 2),
     );
     guard(42, Scene::moving(|target, k| -target(k - 2)));
+    // A loop of low gain, from rest to rest and heard from ramp to ramp.
+    for kv in [15, 30] {
+        guard(42, Scene::moving(move |target, k| loops(target, k, kv)));
+        let part = Scene::moving(move |target, k| loops(target, k, kv));
+        let mut part = part.keep(|us, _| us > 620_000);
+        part.ms = 1050;
+        guard(42, part);
+    }
     guard(43, Scene::moving(|target, k| target(k - 2) / 2));
     guard(44, Scene::moving(|target, k| target(k - 30)));
+    // Sixteen periods of a buffer, and a target that is off by a thousand counts in fewer.
+    let mut sudden = Scene::moving(|target, k| target(k - 16));
+    sudden.steep = true;
+    guard(44, sudden);
     let follows = Scene::moving(|target, k| target(k - 1));
     guard(
         45,
@@ -236,6 +248,8 @@ pub fn all() -> Vec<(u8, Scene)> {
         Scene::moving(|target, k| (target(k - 5) + target(k - 25)) / 2),
     );
     guard(46, Scene::moving(|target, k| target(k - 1)));
+    // What its profile says, and a period of interpolation.
+    guard(46, told_buffer(10_000));
     guard(
         47,
         Scene::new().word(|ms| {

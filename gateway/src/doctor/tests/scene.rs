@@ -23,6 +23,8 @@ pub struct Scene {
     pub every: u64,
     pub same_place: bool,
     pub moves: bool,
+    /// Its target is a thousand counts off within two periods.
+    pub steep: bool,
     actual: Position,
     word: Of<u16>,
     control: Of<u16>,
@@ -57,6 +59,7 @@ impl Scene {
             every: 4,
             same_place: false,
             moves: false,
+            steep: false,
             actual: Box::new(|target, k| target(k)),
             word: Box::new(|_| 0x1237),
             control: Box::new(|_| 0x000F),
@@ -139,6 +142,9 @@ impl Scene {
     fn target(&self, k: i64) -> i32 {
         if !self.moves {
             return 0;
+        }
+        if self.steep {
+            return i32::try_from(((k - 500).clamp(0, 12)) * 500).unwrap();
         }
         // A ramp up, a steady part, a ramp down; back again after a second of rest.
         let way = |t: i64| -> i64 {

@@ -1,5 +1,7 @@
 //! For each rule a fault in a sound wire.
 
+use leadscrew_core::params::Entry;
+
 use super::scene::{Scene, error, frame, is};
 use crate::doctor::machine::Known;
 
@@ -63,6 +65,30 @@ fn stands(alarm: u16) -> Scene {
         board.frame(2000 + n * 10, 0x181, &[7, 0, low, high, 0, 0, 0, 8]);
     }
     board
+}
+
+/// Where an axis is behind a period of interpolation and a loop of this gain (1/s).
+pub fn loops(target: &dyn Fn(i64) -> i32, k: i64, kv: i32) -> i32 {
+    let mut at = 0.0;
+    // What was further back is forgotten.
+    for period in k - 2000..k {
+        at += (f64::from(target(period)) - at) * f64::from(kv) / 1000.0;
+    }
+    at.round() as i32
+}
+
+/// A drive with a loop, whose profile says that it buffers nine targets; 9003 of it.
+pub fn told_buffer(latency: i64) -> Scene {
+    let mut scene = Scene::moving(|target, k| loops(target, k - 9, 30));
+    let entry = Entry::find_text("9003.X").unwrap();
+    scene.machine.params.set(entry, latency).unwrap();
+    for drive in &mut scene.machine.drives {
+        drive.known = Some(Known {
+            window_us: None,
+            buffer: Some(9),
+        });
+    }
+    scene
 }
 
 pub fn all() -> Vec<(u8, Scene)> {
@@ -239,11 +265,16 @@ pub fn all() -> Vec<(u8, Scene)> {
     seed(40, following(803, true));
     seed(41, following(300, false));
     seed(42, Scene::moving(|target, k| target(k - 2) / 2));
+    seed(
+        42,
+        Scene::moving(|target, k| loops(target, k, 30) * 20 / 21),
+    );
     seed(43, Scene::moving(|target, k| -target(k - 2)));
     seed(44, Scene::moving(|target, k| target(k.min(800))));
     let jump = Scene::moving(|_, _| 5000);
     seed(45, jump.word(|_| 0x0233));
     seed(46, Scene::moving(|target, k| target(k - 9)));
+    seed(46, told_buffer(9_000));
     seed(47, Scene::new().word(|_| 0x1A37));
     let mut homing = Scene::new().word(|_| 0x2637).control(|_| 0x001F);
     homing.frame(100, 0x310, &[6]);
