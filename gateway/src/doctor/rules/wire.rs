@@ -80,7 +80,7 @@ pub const RULES: &[Rule] = &[
         ),
         remedy: (
             "let the drives answer less often (9021 and their 1800h:02, both), or lengthen the tick (9000)",
-            "降低驱动器应答频率（9021），或加长周期（9000）",
+            "降低驱动器应答频率（9021 与其 1800h:02 同时修改），或加长周期（9000）",
         ),
         guard: (
             "over a second and longer; transfers (SDO) are not counted; not in virtual time",
