@@ -85,6 +85,8 @@ pub struct Watch {
     /// The class of the spindle's encoder, and how far a thread may be beside its helix, in nanometres.
     class: Class,
     beside: i64,
+    /// Counts of the spindle's encoder in a turn.
+    counts: i64,
     /// Its part by the way ahead that setpoints are calculated for.
     foreseen: i64,
     /// How often the spindle swings, in thousandths of a hertz.
@@ -138,6 +140,7 @@ impl Watch {
             bounds: bounds(params),
             class: Class::of(params),
             beside: encoder::beside(params, swing_mhz) + foreseen,
+            counts: params.resolution().counts.into(),
             assumed: false,
             foreseen,
             swing_mhz,
@@ -164,6 +167,7 @@ impl Watch {
         self.bounds = bounds(params);
         self.class = Class::of(params);
         self.beside = encoder::beside(params, self.swing_mhz) + self.foreseen;
+        self.counts = params.resolution().counts.into();
         self.last.clear();
     }
 
@@ -338,6 +342,11 @@ impl Watch {
                 let broken = (row.tick as usize) < self.spindle_broken_until;
                 let most = match self.class {
                     Class::FewTimed | Class::Few if broken => self.beside.max(encoder::UNKNOWN_NM),
+                    // Where within a count a spindle comes to rest that nobody has stopped, no edge tells.
+                    Class::Fine if broken => {
+                        let lead = row.cut.map_or(0, |cut| cut.lead.nm().abs());
+                        self.beside.max(lead / self.counts)
+                    }
                     _ => self.beside,
                 };
                 assert!(
