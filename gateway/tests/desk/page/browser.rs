@@ -260,7 +260,7 @@ impl Tab<'_> {
     }
 
     /// Orders it once: again only where the page says that nothing has come of it, for what it shows was too old, the order
-    /// before was still on its way, or its lease has lapsed.
+    /// before was still on its way, its lease has lapsed, or the board was asked in vain.
     #[track_caller]
     fn once(&mut self, so: &str, mut act: impl FnMut(&mut Self)) {
         let end = Instant::now() + LIMIT;
@@ -281,8 +281,11 @@ impl Tab<'_> {
             };
             if told.contains("does not operate") {
                 self.operate();
-            } else if !told.contains(" old") && !told.contains("give it again") {
-                panic!("{so}: {told}");
+            } else {
+                // A machine on a busy computer may not answer a reading in time.
+                let again = [" old", "give it again", "reading object"];
+                let may_again = again.iter().any(|part| told.contains(part));
+                assert!(may_again, "{so}: {told}");
             }
             assert!(Instant::now() < end, "{so}: {told}");
         }
