@@ -282,15 +282,14 @@ impl Judge {
         let age = known
             .doubt()
             .map_or_else(Both::default, |Both { en, zh }| both!("; {en}", "；{zh}"));
+        let (seen_en, seen_zh) = if is_complete(record) {
+            ("", "")
+        } else {
+            ("seen ", "（仅所见位置）")
+        };
         Some(both!(
             "{grooves_en}{apart_en}{lead_en}worst {seen_en}{worst} µm{age_en}",
             "{grooves_zh}{apart_zh}{lead_zh}最大{seen_zh} {worst} µm{age_zh}",
-            seen_en = if is_complete(record) { "" } else { "seen " },
-            seen_zh = if is_complete(record) {
-                ""
-            } else {
-                "（仅所见位置）"
-            },
             grooves_en = grooves.en,
             grooves_zh = grooves.zh,
             apart_en = apart.en,

@@ -24,7 +24,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::{Carried, Dialect, Event, Interpreter, Options, Way};
 use leadscrew_core::units::{Decimal, StartAngle};
 
-use crate::dialect::{Control, Setting};
+use crate::dialect::{Control, Setting, code_of, has_code};
 use crate::drilling::{Drill, Kind};
 use crate::flow::{Done, Flow, Machine, Modes, Rules, Trouble};
 use crate::heading::Allowed;
@@ -315,10 +315,7 @@ impl Core<'_> {
         &'w self,
         words: &'w [Word],
     ) -> impl Iterator<Item = (u8, Decimal, Span)> + use<'w> {
-        let has = |code| {
-            let is = |word: &Word| word.letter == b'G' && word.value().whole() == Some(code);
-            words.iter().any(is)
-        };
+        let has = |code| has_code(words, code);
         let dwell = has(4);
         let offsets = has(10);
         let enhanced = has(78);
@@ -574,8 +571,7 @@ impl Acting<'_, '_> {
     /// Carries out the words of a block that is none of a drilling cycle.
     fn plain_words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
         if let Some((collected, _)) = &mut self.core.contour {
-            let is_straight =
-                |word: &Word| word.letter == b'G' && matches!(word.value().whole(), Some(0 | 1));
+            let is_straight = |word: &Word| matches!(code_of(word), Some(0 | 1));
             let letters = words.iter().map(|word| word.letter);
             let span = words.first().map_or(Span::default(), |word| word.span);
             collected.block(letters, words.iter().any(is_straight), span)?;
@@ -584,7 +580,7 @@ impl Acting<'_, '_> {
         let words = taken.as_deref().unwrap_or(words);
         let home = words
             .iter()
-            .any(|word| word.letter == b'G' && word.value().whole().is_some_and(goes_home));
+            .any(|word| code_of(word).is_some_and(goes_home));
         let first_angle = first_angle(words)?;
         self.without_nose(home, |acting| {
             acting.act(|core, out| {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::refusal::Refusal;
 
-/// Cookies that count; the one that was used least lately is forgotten. There are more than those that watch and the one
+/// Cookies that count; the least recently used is forgotten. There are more than those that watch and the one
 /// that operates.
 const COOKIES: usize = 64;
 

@@ -10,6 +10,10 @@ use prometheus_client::metrics::gauge::Gauge;
 use super::{Histograms, Labels, Metrics, UM, number};
 use crate::record::{Body, Cut, Figure, Identity, State, Thread, What};
 
+/// What there is an override of, and a speed of the spindle.
+const OVERRIDES: [&str; 3] = ["feed", "rapid", "spindle"];
+const SPEEDS: [&str; 2] = ["measured", "commanded"];
+
 /// The figures of a machine.
 pub struct Of<'a> {
     pub all: &'a Metrics,
@@ -110,15 +114,16 @@ impl Of<'_> {
             load.set(f64::from(percent) / 100.0);
         }
         self.set(&all.errors, number(state.bus_errors));
-        for (of, percent) in [
-            ("feed", state.feed_percent),
-            ("rapid", state.rapid_percent),
-            ("spindle", state.spindle_percent),
-        ] {
+        let percents = [
+            state.feed_percent,
+            state.rapid_percent,
+            state.spindle_percent,
+        ];
+        for (of, percent) in OVERRIDES.into_iter().zip(percents) {
             let gauge = all.overrides.get_or_create(&self.with("of", of));
             gauge.set(percent.into());
         }
-        for (of, rpm) in [("measured", state.rpm), ("commanded", state.rpm_commanded)] {
+        for (of, rpm) in SPEEDS.into_iter().zip([state.rpm, state.rpm_commanded]) {
             let gauge = all.speed.get_or_create(&self.with("of", of));
             gauge.set(rpm.into());
         }
@@ -130,10 +135,10 @@ impl Of<'_> {
         for name in BoardState::ALL.map(BoardState::name) {
             all.state.remove(&self.with("state", name));
         }
-        for of in ["feed", "rapid", "spindle"] {
+        for of in OVERRIDES {
             all.overrides.remove(&self.with("of", of));
         }
-        for of in ["measured", "commanded"] {
+        for of in SPEEDS {
             all.speed.remove(&self.with("of", of));
         }
         all.alarm.remove(&self.labels());

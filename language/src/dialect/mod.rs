@@ -24,7 +24,7 @@ pub use looks::Looks;
 pub use name::{Named, named};
 pub use points::{Written, lengths, written};
 pub use translator::{Setting, Translator};
-pub(crate) use translator::{in_milliseconds, is_m19};
+pub(crate) use translator::{code_of, has_code, in_milliseconds, is_m19};
 
 /// True for the letters of X and Z.
 #[must_use]

@@ -7,7 +7,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::units::{Decimal, StartAngle};
 
 use super::Control;
-use super::translator::{Setting, has_code};
+use super::translator::{Setting, code_of, has_code};
 use crate::value::Value;
 use crate::word::{Given, Word};
 
@@ -26,7 +26,7 @@ pub fn thread_word(words: &[Word]) -> Option<Span> {
 }
 
 fn g76(words: &[Word]) -> Option<&Word> {
-    let is = |word: &&Word| word.letter == b'G' && word.value().whole() == Some(76);
+    let is = |word: &&Word| code_of(word) == Some(76);
     words.iter().find(is)
 }
 

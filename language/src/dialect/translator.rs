@@ -212,12 +212,12 @@ impl Translator {
 }
 
 /// The code of a G word.
-fn code_of(word: &Word) -> Option<i64> {
+pub(crate) fn code_of(word: &Word) -> Option<i64> {
     (word.letter == b'G').then(|| word.value().whole())?
 }
 
 /// True with this G code in the block.
-pub(super) fn has_code(words: &[Word], code: i64) -> bool {
+pub(crate) fn has_code(words: &[Word], code: i64) -> bool {
     words.iter().any(|word| code_of(word) == Some(code))
 }
 
@@ -232,16 +232,17 @@ pub(super) fn orients(words: &[Word]) -> bool {
     words.iter().any(is_m19) && !words.iter().any(moves)
 }
 
+/// The codes of group 01 that are motions, a cycle before a plain one.
+const MOTIONS: [i64; 9] = [90, 92, 94, 32, 34, 0, 1, 2, 3];
+
 /// The code of group 01 that is in force in a block.
 pub(super) fn motion_of(words: &[Word], now: Setting) -> i64 {
-    let codes = [90, 92, 94, 32, 34, 0, 1, 2, 3];
-    let written = codes.into_iter().find(|motion| has_code(words, *motion));
+    let written = MOTIONS.into_iter().find(|motion| has_code(words, *motion));
     written.unwrap_or_else(|| i64::from(now.motion))
 }
 
 /// True for a block of the drilling cycle in force, without its code.
 fn goes_on_drilling(words: &[Word], now: Setting) -> bool {
-    const MOTIONS: [i64; 9] = [0, 1, 2, 3, 32, 34, 90, 92, 94];
     let ends = |word: &Word| code_of(word).is_some_and(|code| MOTIONS.contains(&code));
     now.drills && !words.iter().any(|word| ends(word) || is_one_shot(word))
 }

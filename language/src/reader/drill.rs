@@ -6,7 +6,7 @@ use leadscrew_core::program::{Event, Way, is_free_m};
 use leadscrew_core::units::{Decimal, Length};
 
 use super::Acting;
-use crate::dialect::{Control, is_m19};
+use crate::dialect::{Control, code_of, is_m19};
 use crate::drilling::{Drill, Hole, Kind, Level, Parts, Step};
 use crate::flow::{Done, Machine};
 use crate::plane::Point;
@@ -18,23 +18,20 @@ const MOST_PECKS: u64 = 9_999;
 
 /// True for a code that ends a drilling cycle.
 fn ends(word: &Word) -> bool {
-    let code = word.value().whole();
-    word.letter == b'G'
-        && matches!(
-            code,
-            Some(0..=3 | 32 | 34 | 74..=76 | 78 | 80 | 84 | 88 | 90 | 92 | 94)
-        )
+    matches!(
+        code_of(word),
+        Some(0..=3 | 32 | 34 | 74..=76 | 78 | 80 | 84 | 88 | 90 | 92 | 94)
+    )
 }
 
 /// True for a code that has all words of its block, so that none of them is one of the hole's.
 fn is_of_its_block(word: &Word) -> bool {
-    let code = word.value().whole();
-    word.letter == b'G' && matches!(code, Some(4 | 10 | 28 | 30 | 50 | 53))
+    matches!(code_of(word), Some(4 | 10 | 28 | 30 | 50 | 53))
 }
 
 /// True for G28 and G30, which end a cycle.
 fn goes_to_reference(word: &Word) -> bool {
-    word.letter == b'G' && matches!(word.value().whole(), Some(28 | 30))
+    matches!(code_of(word), Some(28 | 30))
 }
 
 /// True for M02 and M30.

@@ -5,17 +5,14 @@ use leadscrew_core::call::Position;
 use leadscrew_core::units::{Decimal, Length};
 
 use super::Acting;
-use crate::dialect::Control;
+use crate::dialect::{Control, has_code};
 use crate::word::{Given, Word};
 
 impl Acting<'_, '_> {
     /// The words of a block with R as a distance; `None` where they are right as they are.
     pub(super) fn tap_level(&self, line: u32, words: &[Word]) -> Result<Option<Vec<Word>>, Alarm> {
         let core = &*self.core;
-        let has = |code| {
-            let is = |word: &Word| word.letter == b'G' && word.value().whole() == Some(code);
-            words.iter().any(is)
-        };
+        let has = |code| has_code(words, code);
         let now = core.interpreter.in_force();
         let is_level = |word: &Word| word.letter == b'R' && !word.value().is_null();
         let index = words.iter().position(is_level);
