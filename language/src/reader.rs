@@ -5,6 +5,8 @@
 //! has; it must not know files.
 
 mod angle;
+#[cfg(test)]
+mod contour_tests;
 mod drill;
 mod glimpse;
 mod pointless;
@@ -37,7 +39,7 @@ use crate::stock::Stock;
 use crate::variables::{Kept, Variables};
 use crate::whose::Whose;
 use crate::word::Word;
-use glimpse::{codes, letters};
+use glimpse::{blanked, codes, letters};
 
 /// A program being read.
 #[derive(Debug)]
@@ -573,12 +575,20 @@ impl Acting<'_, '_> {
 
     /// Carries out the words of a block that is none of a drilling cycle.
     fn plain_words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
-        if let Some((collected, _)) = &mut self.core.contour {
+        let without_tool: Vec<Word>;
+        let mut words = words;
+        if let Some((collected, own)) = &mut self.core.contour {
             let is_straight =
                 |word: &Word| word.letter == b'G' && matches!(word.value().whole(), Some(0 | 1));
             let letters = words.iter().map(|word| word.letter);
             let span = words.first().map_or(Span::default(), |word| word.span);
             collected.block(letters, words.iter().any(is_straight), span)?;
+            // The offsets of the tool that finishes are not those of the one that roughs.
+            if own.is_some() && words.iter().any(|word| word.letter == b'T') {
+                let others = words.iter().filter(|word| word.letter != b'T');
+                without_tool = others.copied().collect();
+                words = &without_tool;
+            }
         }
         let taken = self.take_words(words)?;
         let words = taken.as_deref().unwrap_or(words);
@@ -629,10 +639,16 @@ impl Acting<'_, '_> {
 
 impl Machine for Acting<'_, '_> {
     fn line(&mut self, line: u32, text: &[u8]) -> Result<Done, Alarm> {
-        if let Some((collected, _)) = &mut self.core.contour {
+        let without_tool;
+        let mut text = text;
+        if let Some((collected, own)) = &mut self.core.contour {
             let is_straight = codes(text).any(|code| matches!(code, 0 | 1));
             let span = crate::text::span(line, 0, text.len());
             collected.block(letters(text), is_straight, span)?;
+            if own.is_some() && letters(text).any(|letter| letter == b'T') {
+                without_tool = blanked(text, b'T');
+                text = &without_tool;
+            }
         }
         let home = self.core.path.side() != Side::None && codes(text).any(goes_home);
         self.without_nose(home, |acting| {

@@ -1,0 +1,76 @@
+//! Contours, the nose and corners in whole programs: what goes into a cycle, what comes after it, and what is refused.
+
+use super::*;
+use crate::path::tests::moves_of;
+use leadscrew_core::params::Entry;
+
+/// A machine whose tool 3 has a nose of 0.4 mm with tip direction 3.
+fn machine() -> Params {
+    let mut params = Params::sheets();
+    for (key, raw) in [("nose_radius_3", 400_000), ("nose_direction_3", 3)] {
+        let entry = Entry::find_text(key).expect("the parameter exists");
+        params.set(entry, raw).expect("within its range");
+    }
+    params
+}
+
+/// What a program does, with `;` between its lines, and the alarm that ends it.
+fn read(control: Control, text: &str) -> (Vec<Event>, Option<Alarm>) {
+    let (params, kept) = (machine(), Kept::default());
+    let rules = Rules {
+        control,
+        ..Rules::default()
+    };
+    let text = text.replace(';', "\n");
+    let mut events = Vec::new();
+    let mut reader = Reader::new(text.as_bytes(), &params, Options::default(), kept, rules);
+    while !reader.is_over() {
+        match reader.step(&mut |event| events.push(event)) {
+            Ok(()) => {}
+            Err(Trouble::Alarm(alarm)) => return (events, Some(alarm)),
+            Err(Trouble::Unreadable(error)) => panic!("{error}"),
+        }
+    }
+    (events, None)
+}
+
+/// The events of a program without an alarm.
+#[track_caller]
+fn events(control: Control, text: &str) -> Vec<Event> {
+    let (events, alarm) = read(control, text);
+    assert_eq!(alarm, None, "{text}");
+    events
+}
+
+/// Its moves.
+#[track_caller]
+fn cut(control: Control, text: &str) -> String {
+    moves_of(&events(control, text))
+}
+
+/// The tool of the finishing cut is called in the contour, and its offsets are others.
+#[test]
+fn a_tool_of_the_contour_counts_in_the_finishing_cut_alone() {
+    let offsets = "G99 F.2;G10 P1 X0 Z0;G10 P2 X-6 Z-4;T0101;G0 X44 Z2;";
+    for cycle in [
+        "G71 U4. R.5;G71 P1 Q2 U.4 W.1",
+        "G72 W4. R.5;G72 P1 Q2 U.4 W.1",
+        "G73 U4. W1. R3;G73 P1 Q2 U.4 W.1",
+    ] {
+        for control in [Control::Gsk980td, Control::FanucA] {
+            let contour = |tool: &str| {
+                let first = if cycle.starts_with("G72") {
+                    format!("N1 G0 Z-20. {tool};G1 X24.;X20. {tool} Z-12.;N2 Z2.")
+                } else {
+                    format!("N1 G0 X20. {tool};G1 Z-12.;X24. {tool} Z-20.;{tool} (T9);N2 X44.")
+                };
+                format!("{offsets}{cycle};{first};")
+            };
+            let without = cut(control, &format!("{}M30", contour("")));
+            let with = cut(control, &format!("{}M30", contour("T0202")));
+            assert_eq!(with, without, "{control:?} {cycle}");
+            let finished = cut(control, &format!("{}G70 P1 Q2;M30", contour("T 0202")));
+            assert!(finished.contains("T202"), "{finished}");
+        }
+    }
+}
