@@ -738,7 +738,7 @@ impl Machine for Acting<'_, '_> {
         let Some(own) = own else {
             // G70 has been cut as it was read; what is left is the way back.
             let start = collected.start();
-            return self.trace(Span::default(), start, Way::Rapid);
+            return self.trace(collected.span(), start, Way::Rapid);
         };
         core.path.end_contour()?;
         core.interpreter = own;

@@ -74,3 +74,15 @@ fn a_tool_of_the_contour_counts_in_the_finishing_cut_alone() {
         }
     }
 }
+
+/// The way back of a finishing cut is one of its block.
+#[test]
+fn the_way_back_of_a_finishing_cut_has_its_line() {
+    let text = "F.2;G0 X45 Z2;G70 P1 Q2;M30;N1 G0 X45 Z-10;G1 X30 Z-12;N2 Z-30";
+    let events = events(Control::FanucA, text);
+    let rapids = events.iter().filter_map(|event| match event {
+        Event::Call(call) if matches!(call.kind, CallKind::Rapid(_)) => Some(call.span.line),
+        _ => None,
+    });
+    assert_eq!(rapids.collect::<Vec<_>>(), [2, 5, 3]);
+}
