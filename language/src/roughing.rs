@@ -469,10 +469,11 @@ impl Collected {
             let alarm = Alarm::new(Code::AllowanceOdd, span);
             doubts.push(alarm.word(letter).with([length]));
         };
-        if x.is_against(allowance.x.nm()) {
+        let wall = self.wall_that_is_cut();
+        if x.is_against(allowance.x.nm()) || wall == Some(Along::X) {
             odd(b'U', Arg::Diameter(allowance.x), span);
         }
-        if z.is_against(allowance.z.nm()) {
+        if z.is_against(allowance.z.nm()) || wall == Some(Along::Z) {
             odd(b'W', Arg::Length(allowance.z), span);
         }
         let letter = match self.figures {
@@ -513,6 +514,16 @@ impl Collected {
             doubts.push(Alarm::new(Code::StartInContour, span).with([further]));
         }
         doubts
+    }
+
+    /// The strokes of G71 or G72 whose allowance leads into a wall of a pocket: the last pass would cut that too deep.
+    fn wall_that_is_cut(&self) -> Option<Along> {
+        let Figures::Rough(along, words) = &self.figures else {
+            return None;
+        };
+        let contour = Contour::new(self.start, self.axes?, self.elements.clone()).ok()?;
+        let cuts = contour.rough(*along, words).ok()?.cuts_into_a_wall();
+        cuts.then_some(*along)
     }
 
     /// Hands the moves of the cycle to `each`.

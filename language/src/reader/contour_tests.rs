@@ -75,6 +75,55 @@ fn a_tool_of_the_contour_counts_in_the_finishing_cut_alone() {
     }
 }
 
+/// The warnings of a program: number and line.
+fn told(control: Control, text: &str) -> Vec<(u16, u32)> {
+    let told = events(control, text)
+        .into_iter()
+        .filter_map(|event| match event {
+            Event::Warning(warning) => Some((warning.number(), warning.span.line)),
+            Event::Call(_) => None,
+        });
+    told.collect()
+}
+
+/// The allowance along the strokes leads away from one wall of a pocket and into the other.
+#[test]
+fn an_allowance_that_cuts_into_a_wall_of_a_pocket_is_told() {
+    let along_z = |allowances: &str, walls: &str| {
+        let text = format!(
+            "F.2;G0 X44. Z2.;G71 U2. R.5;G71 P1 Q2 {allowances};N1 G0 X40. W0;G1 Z-10.;{walls};N2 X42.;M30"
+        );
+        told(Control::FanucA, &text)
+    };
+    let here = vec![(4989, 4)];
+    assert_eq!(along_z("U.4 W.3", "X30.;Z-20."), here);
+    assert_eq!(along_z("U.4 W.01", "X30.;Z-20."), here);
+    assert_eq!(along_z("U.4", "X30.;Z-20."), []);
+    assert_eq!(along_z("U.4 W0", "X30.;Z-20."), []);
+    // Δw·sin a is above Δu/2·cos a from tan a = 2 on.
+    assert_eq!(along_z("U.4 W.1", "X30. Z-12.4;Z-20."), here);
+    assert_eq!(along_z("U.4 W.1", "X30. Z-12.6;Z-20."), []);
+    // An arc by its steepest place, at either end.
+    assert_eq!(along_z("U.4 W.1", "G3 X30. Z-15. R5.;G1 Z-20."), here);
+    assert_eq!(along_z("U.4 W.1", "G2 X30. Z-15. R5.;G1 Z-20."), here);
+    assert_eq!(along_z("U.4 W.1", "G2 X30. Z-18.66 R10.;G1 Z-20."), []);
+    // What rises is no such wall, nor the way to the contour.
+    let text = "F.2;G0 X44. Z2.;G71 U2. R.5;G71 P1 Q2 U.4 W.1;N1 G0 X30.;G1 Z-10.;N2 X42.;M30";
+    assert_eq!(told(Control::FanucA, text), []);
+    let text = "F.2;G0 X44. Z2.;G71 U2. R.5;G71 P1 Q2 U.4 W.1;N1 G0 X30. Z1.5;G1 Z-10.;N2 X42.;M30";
+    assert_eq!(told(Control::FanucA, text), []);
+    // Once, where the allowance leads into the whole contour.
+    assert_eq!(along_z("U.4 W-.1", "X30.;Z-20."), here);
+    let along_x = |allowances: &str| {
+        let text = format!(
+            "F.2;G0 X60. Z2.;G72 W2. R.5;G72 P1 Q2 {allowances};N1 G0 Z0 U0;G1 X50.;Z-5.;X40.;N2 Z0;M30"
+        );
+        told(Control::FanucA, &text)
+    };
+    assert_eq!(along_x("U.4 W.1"), here);
+    assert_eq!(along_x("W.1"), []);
+}
+
 /// The way back of a finishing cut is one of its block.
 #[test]
 fn the_way_back_of_a_finishing_cut_has_its_line() {
