@@ -1,6 +1,7 @@
 //! Contours, the nose and corners in whole programs: what goes into a cycle, what comes after it, and what is refused.
 
 use super::*;
+use crate::figures::Chance;
 use crate::path::tests::moves_of;
 use leadscrew_core::params::Entry;
 
@@ -122,6 +123,68 @@ fn an_allowance_that_cuts_into_a_wall_of_a_pocket_is_told() {
     };
     assert_eq!(along_x("U.4 W.1"), here);
     assert_eq!(along_x("W.1"), []);
+}
+
+/// The places of a profile as a program writes them: to the micrometre, or to the ten thousandth of an inch.
+struct Written {
+    inch: bool,
+}
+
+impl Written {
+    /// A length in millimetres as it stands in the program.
+    fn text(&self, mm: f64) -> String {
+        if self.inch {
+            format!("{:.4}", mm / 25.4)
+        } else {
+            format!("{mm:.3}")
+        }
+    }
+
+    /// A shaft of cylinders with cones between them, and tangent roundings at both ends of a cone: arcs with I and K.
+    fn shaft(&self, chance: &mut Chance) -> String {
+        let word = |letter: &str, mm: f64| format!("{letter}{}", self.text(mm));
+        let place = |x: f64, z: f64| format!("{} {}", word("X", 2.0 * x), word("Z", z));
+        let centre = |i: f64, k: f64| format!("{} {}", word("I", i), word("K", k));
+        let (mut x, mut z) = (chance.size(5.0, 10.0), 0.0);
+        let mut text = format!("N1 G0 {};G1 {};", word("X", 2.0 * x), word("Z", z));
+        for _ in 0..3 {
+            let (sine, cosine) = chance.size(0.2, 1.3).sin_cos();
+            z -= chance.size(1.0, 3.0);
+            text += &format!("G1 {};", word("Z", z));
+            let radius = chance.size(0.5, 2.0);
+            (x, z) = (x + radius * (1.0 - cosine), z - radius * sine);
+            text += &format!("G2 {} {};", place(x, z), centre(radius, 0.0));
+            let length = chance.size(1.0, 3.0);
+            (x, z) = (x + length * sine, z - length * cosine);
+            text += &format!("G1 {};", place(x, z));
+            let radius = chance.size(0.5, 2.0);
+            (x, z) = (x + radius * (1.0 - cosine), z - radius * sine);
+            let centre = centre(-radius * cosine, -radius * sine);
+            text += &format!("G3 {} {centre};", place(x, z));
+        }
+        z -= chance.size(1.0, 3.0);
+        text + &format!("G1 {};N2 {};", word("Z", z), word("X", 80.0))
+    }
+}
+
+/// An arc misses its circle by what its words are rounded by; the nose still fits.
+#[test]
+fn arcs_with_rounded_centres_take_the_nose() {
+    let text = "F.2;T0303;G0 X44. Z2;G42 G0 X24.59;G1 Z-2.961;G3 X24.901 Z-3.324 I-.344 K-.363;\
+                G1 Z-9.;X30.;G40 X44;M30";
+    events(Control::FanucA, text);
+    leadscrew_seed::volume(0x0041_0043, |seed| {
+        let mut chance = Chance::new(seed);
+        for case in 0..leadscrew_seed::amount(60, 2_000) {
+            let inch = case % 2 == 0;
+            let shaft = Written { inch }.shaft(&mut chance);
+            let shaft = shaft.replacen("G1", "G42 G1", 1);
+            let unit = if inch { "G20" } else { "G21" };
+            let text = format!("{unit} G99 F.01;T0303;G0 X90. Z1.;{shaft}G40 X90.;M30");
+            let alarm = read(Control::FanucA, &text).1;
+            assert_eq!(alarm, None, "seed {seed}, case {case}: {text}");
+        }
+    });
 }
 
 /// The way back of a finishing cut is one of its block.
