@@ -49,6 +49,14 @@ fn cut(control: Control, text: &str) -> String {
     moves_of(&events(control, text))
 }
 
+/// Number and line of the alarm of a program.
+#[track_caller]
+fn refused(control: Control, text: &str) -> (u16, u32, u16) {
+    let alarm = read(control, text).1;
+    let alarm = alarm.unwrap_or_else(|| panic!("no alarm: {text}"));
+    (alarm.number(), alarm.span.line, alarm.span.column)
+}
+
 /// The tool of the finishing cut is called in the contour, and its offsets are others.
 #[test]
 fn a_tool_of_the_contour_counts_in_the_finishing_cut_alone() {
@@ -181,6 +189,39 @@ fn arcs_with_rounded_centres_take_the_nose() {
             let shaft = shaft.replacen("G1", "G42 G1", 1);
             let unit = if inch { "G20" } else { "G21" };
             let text = format!("{unit} G99 F.01;T0303;G0 X90. Z1.;{shaft}G40 X90.;M30");
+            let alarm = read(Control::FanucA, &text).1;
+            assert_eq!(alarm, None, "seed {seed}, case {case}: {text}");
+        }
+    });
+}
+
+/// The top of an arc lies a little before its end where its centre is rounded.
+#[test]
+fn arcs_with_rounded_centres_do_not_turn_back() {
+    let front = "F.2;G0 X50. Z2.;G71 U4. R.5;G71 P1 Q2 U.4 W.1;";
+    for contour in [
+        "N1 G0 X20.;G1 Z0;X39.397 Z-28.289;G3 X40. Z-30. I-4.698 K-1.71;G1 Z-40.;N2 X46.",
+        "N1 G0 X20. Z2.;G1 Z-20.;X22.481 Z-24.368;G2 X30. Z-27. I3.759 K1.368;N2 G1 X46.",
+        "N1 G0 X18.;G1 Z-12.;X18.204 Z-13.985;G2 X18.207 Z-14.028 R0.5;G1 X19.170 Z-19.532;N2 X46.",
+    ] {
+        let list = cut(Control::FanucA, &format!("{front}{contour};G70 P1 Q2;M30"));
+        // No stroke goes into what a rounding has made of the arc.
+        assert!(!list.contains("R50,-"), "{list}");
+    }
+    // What no rounding explains stays refused.
+    let back = "N1 G0 X20.;G1 Z0;X39.397 Z-28.289;G3 X39.6 Z-31.4 I-4.698 K-1.71;G1 Z-40.;N2 X46.";
+    assert_eq!(
+        refused(Control::FanucA, &format!("{front}{back};M30")).0,
+        64
+    );
+    leadscrew_seed::volume(0x0064, |seed| {
+        let mut chance = Chance::new(seed);
+        for case in 0..leadscrew_seed::amount(60, 2_000) {
+            let inch = case % 2 == 0;
+            let shaft = Written { inch }.shaft(&mut chance);
+            let unit = if inch { "G20" } else { "G21" };
+            let text =
+                format!("{unit} G99 F.01;G0 X90. Z1.;G71 U1. R.1;G71 P1 Q2 U.02 W.01;{shaft}M30");
             let alarm = read(Control::FanucA, &text).1;
             assert_eq!(alarm, None, "seed {seed}, case {case}: {text}");
         }
