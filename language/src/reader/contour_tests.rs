@@ -228,6 +228,30 @@ fn arcs_with_rounded_centres_do_not_turn_back() {
     });
 }
 
+/// G40 alone leaves the tool where the nose was: a stroke would begin there.
+#[test]
+fn what_begins_where_the_tool_stands_wants_it_on_the_path() {
+    let front = "F.2 M3 S500;T0303;G0 X44. Z2.;G42 G0 X30.;G1 Z-10.;G0 X36.;Z5.;";
+    for (rest, line) in [
+        ("G40;G32 Z-8. F1.;G0 X40.;M30", 9),
+        ("G40;M8;G32 Z-8. F1.;G0 X40.;M30", 10),
+        ("G40;G61;G32 Z-8. F1.;G0 X40.;M30", 10),
+        ("G40;G34 Z-8. F1. K.1;G0 X40.;M30", 9),
+        ("G40;G84 Z-8. F1.;G80;M30", 9),
+    ] {
+        let (number, at, _) = refused(Control::FanucA, &format!("{front}{rest}"));
+        assert_eq!((number, at), (4602, line), "{rest}");
+    }
+    for rest in [
+        "G40 G0 X36.;G32 Z-8. F1.;G0 X40.;M30",
+        "G40;G0 Z5.1;G32 Z-8. F1.;G0 X40.;M30",
+        "G40;G92 X35. Z-8. F1.;G0 X40.;M30",
+        "G40;G92 X35. Z-8. F1.;G32 Z-8. F1.;G0 X40.;M30",
+    ] {
+        events(Control::FanucA, &format!("{front}{rest}"));
+    }
+}
+
 /// The way back of a finishing cut is one of its block.
 #[test]
 fn the_way_back_of_a_finishing_cut_has_its_line() {

@@ -1436,9 +1436,9 @@ codes! {
         "cut two blocks first, or cancel with G40 and begin anew",
         "刀尖半径补偿刚建立即改变方向或刀尖", "请先执行两个程序段，或用 G40 取消后重新建立";
 
-    /// A cycle, or a motion of C, while G41 or G42 is in force.
-    NoseInCycle = 4602, "a cycle or a motion of C cannot follow the round nose, and G41 or G42 is in force", "write G40 before it",
-        "循环或 C 轴移动不能在刀尖半径补偿（G41/G42）中执行", "请在前面写 G40";
+    /// A cycle, or a motion of C, while G41 or G42 is in force; a stroke or a tap behind G40 without a move.
+    NoseInCycle = 4602, "a cycle or a motion of C cannot follow the round nose, and no move with G40 has ended G41 or G42", "write a move of G00 or G01 with G40 before it",
+        "循环或 C 轴移动不能在刀尖半径补偿（G41/G42）中执行，此前没有带 G40 的移动取消补偿", "请在前面写带 G40 的 G00 或 G01 移动";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.
