@@ -468,13 +468,13 @@ impl Acting<'_, '_> {
             let collected = &mut collected;
             self.core.path.shape(
                 event,
-                &mut |path, event, from| match (collected.as_mut(), &event) {
+                &mut |path, event, how| match (collected.as_mut(), &event) {
                     (Some(collected), Event::Call(call)) => {
                         collect(collected, call);
                         Ok(())
                     }
                     (Some(_), Event::Warning(_)) => Ok(()),
-                    (None, _) => path.compensate(event, from),
+                    (None, _) => path.compensate(event, how),
                 },
             )?;
             if let Some(number) = tool {

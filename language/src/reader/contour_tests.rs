@@ -84,6 +84,51 @@ fn a_tool_of_the_contour_counts_in_the_finishing_cut_alone() {
     }
 }
 
+/// A move that waits for its corner has the side of its own block.
+#[test]
+fn a_corner_before_the_block_with_g40_has_the_nose() {
+    let front = "F.2;T0303;G0 X50. Z2.;G42 G0 X20.;G1 Z-10.;X30. Z-30.";
+    let (short, long) = (
+        cut(Control::FanucA, &format!("{front} ,R3.;G40 X50.;M30")),
+        cut(Control::FanucA, &format!("{front} ,R3.;X48.;G40 X50.;M30")),
+    );
+    // The same up to the end of the rounding, which ends perpendicular to it.
+    let until_arc = |list: &str| list.split(" A").next().map(str::to_owned);
+    assert_eq!(until_arc(&short), until_arc(&long));
+    assert_eq!(short.matches('A').count(), 1, "{short}");
+    for (control, with, without) in [
+        // The corner is drawn as a move of its own.
+        (
+            Control::FanucA,
+            "G42 G0 X30.;G1 Z-10. ,C1.;G40 X40.;M30",
+            "G42 G0 X30.;G1 Z-9.;X32. Z-10.;G40 X40.;M30",
+        ),
+        (
+            Control::FanucA,
+            "G42 G0 X30.;G1 Z-10. ,C1.;G40;X40.;M30",
+            "G42 G0 X30.;G1 Z-9.;X32. Z-10.;G40 X40.;M30",
+        ),
+        (
+            Control::Gsk980td,
+            "G42 G0 X30.;G1 Z-10. D1.;G40 X40.;M30",
+            "G42 G0 X30.;G1 Z-9.;G2 X32. Z-10. R1.;G40 G1 X40.;M30",
+        ),
+        // The other way round the compensation begins in its own block.
+        (
+            Control::FanucA,
+            "G0 X10.;G1 X20. ,R1.;G42 Z-10.;X30.;G40 X40.;M30",
+            "G0 X10.;G1 X18.;G3 X20. Z1. R1.;G42 G1 Z-10.;X30.;G40 X40.;M30",
+        ),
+    ] {
+        let front = "F.2;T0303;G0 X50. Z2.;";
+        assert_eq!(
+            cut(control, &format!("{front}{with}")),
+            cut(control, &format!("{front}{without}")),
+            "{with}"
+        );
+    }
+}
+
 /// The warnings of a program: number and line.
 fn told(control: Control, text: &str) -> Vec<(u16, u32)> {
     let told = events(control, text)
