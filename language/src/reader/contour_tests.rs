@@ -178,6 +178,37 @@ fn an_allowance_that_cuts_into_a_wall_of_a_pocket_is_told() {
     assert_eq!(along_x("W.1"), []);
 }
 
+/// After a roughing cycle modes are as before it; a finishing cut carries its blocks out.
+#[test]
+fn modes_of_a_contour_do_not_outlast_its_roughing() {
+    let program = |before: &str, ns: &str, inside: &str, after: &str| {
+        format!(
+            "G95 F.2;G0 X44. Z2.;{before}G71 U4. R.5;G71 P1 Q2 U.4 W.1;{ns};{inside};{after};M30"
+        )
+    };
+    let counted = "G91;G1 Z-14.;X4. Z-10.;N2 X20.";
+    let list = cut(
+        Control::FanucB,
+        &program("", "N1 G0 X20.", counted, "G0 X60. Z5."),
+    );
+    assert!(list.ends_with(" R60,5 M30"), "{list}");
+    let list = cut(
+        Control::FanucB,
+        &program(
+            "G91;",
+            "N1 G90 G0 X20.",
+            "G1 Z-12.;X24. Z-20.;N2 X44.",
+            "G0 X10. Z0",
+        ),
+    );
+    assert!(list.ends_with(" R54,2 M30"), "{list}");
+    let list = cut(
+        Control::FanucB,
+        &program("", "N1 G0 X20.", counted, "G70 P1 Q2;G0 X60. Z5."),
+    );
+    assert!(list.ends_with(" R104,7 M30"), "{list}");
+}
+
 /// The places of a profile as a program writes them: to the micrometre, or to the ten thousandth of an inch.
 struct Written {
     inch: bool,
