@@ -39,7 +39,7 @@ use crate::stock::Stock;
 use crate::variables::{Kept, Variables};
 use crate::whose::Whose;
 use crate::word::Word;
-use glimpse::{blanked, codes, letters};
+use glimpse::{blanked, codes, letters, place_of_code};
 
 /// A program being read.
 #[derive(Debug)]
@@ -517,6 +517,15 @@ const fn goes_home(code: i64) -> bool {
     matches!(code, 28 | 30 | 53)
 }
 
+/// True for the codes that have no place in a contour: the roughing would leave out what they do, or take it for the
+/// contour.
+const fn is_no_motion(code: i64) -> bool {
+    matches!(
+        code,
+        20 | 21 | 28 | 30 | 32 | 34 | 50 | 53 | 74..=76 | 78 | 84 | 88 | 90 | 92 | 94
+    )
+}
+
 /// Adds a call of a contour's block to the contour.
 fn collect(collected: &mut Collected, call: &Call) {
     let (to, shape) = match &call.kind {
@@ -583,6 +592,12 @@ impl Acting<'_, '_> {
             let letters = words.iter().map(|word| word.letter);
             let span = words.first().map_or(Span::default(), |word| word.span);
             collected.block(letters, words.iter().any(is_straight), span)?;
+            let is_stray = |word: &&Word| {
+                word.letter == b'G' && word.value().whole().is_some_and(is_no_motion)
+            };
+            if let Some(word) = words.iter().find(is_stray) {
+                return Err(word.alarm(Code::ContourWord));
+            }
             // The offsets of the tool that finishes are not those of the one that roughs.
             if own.is_some() && words.iter().any(|word| word.letter == b'T') {
                 let others = words.iter().filter(|word| word.letter != b'T');
@@ -645,6 +660,10 @@ impl Machine for Acting<'_, '_> {
             let is_straight = codes(text).any(|code| matches!(code, 0 | 1));
             let span = crate::text::span(line, 0, text.len());
             collected.block(letters(text), is_straight, span)?;
+            if let Some((from, to)) = place_of_code(text, is_no_motion) {
+                let span = crate::text::span(line, from, to);
+                return Err(Alarm::new(Code::ContourWord, span).word(b'G'));
+            }
             if own.is_some() && letters(text).any(|letter| letter == b'T') {
                 without_tool = blanked(text, b'T');
                 text = &without_tool;

@@ -339,3 +339,51 @@ fn the_way_back_of_a_finishing_cut_has_its_line() {
     });
     assert_eq!(rapids.collect::<Vec<_>>(), [2, 5, 3]);
 }
+
+/// What the roughing would leave out, or take for the contour, has no place in it.
+#[test]
+fn a_contour_has_motions_alone() {
+    for cycle in [
+        "G71 U4. R.5;G71 P1 Q2 U.4 W.1",
+        "G73 U4. W1. R3;G73 P1 Q2 U.4 W.1",
+        ";G70 P1 Q2",
+    ] {
+        for control in [Control::Gsk980td, Control::FanucA, Control::Haas] {
+            for wrong in [
+                "G75 R1.",
+                "G32 X20. Z-20. F1.",
+                "G90 X24. Z-20.",
+                "G92 X24. Z-20. F1.",
+                "G94 X24. Z-20.",
+                "G50 X50. Z10.",
+                "G50 S900",
+                "G20",
+                "G28 U0",
+                "G53 X0",
+                "G84 Z-20. F1.",
+            ] {
+                if wrong == "G53 X0" && control == Control::Gsk980td {
+                    continue;
+                }
+                let text = format!(
+                    "F.2;G0 X44. Z2.;{cycle};N1 G0 X20.;G1 Z-12.;(G32) {wrong};G1 X24.;N2 X44.;M30"
+                );
+                let found = refused(control, &text);
+                assert_eq!(found, (66, 7, 7), "{control:?} {text}");
+            }
+        }
+    }
+    // What belongs there.
+    let right = "G4 P100;G40 G1 X22.;G97 S500 M8;G99 F.1;G61;G64;G18;G54;X24. F.2 (G32)";
+    for control in [Control::Gsk980td, Control::FanucA] {
+        let text = format!(
+            "F.2;G0 X44. Z2.;G71 U4. R.5;G71 P1 Q2 U.4;N1 G0 X20.;G1 Z-12.;{right};N2 X44.;G70 P1 Q2;M30"
+        );
+        events(control, &text);
+    }
+    let right = "G95 F.1;G90 X22.;G94 F50.;G91;X2.;G90";
+    let text = format!(
+        "G95 F.2;G0 X44. Z2.;G71 U4. R.5;G71 P1 Q2 U.4;N1 G0 X20.;G1 Z-12.;{right};N2 X44.;G70 P1 Q2;M30"
+    );
+    events(Control::FanucB, &text);
+}

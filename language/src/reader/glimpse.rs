@@ -5,6 +5,12 @@ pub(super) fn codes(text: &[u8]) -> impl Iterator<Item = i64> {
     places(text, b'G').map(|at| code(text, at))
 }
 
+/// From where to where the first code stands that is `asked` for.
+pub(super) fn place_of_code(text: &[u8], asked: fn(i64) -> bool) -> Option<(usize, usize)> {
+    let from = places(text, b'G').find(|at| asked(code(text, *at)))?;
+    Some((from, word_end(text, from)))
+}
+
 /// The text with spaces where the words of a letter stand.
 pub(super) fn blanked(text: &[u8], letter: u8) -> Vec<u8> {
     let mut rest = text.to_vec();
