@@ -124,7 +124,10 @@ impl Corners {
             Event::Warning(_) => true,
             Event::Call(call) => matches!(
                 call.kind,
-                CallKind::Dwell(_) | CallKind::Spindle(_) | CallKind::Aux(_)
+                CallKind::Dwell(_)
+                    | CallKind::Spindle(_)
+                    | CallKind::Aux(_)
+                    | CallKind::ExactStop(_)
             ),
         };
         if !may_wait || waiting.between.len() == BETWEEN {

@@ -65,9 +65,13 @@ impl Round {
                         payload: event,
                     }
                 }
-                (None, CallKind::Dwell(_) | CallKind::Spindle(_) | CallKind::Aux(_)) => {
-                    Input::Still(event)
-                }
+                (
+                    None,
+                    CallKind::Dwell(_)
+                    | CallKind::Spindle(_)
+                    | CallKind::Aux(_)
+                    | CallKind::ExactStop(_),
+                ) => Input::Still(event),
                 (None, CallKind::End(_) | CallKind::Over | CallKind::LineOver) => {
                     self.finish(out)?;
                     out.push_back(event);

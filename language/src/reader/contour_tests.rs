@@ -387,3 +387,24 @@ fn a_contour_has_motions_alone() {
     );
     events(Control::FanucB, &text);
 }
+
+/// G61 and G64 keep their place between the motions.
+#[test]
+fn exact_stop_stands_under_the_nose_and_behind_a_corner() {
+    let list = cut(
+        Control::FanucA,
+        "F.2;T0303;G0 X20. Z2.;G42 G1 Z0;G61 Z-10.;G64 X30.;G40 X40.;M30",
+    );
+    assert_eq!(
+        list,
+        "T303 R20,2 F20,-0.4 ExactStop(true) F20,-10 ExactStop(false) F29.2,-10 F40,-10 M30"
+    );
+    let list = cut(
+        Control::FanucA,
+        "F.2;G0 X20. Z-10.;G1 X40. ,R1.;G61 Z-30.;M30",
+    );
+    assert_eq!(
+        list,
+        "R20,-10 F38,-10 A40,-11/1ccw ExactStop(true) F40,-30 M30"
+    );
+}
