@@ -5,6 +5,8 @@
 //! has; it must not know files.
 
 mod angle;
+#[cfg(test)]
+mod contour_tests;
 mod drill;
 mod glimpse;
 mod pointless;
@@ -37,7 +39,7 @@ use crate::stock::Stock;
 use crate::variables::{Kept, Variables};
 use crate::whose::Whose;
 use crate::word::Word;
-use glimpse::{codes, letters};
+use glimpse::{blanked, codes, letters, place_of_code};
 
 /// A program being read.
 #[derive(Debug)]
@@ -463,13 +465,13 @@ impl Acting<'_, '_> {
             let collected = &mut collected;
             self.core.path.shape(
                 event,
-                &mut |path, event, from| match (collected.as_mut(), &event) {
+                &mut |path, event, how| match (collected.as_mut(), &event) {
                     (Some(collected), Event::Call(call)) => {
                         collect(collected, call);
                         Ok(())
                     }
                     (Some(_), Event::Warning(_)) => Ok(()),
-                    (None, _) => path.compensate(event, from),
+                    (None, _) => path.compensate(event, how),
                 },
             )?;
             if let Some(number) = tool {
@@ -510,6 +512,15 @@ fn first_angle(words: &[Word]) -> Result<Option<StartAngle>, Alarm> {
 /// True for the codes that take the tool to a place of the machine: G28, G30, G53.
 const fn goes_home(code: i64) -> bool {
     matches!(code, 28 | 30 | 53)
+}
+
+/// True for the codes that have no place in a contour: the roughing would leave out what they do, or take it for the
+/// contour.
+const fn is_no_motion(code: i64) -> bool {
+    matches!(
+        code,
+        20 | 21 | 28 | 30 | 32 | 34 | 50 | 53 | 74..=76 | 78 | 84 | 88 | 90 | 92 | 94
+    )
 }
 
 /// Adds a call of a contour's block to the contour.
@@ -570,11 +581,23 @@ impl Acting<'_, '_> {
 
     /// Carries out the words of a block that is none of a drilling cycle.
     fn plain_words(&mut self, line: u32, words: &[Word]) -> Result<Done, Alarm> {
-        if let Some((collected, _)) = &mut self.core.contour {
+        let without_tool: Vec<Word>;
+        let mut words = words;
+        if let Some((collected, own)) = &mut self.core.contour {
             let is_straight = |word: &Word| matches!(code_of(word), Some(0 | 1));
             let letters = words.iter().map(|word| word.letter);
             let span = words.first().map_or(Span::default(), |word| word.span);
             collected.block(letters, words.iter().any(is_straight), span)?;
+            let is_stray = |word: &&Word| code_of(word).is_some_and(is_no_motion);
+            if let Some(word) = words.iter().find(is_stray) {
+                return Err(word.alarm(Code::ContourWord));
+            }
+            // The offsets of the tool that finishes are not those of the one that roughs.
+            if own.is_some() && words.iter().any(|word| word.letter == b'T') {
+                let others = words.iter().filter(|word| word.letter != b'T');
+                without_tool = others.copied().collect();
+                words = &without_tool;
+            }
         }
         let taken = self.take_words(words)?;
         let words = taken.as_deref().unwrap_or(words);
@@ -625,10 +648,20 @@ impl Acting<'_, '_> {
 
 impl Machine for Acting<'_, '_> {
     fn line(&mut self, line: u32, text: &[u8]) -> Result<Done, Alarm> {
-        if let Some((collected, _)) = &mut self.core.contour {
+        let without_tool;
+        let mut text = text;
+        if let Some((collected, own)) = &mut self.core.contour {
             let is_straight = codes(text).any(|code| matches!(code, 0 | 1));
             let span = crate::text::span(line, 0, text.len());
             collected.block(letters(text), is_straight, span)?;
+            if let Some((from, to)) = place_of_code(text, is_no_motion) {
+                let span = crate::text::span(line, from, to);
+                return Err(Alarm::new(Code::ContourWord, span).word(b'G'));
+            }
+            if own.is_some() && letters(text).any(|letter| letter == b'T') {
+                without_tool = blanked(text, b'T');
+                text = &without_tool;
+            }
         }
         let home = self.core.path.side() != Side::None && codes(text).any(goes_home);
         self.without_nose(home, |acting| {
@@ -718,7 +751,7 @@ impl Machine for Acting<'_, '_> {
         let Some(own) = own else {
             // G70 has been cut as it was read; what is left is the way back.
             let start = collected.start();
-            return self.trace(Span::default(), start, Way::Rapid);
+            return self.trace(collected.span(), start, Way::Rapid);
         };
         core.path.end_contour()?;
         core.interpreter = own;

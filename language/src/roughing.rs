@@ -247,7 +247,7 @@ impl FirstLines {
             words.without(b"R")?;
         }
         Ok(match cycle {
-            Cycle::Finish => Figures::Finish,
+            Cycle::Finish => Figures::Finish(span),
             Cycle::Rough(along) => {
                 let RoughLine { depth, retract } = self.rough[index(along)];
                 let depth = if one_line {
@@ -302,7 +302,8 @@ impl FirstLines {
 /// A cycle with its figures.
 #[derive(Clone, Copy, Debug)]
 enum Figures {
-    Finish,
+    /// The place of its code.
+    Finish(Span),
     Rough(Along, Roughing),
     Pattern(Repeats),
 }
@@ -386,7 +387,17 @@ impl Collected {
     /// The blocks of the contour are cut as they are read: G70.
     #[must_use]
     pub const fn is_finish(&self) -> bool {
-        matches!(self.figures, Figures::Finish)
+        matches!(self.figures, Figures::Finish(_))
+    }
+
+    /// The place of the cycle's code.
+    #[must_use]
+    pub const fn span(&self) -> Span {
+        match &self.figures {
+            Figures::Finish(span) => *span,
+            Figures::Rough(_, words) => words.span,
+            Figures::Pattern(words) => words.span,
+        }
     }
 
     /// Where the tool stood before the cycle.
@@ -444,11 +455,12 @@ impl Collected {
     /// What looks wrong about the cycle, though it can be cut [D252]: its depth beside the declared stock, too [D275].
     #[must_use]
     pub fn doubts(&self, stock: Option<&Stock>) -> Vec<Alarm> {
-        let (allowance, depth, span) = match &self.figures {
-            Figures::Finish => return Vec::new(),
-            Figures::Rough(_, words) => (words.allowance, Some(words.depth), words.span),
-            Figures::Pattern(words) => (words.allowance, None, words.span),
+        let (allowance, depth) = match &self.figures {
+            Figures::Finish(_) => return Vec::new(),
+            Figures::Rough(_, words) => (words.allowance, Some(words.depth)),
+            Figures::Pattern(words) => (words.allowance, None),
         };
+        let span = self.span();
         let ends = || self.elements.iter().map(|element| element.end);
         let x = Reach::of(self.start.x, ends().map(|end| end.x));
         let z = Reach::of(self.start.z, ends().map(|end| end.z));
@@ -457,10 +469,11 @@ impl Collected {
             let alarm = Alarm::new(Code::AllowanceOdd, span);
             doubts.push(alarm.word(letter).with([length]));
         };
-        if x.is_against(allowance.x.nm()) {
+        let wall = self.wall_that_is_cut();
+        if x.is_against(allowance.x.nm()) || wall == Some(Along::X) {
             odd(b'U', Arg::Diameter(allowance.x), span);
         }
-        if z.is_against(allowance.z.nm()) {
+        if z.is_against(allowance.z.nm()) || wall == Some(Along::Z) {
             odd(b'W', Arg::Length(allowance.z), span);
         }
         let letter = match self.figures {
@@ -503,6 +516,16 @@ impl Collected {
         doubts
     }
 
+    /// The strokes of G71 or G72 whose allowance leads into a wall of a pocket: the last pass would cut that too deep.
+    fn wall_that_is_cut(&self) -> Option<Along> {
+        let Figures::Rough(along, words) = &self.figures else {
+            return None;
+        };
+        let contour = Contour::new(self.start, self.axes?, self.elements.clone()).ok()?;
+        let cuts = contour.rough(*along, words).ok()?.cuts_into_a_wall();
+        cuts.then_some(*along)
+    }
+
     /// Hands the moves of the cycle to `each`.
     ///
     /// # Errors
@@ -511,7 +534,7 @@ impl Collected {
         let axes = self.axes.unwrap_or(Axes { x: false, z: false });
         let contour = Contour::new(self.start, axes, self.elements)?;
         match &self.figures {
-            Figures::Finish => Ok(()),
+            Figures::Finish(_) => Ok(()),
             Figures::Rough(along, words) => {
                 let mut moves = contour.rough(*along, words)?;
                 moves.try_for_each(|cut| each(&cut))

@@ -76,7 +76,7 @@ fn columns(origin: &Origin, made: Moment, records: &[&Numbered]) -> Result<Vec<C
     columns.extend(keys(records));
     let first = columns.len();
     for (row, record) in records.iter().enumerate() {
-        let metrics = of_record(record, false);
+        let metrics = of_record(record, 0, false);
         let metrics = metrics.iter().filter_map(of_table);
         let metrics = metrics.filter(|(of, _)| !of.name.starts_with(RECORD));
         let mut count = first;

@@ -191,13 +191,13 @@ fn all(record: &Numbered) -> impl Iterator<Item = (Place, Option<Value>)> {
     first.into_iter().chain(said(body))
 }
 
-/// A record as metrics with aliases. `historical`: it is older than the birth.
+/// A record as metrics with aliases, those of its machine from `first` on. `historical`: it is older than the birth.
 #[must_use]
-pub fn of_record(record: &Numbered, historical: bool) -> Vec<Metric> {
+pub fn of_record(record: &Numbered, first: u64, historical: bool) -> Vec<Metric> {
     let at = record.record.at;
     all(record)
         .map(|(Place(place), value)| Metric {
-            alias: Some(place as u64),
+            alias: Some(first + place as u64),
             timestamp: Some(at.0),
             is_historical: historical.then_some(true),
             is_null: value.is_none().then_some(true),
@@ -243,13 +243,13 @@ impl Values {
         self.alive
     }
 
-    /// Every metric with its name, kind and unit.
+    /// Every metric with its name, kind and unit, and its alias, from `first` on.
     #[must_use]
-    pub fn birth(&self, at: Moment) -> Vec<Metric> {
+    pub fn birth(&self, at: Moment, first: u64) -> Vec<Metric> {
         let rows = TABLE.iter().zip(&self.known).enumerate();
         rows.map(|(place, (row, known))| Metric {
             name: Some(row.name.to_owned()),
-            alias: Some(place as u64),
+            alias: Some(first + place as u64),
             timestamp: Some(known.as_ref().map_or(at, |(at, _)| *at).0),
             datatype: Some(row.kind as u32),
             is_null: known.is_none().then_some(true),

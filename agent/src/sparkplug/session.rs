@@ -2,12 +2,12 @@
 //!
 //! It has no socket and no clock. The agent is the edge node, its machines are the devices.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use prost::Message as _;
 
-use super::metrics::{Machines, Values, of_record};
+use super::metrics::{Machines, TABLE, Values, of_record};
 use super::payload::{Kind, Metric, Payload, Value};
 use crate::record::{Moment, Numbered};
 use crate::set;
@@ -18,7 +18,6 @@ const REBIRTH: &str = "Node Control/Rebirth";
 const BIRTH_NUMBER: &str = "bdSeq";
 const VERSION: &str = "Properties/Agent Version";
 const STORE_MADE: &str = "Properties/Store Made";
-/// Aliases of the edge node's metrics follow those of the machine's; these have none.
 const NAMESPACE: &str = "spBv1.0";
 /// Numbers of births and of messages are of one byte.
 const NUMBERS: u64 = 256;
@@ -119,6 +118,8 @@ pub struct Session {
     born: (Moment, u64),
     /// The machines that have been born and have not died.
     living: BTreeSet<String>,
+    /// The first alias of each machine that was born: no two metrics of an edge node have the same.
+    aliases: BTreeMap<String, u64>,
 }
 
 impl Session {
@@ -132,6 +133,7 @@ impl Session {
             seq: 0,
             born: (Moment(0), 0),
             living: BTreeSet::new(),
+            aliases: BTreeMap::new(),
         }
     }
 
@@ -168,9 +170,15 @@ impl Session {
         births
     }
 
+    fn first_alias(&mut self, machine: &str) -> u64 {
+        let next = (self.aliases.len() * TABLE.len()) as u64;
+        *self.aliases.entry(machine.to_owned()).or_insert(next)
+    }
+
     fn machine_birth(&mut self, at: Moment, machine: &str, values: &Values) -> Message {
         self.living.insert(machine.to_owned());
-        let payload = self.numbered(at, values.birth(at));
+        let first = self.first_alias(machine);
+        let payload = self.numbered(at, values.birth(at, first));
         message(self.names.device_topic("DBIRTH", machine), &payload)
     }
 
@@ -189,7 +197,8 @@ impl Session {
         // A clock that is set back makes nothing old that was kept after the births.
         let (born, newest) = self.born;
         let historical = record.record.at < born && record.number <= newest;
-        let payload = self.numbered(at, of_record(record, historical));
+        let first = self.first_alias(machine);
+        let payload = self.numbered(at, of_record(record, first, historical));
         messages.push(message(self.names.device_topic("DDATA", machine), &payload));
         messages
     }

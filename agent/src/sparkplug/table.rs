@@ -1,7 +1,7 @@
 //! The table of a machine's metrics: names, kinds, units.
 //!
-//! It must not know records. The alias of a metric is its place here: one connection's births tell it anew, so rows may
-//! move.
+//! It must not know records. The aliases of a machine's metrics follow one another as these rows do: one connection's
+//! births tell them anew, so rows may move.
 
 use super::payload::Kind;
 

@@ -93,12 +93,14 @@ pub fn told(publish: &Publish) -> String {
     words
 }
 
-/// A metric by the alias that the table gives to a name.
+/// A metric by its name, or by its alias, which says what row of the table it is, whichever machine it is of.
 pub fn metric<'a>(payload: &'a Payload, name: &str) -> Option<&'a Metric> {
-    let alias = metrics::TABLE.iter().position(|row| row.name == name);
-    let alias = alias.map(|alias| alias as u64);
+    let rows = metrics::TABLE.len() as u64;
+    let row = metrics::TABLE.iter().position(|row| row.name == name);
+    let row = row.map(|row| row as u64);
     payload.metrics.iter().find(|metric| {
-        metric.name.as_deref() == Some(name) || (metric.alias.is_some() && metric.alias == alias)
+        let own = metric.alias.map(|alias| alias % rows);
+        metric.name.as_deref() == Some(name) || (own.is_some() && own == row)
     })
 }
 

@@ -224,6 +224,43 @@ fn a_host_may_ask_for_births_and_for_nothing_else() {
     assert_eq!(words, ["NBIRTH/agent 0", "DBIRTH/agent/lathe 1"]);
 }
 
+/// Of all machines of an edge node: a host keeps one table of them.
+#[test]
+fn no_two_metrics_have_the_same_alias() {
+    let folder = Folder::new("aliases");
+    let store = folder.store();
+    let mut values = Machines::default();
+    for machine in ["one", "two"] {
+        keep_of(machine, &store, &mut values, BIRTH.0, [presence(true)]);
+    }
+    let mut sending = Sending::new(&nowhere(), &store, NOW).unwrap();
+    sending.take(&accept(), &values, BIRTH, NOW).unwrap();
+    keep_of("two", &store, &mut values, BIRTH.0, [state(7)]);
+    sending.take(&[], &values, BIRTH, NOW).unwrap();
+    let mut names = std::collections::BTreeMap::new();
+    let mut lines = Vec::new();
+    for packet in packets(&mut sending.output().split()) {
+        let Packet::Publish(publish) = packet else {
+            continue;
+        };
+        let machine = publish.topic.rsplit('/').next().unwrap().to_owned();
+        let payload = Payload::decode(&publish.payload[..]).unwrap();
+        for metric in payload.metrics {
+            let Some(alias) = metric.alias else { continue };
+            match metric.name {
+                Some(name) => {
+                    let before = names.insert(alias, (machine.clone(), name));
+                    assert_eq!(before, None, "{alias}");
+                }
+                None => lines.push((names[&alias].clone(), metric.value)),
+            }
+        }
+    }
+    assert_eq!(names.len(), 2 * metrics::TABLE.len());
+    let line = ("two".to_owned(), "Program/Line".to_owned());
+    assert!(lines.contains(&(line, Some(Value::Int(7)))), "{lines:?}");
+}
+
 #[test]
 fn a_huge_order_is_told_once_and_dropped() {
     let folder = Folder::new("huge");
@@ -453,7 +490,7 @@ fn the_cut_is_told_in_full_and_what_is_not_known_as_null() {
         };
         let record = Numbered { number: 1, record };
         Payload {
-            metrics: metrics::of_record(&record, false),
+            metrics: metrics::of_record(&record, 0, false),
             ..Payload::default()
         }
     };

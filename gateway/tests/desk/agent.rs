@@ -50,7 +50,7 @@ pub fn end(mut child: Child) -> String {
 struct Told {
     stream: TcpStream,
     bytes: BytesMut,
-    names: Vec<Option<String>>,
+    names: BTreeMap<u64, String>,
     all: Vec<(String, Value)>,
 }
 
@@ -60,7 +60,7 @@ impl Told {
         Self {
             stream,
             bytes: BytesMut::new(),
-            names: Vec::new(),
+            names: BTreeMap::new(),
             all: Vec::new(),
         }
     }
@@ -102,8 +102,11 @@ impl Told {
     fn take(&mut self, topic: &str, payload: &[u8]) {
         let payload = Payload::decode(payload).unwrap();
         if topic.contains("/DBIRTH/") {
-            // The same of each machine.
-            self.names = payload.metrics.into_iter().map(|one| one.name).collect();
+            for metric in payload.metrics {
+                if let (Some(alias), Some(name)) = (metric.alias, metric.name) {
+                    self.names.insert(alias, name);
+                }
+            }
             return;
         }
         if topic.contains("/DDEATH/") {
@@ -112,8 +115,9 @@ impl Told {
             self.all.push(("death".to_owned(), machine));
         }
         for metric in payload.metrics {
-            let alias = metric.alias.and_then(|alias| usize::try_from(alias).ok());
-            let name = alias.and_then(|alias| self.names.get(alias)?.clone());
+            let name = metric
+                .alias
+                .and_then(|alias| self.names.get(&alias).cloned());
             if let (Some(name), Some(value)) = (name, metric.value) {
                 self.all.push((name, value));
             }

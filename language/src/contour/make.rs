@@ -1,6 +1,7 @@
 //! Makes the profile from a contour: finds how the contour lies, and refuses what turns back.
 
 use leadscrew_core::alarm::{Alarm, Arg, Code};
+use leadscrew_core::program::ARC_END_TOLERANCE;
 use leadscrew_core::units::{Diameter, Length};
 
 use super::Contour;
@@ -9,8 +10,8 @@ use super::profile::{Circle, Piece, Profile, ceil_root, floor_root};
 use super::words::{Allowance, Along};
 use crate::plane::{Element, Point, Shape};
 
-/// How far an arc whose centre was rounded may go back, nm.
-const ROUNDING: i64 = 2;
+/// How far an arc may go back, nm, as its centre may miss: a program rounds it.
+const ROUNDING: i64 = ARC_END_TOLERANCE.nm();
 
 /// What the profile is made from, while it is made.
 struct Maker<'a> {
@@ -127,23 +128,33 @@ impl Maker<'_> {
             self.refuse(element, false, 2 * radius)?;
         }
         if (start.h - centre.h) * up < 0 {
-            self.refuse(element, false, start.l - (centre.l - radius) - ROUNDING)?;
+            self.refuse_arc(element, false, start.l - (centre.l - radius))?;
         }
         if (end.h - centre.h) * up < 0 {
-            self.refuse(element, false, centre.l + radius - end.l - ROUNDING)?;
+            self.refuse_arc(element, false, centre.l + radius - end.l)?;
         }
         if !(start.l < centre.l && centre.l < end.l) {
             return Ok(None);
         }
-        let top = centre.h + up * floor_root(circle.square);
+        let mut top = centre.h + up * floor_root(circle.square);
         if self.one_way {
             let from = if over { end.h } else { start.h };
-            self.refuse(element, true, (top - from).abs() - ROUNDING)?;
+            self.refuse_arc(element, true, (top - from).abs())?;
+            // What is left of the way back is flat.
+            top = from;
         }
         Ok(Some(Local {
             h: top,
             l: centre.l,
         }))
+    }
+
+    /// The same within an arc.
+    fn refuse_arc(&self, element: &Element, infeed: bool, back: i64) -> Result<(), Alarm> {
+        if back <= ROUNDING {
+            return Ok(());
+        }
+        self.refuse(element, infeed, back)
     }
 
     fn refuse(&self, element: &Element, infeed: bool, back: i64) -> Result<(), Alarm> {

@@ -5,6 +5,9 @@
 
 use super::frame::{Frame, Local};
 
+/// What is taken off a wall and is nothing, nm: a circle whose centre is rounded.
+const NOTHING: f64 = 1_000.0;
+
 /// The circle of a piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Circle {
@@ -203,6 +206,26 @@ impl Profile {
     pub fn sinks(&self) -> bool {
         let mut pieces = self.pieces.iter().filter(|piece| piece.element > 0);
         pieces.any(|piece| piece.to.h < piece.from.h)
+    }
+
+    /// True where a move by `up` and by `on` along the strokes takes something off a wall that leads down behind the
+    /// first block.
+    pub fn loses_on_a_wall(&self, up: i64, on: i64) -> bool {
+        let loses = |rise: i64, run: i64| {
+            let (rise, run) = (rise as f64, run as f64);
+            let left = run * up as f64 - rise * on as f64;
+            left < -NOTHING * libm::hypot(rise, run)
+        };
+        let walls = self.pieces.iter().filter(|piece| piece.element > 0);
+        let mut walls = walls.filter(|piece| piece.to.h < piece.from.h);
+        walls.any(|piece| match piece.circle {
+            None => loses(piece.to.h - piece.from.h, piece.to.l - piece.from.l),
+            // It is steepest at one of its ends, where its direction is across the radius.
+            Some(circle) => [piece.from, piece.to].into_iter().any(|at| {
+                let (h, l) = (at.h - circle.centre.h, at.l - circle.centre.l);
+                loses(-l.abs(), h.abs())
+            }),
+        })
     }
 
     /// True where the straight way from the profile's end to `home` goes through it.

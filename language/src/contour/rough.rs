@@ -118,16 +118,13 @@ impl<'a> Rough<'a> {
         })
     }
 
-    /// True where the allowance along the strokes makes one wall of a pocket thin: it goes to both walls alike.
+    /// True where the pass along the contour cuts into a wall that leads down into a pocket: the allowance along the
+    /// strokes takes more from it than the one across them leaves.
     #[must_use]
-    pub fn leaves_a_thin_wall(&self) -> bool {
-        self.left.along(self.profile.frame.along) != Length::ZERO && self.profile.sinks()
-    }
-
-    /// The axes, X and Z, in which the allowance moves the contour into the part.
-    #[must_use]
-    pub fn allowance_into_the_part(&self) -> (bool, bool) {
-        into_the_part(&self.profile, self.words.allowance)
+    pub fn cuts_into_a_wall(&self) -> bool {
+        let moved = self.words.allowance.shift(Point::default());
+        let Local { h: up, l: on } = self.profile.frame.enter(moved);
+        on < 0 && self.profile.loses_on_a_wall(up, on)
     }
 
     /// True where the contour with its allowance is higher than the cycle's start in a place: what stands there is cut

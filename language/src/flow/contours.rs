@@ -42,6 +42,7 @@ impl<S: Source> Flow<S> {
         let (begin, end) = self.contour(cycle, &first, &last)?;
         machine.contour_begins(cycle, &mine, code.span)?;
         let (back, around) = (self.at, self.top().loops.clone());
+        let modes = self.translator;
         self.at = begin;
         self.in_contour = true;
         let read = self.read_contour(end, machine);
@@ -53,6 +54,10 @@ impl<S: Source> Flow<S> {
             self.at = back;
         }
         self.top_mut().loops = around;
+        if cycle != Cycle::Finish {
+            // The contour was read, and not carried out.
+            self.translator = modes;
+        }
         let done = machine.contour_ends()?;
         self.done(done)
     }

@@ -21,6 +21,14 @@ fn interference(track: &Track) -> Alarm {
     Alarm::new(Code::NoseInterference, track.element.span).with([radius])
 }
 
+/// How far an arc ends beside the circle that it begins on, nm: its centre and its end are rounded in the program.
+fn beside(piece: &Piece) -> f64 {
+    piece.bend.map_or(0.0, |bend| {
+        let radius = |at: V| (at - bend.centre).length();
+        libm::fabs(radius(piece.start) - radius(piece.end))
+    })
+}
+
 /// An arc towards the nose has at least its radius.
 pub(super) fn arc_takes(track: &Track) -> Result<(), Alarm> {
     let piece = track.piece_at(track.start);
@@ -79,7 +87,7 @@ pub(super) fn leave_something(track: &mut Track) -> Result<(), Alarm> {
         )
     };
     track.is_nothing = left < NOTHING;
-    if left < -NOTHING || touched < -CLOSER || left > TAU * radius + NOTHING {
+    if left < -NOTHING || touched < -CLOSER - beside(&piece) || left > TAU * radius + NOTHING {
         return Err(interference(track));
     }
     if left > TAU * radius - NOTHING {
@@ -104,7 +112,7 @@ pub(super) fn keep_clear<'a>(mut tracks: impl Iterator<Item = &'a Track>) -> Res
     let piece = last.piece_at(origin);
     let own_turn = piece.turning();
     let own = last.nose_pieces_at(origin);
-    let reach = last.offset.abs() - CLOSER;
+    let reach = last.offset.abs() - CLOSER - beside(&piece);
     let mut next_direction = piece.first();
     let mut turn = 0.0;
     for track in tracks {
@@ -124,6 +132,7 @@ pub(super) fn keep_clear<'a>(mut tracks: impl Iterator<Item = &'a Track>) -> Res
         }
         let is_near = whole.iter().all(|turn| turn.abs() < PI + ANGLE);
         if is_near {
+            let reach = reach - beside(&other);
             let is_cut = |surface: &Piece, by: &[Piece]| {
                 by.iter().any(|nose| surface.clearance(nose) < reach)
             };

@@ -3,10 +3,10 @@
 use std::collections::VecDeque;
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::call::{Call, CallKind, Position};
+use leadscrew_core::call::{Call, CallKind};
 use leadscrew_core::program::Event;
 
-use super::{call, element, point};
+use super::{How, call, element, point};
 use crate::corner::{Corner, Toward, insert};
 use crate::plane::{Point, Shape};
 
@@ -32,14 +32,14 @@ pub(super) struct Asked {
 /// A motion whose end is a corner.
 #[derive(Debug)]
 struct Waiting {
-    from: Position,
     first: Call,
+    how: How,
     corner: Asked,
     between: Vec<Event>,
 }
 
-/// Events with the place where their motion begins.
-type Ready = VecDeque<(Event, Position)>;
+/// Events, each with where its motion begins.
+type Ready = VecDeque<(Event, How)>;
 
 impl Corners {
     /// True where nothing waits.
@@ -47,14 +47,14 @@ impl Corners {
         self.waiting.is_none()
     }
 
-    /// The next event. Its motion begins at `from` and may have a corner at its end.
+    /// The next event. Its motion may have a corner at its end.
     ///
     /// # Errors
     /// 0051, 0052 and 0055 at the word of the corner.
     pub fn push(
         &mut self,
         event: Event,
-        from: Position,
+        how: How,
         corner: Option<Asked>,
         ready: &mut Ready,
     ) -> Result<(), Alarm> {
@@ -63,14 +63,14 @@ impl Corners {
             Event::Warning(_) => None,
         };
         let Some((next, next_element)) = motion else {
-            return self.other(event, from, ready);
+            return self.other(event, how, ready);
         };
-        let (mut next, mut from) = (next, from);
+        let (mut next, mut how) = (next, how);
         if let Some(waiting) = self.waiting.take() {
             let Some(first) = element(&waiting.first) else {
                 return Ok(());
             };
-            let start = point(waiting.from);
+            let start = point(waiting.how.from);
             let corner = insert(
                 start,
                 &first,
@@ -79,11 +79,11 @@ impl Corners {
                 waiting.corner.toward,
                 waiting.corner.span,
             )?;
-            let mut at = waiting.from;
+            let mut at = waiting.how;
             let mut put = |call: Call, ready: &mut Ready| {
                 ready.push_back((Event::Call(call), at));
                 if let Some(end) = super::end_of(&Event::Call(call)) {
-                    at = end;
+                    at.from = end;
                 }
             };
             let is_way = |from: Point, to: Point, shape: Shape| {
@@ -95,7 +95,7 @@ impl Corners {
             if let Some(between) = &corner.between {
                 put(call(between, &waiting.first), ready);
             }
-            from = at;
+            how.from = at.from;
             let others = waiting.between.into_iter();
             ready.extend(others.map(|event| (event, at)));
             next = call(&corner.second, &next);
@@ -103,28 +103,31 @@ impl Corners {
         match corner {
             Some(corner) => {
                 self.waiting = Some(Waiting {
-                    from,
                     first: next,
+                    how,
                     corner,
                     between: Vec::new(),
                 });
             }
-            None => ready.push_back((Event::Call(next), from)),
+            None => ready.push_back((Event::Call(next), how)),
         }
         Ok(())
     }
 
     /// An event that is no motion of the plane.
-    fn other(&mut self, event: Event, from: Position, ready: &mut Ready) -> Result<(), Alarm> {
+    fn other(&mut self, event: Event, how: How, ready: &mut Ready) -> Result<(), Alarm> {
         let Some(waiting) = &mut self.waiting else {
-            ready.push_back((event, from));
+            ready.push_back((event, how));
             return Ok(());
         };
         let may_wait = match &event {
             Event::Warning(_) => true,
             Event::Call(call) => matches!(
                 call.kind,
-                CallKind::Dwell(_) | CallKind::Spindle(_) | CallKind::Aux(_)
+                CallKind::Dwell(_)
+                    | CallKind::Spindle(_)
+                    | CallKind::Aux(_)
+                    | CallKind::ExactStop(_)
             ),
         };
         if !may_wait || waiting.between.len() == BETWEEN {

@@ -40,6 +40,15 @@ pub(crate) struct Path {
     out: VecDeque<Event>,
 }
 
+/// Where the motion of an event begins, and how it is compensated: as its block says. A motion may wait for its corner
+/// while the next block says otherwise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct How {
+    from: Position,
+    side: Side,
+    nose: Nose,
+}
+
 impl Path {
     /// G40, and no corner.
     pub fn new() -> Self {
@@ -99,33 +108,37 @@ impl Path {
     pub fn shape(
         &mut self,
         event: Event,
-        each: &mut dyn FnMut(&mut Self, Event, Position) -> Result<(), Alarm>,
+        each: &mut dyn FnMut(&mut Self, Event, How) -> Result<(), Alarm>,
     ) -> Result<(), Alarm> {
-        let from = self.at;
         let end = end_of(&event);
         let corner = end.and_then(|_| self.corner.take());
         let mut ready = VecDeque::new();
-        self.corners.push(event, from, corner, &mut ready)?;
+        let how = How {
+            from: self.at,
+            side: if self.suspended {
+                Side::None
+            } else {
+                self.side
+            },
+            nose: self.nose,
+        };
+        self.corners.push(event, how, corner, &mut ready)?;
         if let Some(end) = end {
             self.at = end;
         }
-        for (event, from) in ready {
-            each(self, event, from)?;
+        for (event, how) in ready {
+            each(self, event, how)?;
         }
         Ok(())
     }
 
-    /// Takes an event, whose motion begins at `from`, through the nose.
+    /// Takes an event through the nose.
     ///
     /// # Errors
     /// What the compensation refuses.
-    pub fn compensate(&mut self, event: Event, from: Position) -> Result<(), Alarm> {
-        let side = if self.suspended {
-            Side::None
-        } else {
-            self.side
-        };
-        self.round.push(event, from, side, self.nose, &mut self.out)
+    pub fn compensate(&mut self, event: Event, how: How) -> Result<(), Alarm> {
+        let How { from, side, nose } = how;
+        self.round.push(event, from, side, nose, &mut self.out)
     }
 
     /// The block is over.

@@ -15,12 +15,14 @@ pub(super) struct Round {
     filter: Option<Filter<Event>>,
     /// The last motion that came out.
     last: Option<Call>,
+    /// The compensation has ended without a move: the tool stands beside the programmed path.
+    is_off: bool,
 }
 
 impl Round {
-    /// True where nothing is held.
+    /// True where nothing is held, and the tool is on the programmed path.
     pub fn is_free(&self) -> bool {
-        self.filter.is_none()
+        self.filter.is_none() && !self.is_off
     }
 
     /// The next event; its motion begins at `from`.
@@ -36,8 +38,7 @@ impl Round {
         out: &mut VecDeque<Event>,
     ) -> Result<(), Alarm> {
         if self.filter.is_none() && (side == Side::None || end_of(&event).is_none()) {
-            out.push_back(event);
-            return Ok(());
+            return self.pass(event, out);
         }
         let filter = self
             .filter
@@ -45,6 +46,7 @@ impl Round {
         let input = match &event {
             Event::Call(call) => match (element(call), &call.kind) {
                 (Some(element), _) => {
+                    self.is_off = false;
                     let turns = end_of(&event).is_some_and(|end| end.c != from.c);
                     if side != Side::None && turns {
                         return Err(Alarm::new(Code::NoseInCycle, call.span));
@@ -56,13 +58,20 @@ impl Round {
                     };
                     Input::Motion(motion, event)
                 }
-                (None, CallKind::Aux(Aux::T(_))) => Input::Break {
-                    at: point(from),
-                    payload: event,
-                },
-                (None, CallKind::Dwell(_) | CallKind::Spindle(_) | CallKind::Aux(_)) => {
-                    Input::Still(event)
+                (None, CallKind::Aux(Aux::T(_))) => {
+                    self.is_off = true;
+                    Input::Break {
+                        at: point(from),
+                        payload: event,
+                    }
                 }
+                (
+                    None,
+                    CallKind::Dwell(_)
+                    | CallKind::Spindle(_)
+                    | CallKind::Aux(_)
+                    | CallKind::ExactStop(_),
+                ) => Input::Still(event),
                 (None, CallKind::End(_) | CallKind::Over | CallKind::LineOver) => {
                     self.finish(out)?;
                     out.push_back(event);
@@ -73,14 +82,34 @@ impl Round {
                 }
                 (None, _) => {
                     self.finish(out)?;
-                    out.push_back(event);
-                    return Ok(());
+                    return self.pass(event, out);
                 }
             },
             Event::Warning(_) => Input::Still(event),
         };
         filter.push(input)?;
         self.pull(out);
+        Ok(())
+    }
+
+    /// Hands on what is not compensated.
+    ///
+    /// # Errors
+    /// 4602 for a call that begins where the tool stands, and not at a place of its own, beside the path.
+    fn pass(&mut self, event: Event, out: &mut VecDeque<Event>) -> Result<(), Alarm> {
+        if let Event::Call(call) = &event {
+            let is_stroke = match &call.kind {
+                CallKind::Tap(_) => true,
+                CallKind::Thread(thread) => thread.cycle.is_stroke(),
+                _ => false,
+            };
+            if is_stroke && self.is_off {
+                return Err(Alarm::new(Code::NoseInCycle, call.span));
+            }
+            let comes_back = matches!(call.kind, CallKind::Thread(_) | CallKind::Groove(_));
+            self.is_off &= end_of(&event).is_none() && !comes_back;
+        }
+        out.push_back(event);
         Ok(())
     }
 
@@ -93,6 +122,7 @@ impl Round {
             filter.finish()?;
             self.pull(out);
             self.filter = None;
+            self.is_off = true;
         }
         Ok(())
     }

@@ -1436,9 +1436,9 @@ codes! {
         "cut two blocks first, or cancel with G40 and begin anew",
         "刀尖半径补偿刚建立即改变方向或刀尖", "请先执行两个程序段，或用 G40 取消后重新建立";
 
-    /// A cycle, or a motion of C, while G41 or G42 is in force.
-    NoseInCycle = 4602, "a cycle or a motion of C cannot follow the round nose, and G41 or G42 is in force", "write G40 before it",
-        "循环或 C 轴移动不能在刀尖半径补偿（G41/G42）中执行", "请在前面写 G40";
+    /// A cycle, or a motion of C, while G41 or G42 is in force; a stroke or a tap behind G40 without a move.
+    NoseInCycle = 4602, "a cycle or a motion of C cannot follow the round nose, and no move with G40 has ended G41 or G42", "write a move of G00 or G01 with G40 before it",
+        "循环或 C 轴移动不能在刀尖半径补偿（G41/G42）中执行，此前没有带 G40 的移动取消补偿", "请在前面写带 G40 的 G00 或 G01 移动";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.
@@ -1546,8 +1546,8 @@ codes! {
     RapidInStock = 4987, "this rapid goes into the material at X {0}, Z {1}", "go around it, cut it away first, or correct the comment `(STOCK ..)`; `(ALLOW 4987)` if it is meant",
         "此快速移动在 X {0}、Z {1} 处进入毛坯", "请绕开、先切除，或修改注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4987)`";
     /// An allowance into the part, or a depth that hardly any tool takes; {w} the word, {0} its length.
-    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm, or than half of the declared stock, or so small that there are more than 250 strokes", "outside U is positive and in a bore negative; toward the chuck W is positive; `(ALLOW 4989)` if it is meant",
-        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm 或所声明毛坯的一半，或过小而超过 250 刀", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；确实如此请写 `(ALLOW 4989)`";
+    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm, or than half of the declared stock, or so small that there are more than 250 strokes", "outside U is positive and in a bore negative; toward the chuck W is positive; with a pocket write W0, in G72 U0; `(ALLOW 4989)` if it is meant",
+        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm 或所声明毛坯的一半，或过小而超过 250 刀", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；轮廓有凹槽时请写 W0（G72 为 U0）；确实如此请写 `(ALLOW 4989)`";
     /// A contour cycle that begins between the lowest and the highest point of its contour; {0} how far below.
     StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
         "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";

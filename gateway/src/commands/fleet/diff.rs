@@ -155,17 +155,18 @@ fn text(global: &Global, rows: &[Row<'_>], silent: &[&PathBuf]) -> Outcome {
         let name = one_line(&machine.whose.machine);
         let node = one_line(&machine.whose.node);
         let since = words::since(&machine.set);
+        let seen = words::time(machine.set.seen);
         let who = both!("{name} ({node}): ", "{name}（{node}）：");
         let what = match found {
             Found::Compared(changes, _) if changes.is_empty() => both!(
-                "the same, in force since {en}",
-                "相同，生效时间：{zh}",
+                "the same, in force since {en}, last seen {seen}",
+                "相同，生效时间：{zh}，最近读取：{seen}",
                 en = since.en,
                 zh = since.zh
             ),
             Found::Compared(changes, _) => both!(
-                "differs, in force since {en}; values that differ: {n}, in force → in the file",
-                "不同，生效时间：{zh}；不同的值：{n} 个，当前值 → 文件中的值",
+                "differs, in force since {en}, last seen {seen}; values that differ: {n}, in force → in the file",
+                "不同，生效时间：{zh}，最近读取：{seen}；不同的值：{n} 个，当前值 → 文件中的值",
                 n = changes.len(),
                 en = since.en,
                 zh = since.zh

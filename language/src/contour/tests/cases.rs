@@ -248,15 +248,17 @@ fn a_contour_that_comes_back_from_above_the_start_is_refused() {
 }
 
 #[test]
-fn allowances_that_are_hardly_meant_are_told() {
+fn an_allowance_that_cuts_into_a_wall_is_seen() {
+    // The wall goes down by 5 on 3.
     let pocket = contour("40,0", "XZ", "R30,0 F30,-5 F20,-8 F40,-12");
-    let told = |text| {
+    let cuts = |text| {
         let cycle = pocket.rough(Along::Z, &words(text)).expect("a cycle");
-        (cycle.leaves_a_thin_wall(), cycle.allowance_into_the_part())
+        cycle.cuts_into_a_wall()
     };
-    assert_eq!(told("2 0 0.4 0"), (false, (false, false)));
-    assert_eq!(told("2 0 -0.4 0.1"), (true, (true, false)));
-    assert_eq!(told("2 0 0.4 -0.1"), (true, (false, true)));
+    assert!(!cuts("2 0 0.4 0"));
+    assert!(!cuts("2 0 0.4 0.115") && cuts("2 0 0.4 0.125"));
+    // Away from the wall, into the one behind it.
+    assert!(!cuts("2 0 0.4 -0.2"));
 }
 
 #[test]

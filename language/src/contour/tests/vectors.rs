@@ -35,8 +35,7 @@ fn a_shaft_is_roughed_along_z() {
     let shaft = contour("40,2", "X", SHAFT);
     let rough = shaft.rough(Along::Z, &words("3 0.5 0.4 0.1"));
     let rough = rough.expect("a cycle");
-    assert!(!rough.leaves_a_thin_wall() && !rough.starts_inside());
-    assert_eq!(rough.allowance_into_the_part(), (false, false));
+    assert!(!rough.cuts_into_a_wall() && !rough.starts_inside());
     assert_eq!(moves(rough), expected("40,2", SHAFT_ROUGH));
 }
 
@@ -88,7 +87,6 @@ fn a_bore_is_roughed_along_z() {
     let bore = contour("16,2", "X", "R28,2 F28,-10 F24,-10 F24,-20 F16,-20");
     let rough = bore.rough(Along::Z, &words("2 0.5 -0.4 0.1"));
     let rough = rough.expect("a cycle");
-    assert_eq!(rough.allowance_into_the_part(), (false, false));
     assert_eq!(
         moves(rough),
         expected(
