@@ -129,7 +129,7 @@ pub fn emulate_with(
         semihosting.push_str(word);
     }
     // The time limit is for an image that hangs.
-    let mut args = vec!["1200", EMULATOR];
+    let mut args = vec!["3000", EMULATOR];
     args.extend(machine("none", &semihosting));
     args.extend_from_slice(options);
     args.extend_from_slice(&["-kernel", &path]);

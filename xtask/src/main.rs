@@ -121,7 +121,7 @@ fn main() -> ExitCode {
         ["manual"] => manual::write(),
         ["manual", "--check"] => manual::check(),
         ["page"] => page::write(),
-        ["page", "--check"] => page::check(),
+        ["page", "--check"] => test::page(),
         ["page", "--long"] => page::long(),
         ["pictures"] => pictures::write(),
         ["renew"] => renew::all(),

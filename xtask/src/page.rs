@@ -4,8 +4,9 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
+use crate::test::Counts;
 use crate::{axe, run, setup, wasm};
 
 const MODULE: &str = "leadscrew.wasm";
@@ -46,16 +47,20 @@ pub fn write() -> Result<()> {
     Ok(())
 }
 
-/// Opens the page in headless Chromium, and that of `leadscrew panel`.
-pub fn check() -> Result<()> {
+/// Opens the page in headless Chromium, and that of `leadscrew panel`. Counts the tests.
+pub fn check(counts: &mut Counts) -> Result<()> {
     setup::tools(&[setup::BROWSER])?;
     axe::ensure()?;
     write()?;
+    let mut all = true;
     for which in [
         &["--test", "browser", "--", "--nocapture"][..],
         &["--test", "desk", "page::browser::"],
     ] {
-        run::show(browser(which))?;
+        all &= run::watch(browser(which), |line| counts.take(line))?;
+    }
+    if !all {
+        bail!("tests of the page failed");
     }
     Ok(())
 }

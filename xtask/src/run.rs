@@ -30,11 +30,7 @@ pub fn command(dir: &Path, program: &str, args: &[&str]) -> Command {
 pub fn cargo(dir: &Path, args: &[&str]) -> Command {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let mut command = command(dir, &cargo, args);
-    // One run has one seed, even where a commit is made meanwhile.
-    command.env(
-        leadscrew_seed::VARIABLE,
-        leadscrew_seed::fresh().to_string(),
-    );
+    seed(&mut command);
     // The variables that cargo set for this program must not be taken for settings of the inner build.
     for (name, _) in std::env::vars() {
         if name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_") {
@@ -42,6 +38,14 @@ pub fn cargo(dir: &Path, args: &[&str]) -> Command {
         }
     }
     command
+}
+
+/// Gives a command the seed of this run: one run has one seed, even where a commit is made meanwhile.
+pub fn seed(command: &mut Command) {
+    command.env(
+        leadscrew_seed::VARIABLE,
+        leadscrew_seed::fresh().to_string(),
+    );
 }
 
 /// Builds programs of the workspace, given as `--bin` or `--example`; gives their folder. The build selects from the
@@ -125,6 +129,20 @@ pub fn read(command: Command) -> Result<String> {
 pub fn told(command: Command) -> Result<String> {
     let output = output(command)?;
     Ok(String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Runs a command to its end and keeps its output. What it says beside its output is shown at once.
+pub fn answer(mut command: Command) -> Result<String> {
+    let line = line_of(&command);
+    let output = command
+        .stdin(Stdio::null())
+        .stderr(Stdio::inherit())
+        .output()
+        .with_context(|| format!("cannot start `{line}`"))?;
+    if !output.status.success() {
+        bail!("`{line}` failed ({})", output.status);
+    }
+    String::from_utf8(output.stdout).with_context(|| format!("`{line}` printed what is not UTF-8"))
 }
 
 fn output(mut command: Command) -> Result<Output> {

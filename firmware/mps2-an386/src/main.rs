@@ -1,6 +1,6 @@
 #![no_std]
 #![no_main]
-//! Runs every example and a thousand random programs on the emulated Cortex-M4F, the board in lock-step with its plant.
+//! Runs every example and 300 random programs on the emulated Cortex-M4F, the board in lock-step with its plant.
 //! Prints a row `name hash ticks alarm` for each; a host prints the same rows. With `seed=S count=N` in its command
 //! line it runs N random programs instead, from seed S on.
 
@@ -20,7 +20,7 @@ type Example = (&'static str, &'static [u8]);
 static EXAMPLES: &[Example] = include!(concat!(env!("OUT_DIR"), "/examples.rs"));
 
 /// The number of random programs.
-const PROGRAMS: u64 = 1000;
+const PROGRAMS: u64 = 300;
 
 #[entry]
 fn main() -> ! {

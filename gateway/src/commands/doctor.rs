@@ -223,25 +223,6 @@ fn machine(
     Ok(machine)
 }
 
-/// A command with the bus that was listened on; a log does not say which it was.
-fn on_bus(command: &str, bus: &Address) -> String {
-    let name = match bus {
-        Address::Sim => "BUS".to_owned(),
-        Address::SocketCan(name) => name.to_string(),
-        named => named.to_string(),
-    };
-    if let Some(frame) = command.strip_prefix("cansend can0 ") {
-        return format!("cansend {name} {frame}");
-    }
-    if !command.starts_with("leadscrew params ") {
-        return command.to_owned();
-    }
-    match command.split_once("   #") {
-        Some((command, remark)) => format!("{command} --bus {name}   #{remark}"),
-        None => format!("{command} --bus {name}"),
-    }
-}
-
 /// The report for people.
 fn text(report: &Report, notes: &[Both], lang: Lang, bus: &Address) -> String {
     let mut text = String::new();
@@ -272,8 +253,8 @@ fn text(report: &Report, notes: &[Both], lang: Lang, bus: &Address) -> String {
             }
             let remedy = of(first.rule.remedy);
             text.push_str(both!("remedy: {remedy}\n", "措施：{remedy}\n").get(lang));
-            if let Some(command) = &first.found.command {
-                text.push_str(&format!("  {}\n", on_bus(command, bus)));
+            if let Some(mend) = &first.found.mend {
+                text.push_str(&format!("  {}\n", mend.line(bus)));
             }
             for Finding { rule, found } in others {
                 let (number, fault) = (rule.number, of(rule.fault));
@@ -367,8 +348,8 @@ fn whole(report: &Report, notes: &[Both], (lang, bus): (Lang, &Address), json: &
                     json.number("node", node.get());
                 }
                 json.text("evidence", found.evidence.get(lang));
-                if let Some(command) = &found.command {
-                    json.text("command", &on_bus(command, bus));
+                if let Some(mend) = &found.mend {
+                    json.text("command", &mend.line(bus));
                 }
                 json.number("count", found.hits.count);
                 json.number("longest_ms", found.hits.longest.as_millis());
@@ -398,31 +379,4 @@ fn whole(report: &Report, notes: &[Both], (lang, bus): (Lang, &Address), json: &
             json.text_item(note.get(lang));
         }
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_command_has_the_bus_that_was_listened_on() {
-        let on = |command: &str, bus: &str| on_bus(command, &bus.parse().unwrap());
-        assert_eq!(
-            on("leadscrew params set 9024=500", "can1"),
-            "leadscrew params set 9024=500 --bus can1"
-        );
-        assert_eq!(
-            on("leadscrew params push M.toml   # 9021 = 8", "sim:b"),
-            "leadscrew params push M.toml --bus sim:b   # 9021 = 8"
-        );
-        assert_eq!(on("cansend can0 000#0110", "can1"), "cansend can1 000#0110");
-        assert_eq!(
-            on("leadscrew explain 4359", "can1"),
-            "leadscrew explain 4359"
-        );
-        assert_eq!(
-            on_bus("leadscrew params set 9023=500", &Address::Sim),
-            "leadscrew params set 9023=500 --bus BUS"
-        );
-    }
 }

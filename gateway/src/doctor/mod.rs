@@ -12,6 +12,7 @@ pub mod ask;
 pub mod heard;
 pub mod hits;
 pub mod machine;
+pub mod mend;
 pub mod page;
 pub mod rules;
 #[cfg(test)]

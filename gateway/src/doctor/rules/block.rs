@@ -8,6 +8,7 @@ use super::{Found, Group, Lack, Rule, Verdict, found};
 use crate::block::{BYTES, INPUTS, OUTPUTS, is_as_wanted, wanted};
 use crate::doctor::heard::Heard;
 use crate::doctor::hits::Hits;
+use crate::doctor::mend::Mend;
 use crate::params::drives::object_text;
 use crate::words::both;
 
@@ -76,7 +77,7 @@ fn silent(heard: &Heard) -> Verdict {
             "向节点 {number}（9461）发送或询问了 {ms} ms，它没有发出报文"
         ),
     );
-    found([said.mended_by("leadscrew params set 9461=NUMBER")])
+    found([said.mended_by(Mend::Set("9461=NUMBER".into()))])
 }
 
 fn mapping(heard: &Heard) -> Verdict {
@@ -115,7 +116,7 @@ fn mapping(heard: &Heard) -> Verdict {
                 zh = name.zh
             ),
         )
-        .mended_by("leadscrew params push FILE")
+        .mended_by(Mend::Push(None))
     });
     found(said)
 }

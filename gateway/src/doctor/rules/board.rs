@@ -5,6 +5,7 @@ use leadscrew_core::alarm::{Code, Lang};
 use super::{Found, Group, Rule, Verdict, found};
 use crate::diagnostics::blanks;
 use crate::doctor::heard::Heard;
+use crate::doctor::mend::Mend;
 use crate::words::both;
 
 /// Rule 52.
@@ -34,6 +35,6 @@ fn standing(heard: &Heard) -> Verdict {
             code.map_or_else(String::new, |code| blanks(code.cause(lang)))
         });
         let said = both!("{number} {en}", "{number} {zh}");
-        Found::at(heard.machine.board, hits, said).mended_by(format!("leadscrew explain {number}"))
+        Found::at(heard.machine.board, hits, said).mended_by(Mend::Explain(number))
     }))
 }

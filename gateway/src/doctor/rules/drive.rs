@@ -11,6 +11,7 @@ use crate::doctor::heard::motion::Way;
 use crate::doctor::heard::{FOLLOWING, Heard};
 use crate::doctor::hits::Hits;
 use crate::doctor::machine::Expected;
+use crate::doctor::mend::Mend;
 use crate::params::drives::{DriveName, mode};
 use crate::words::{Both, both};
 
@@ -465,7 +466,7 @@ fn buffer(heard: &Heard) -> Verdict {
                 "驱动器 {name} 处于 {periods} 个周期之前的目标；9003 为 {latency} µs"
             ),
         );
-        Some(found.mended_by(format!("leadscrew params set 9003.{name}={wanted}")))
+        Some(found.mended_by(Mend::Set(format!("9003.{name}={wanted}"))))
     }))
 }
 

@@ -13,6 +13,7 @@ use leadscrew_core::bus::NodeId;
 
 use super::heard::Heard;
 use super::hits::Hits;
+use super::mend::Mend;
 use crate::words::{Both, both};
 
 /// What rules are about.
@@ -91,8 +92,8 @@ pub struct Found {
     pub evidence: Both,
     /// The sign.
     pub hits: Hits,
-    /// The command that mends a setting.
-    pub command: Option<String>,
+    /// What mends it, where one line does.
+    pub mend: Option<Mend>,
 }
 
 impl Found {
@@ -102,7 +103,7 @@ impl Found {
             node: Some(node),
             evidence,
             hits: hits.clone(),
-            command: None,
+            mend: None,
         }
     }
 
@@ -124,12 +125,12 @@ impl Found {
             node: None,
             evidence,
             hits: hits.clone(),
-            command: None,
+            mend: None,
         }
     }
 
-    fn mended_by(mut self, command: impl Into<String>) -> Self {
-        self.command = Some(command.into());
+    fn mended_by(mut self, mend: Mend) -> Self {
+        self.mend = Some(mend);
         self
     }
 }

@@ -7,6 +7,7 @@ use leadscrew_core::bus::{NodeId, Service};
 use super::{Found, Group, Lack, Rule, Verdict, found, found_or};
 use crate::doctor::heard::Heard;
 use crate::doctor::hits::Hits;
+use crate::doctor::mend::Mend;
 use crate::words::both;
 
 /// Rules 6 and 8–13.
@@ -50,8 +51,8 @@ pub const RULES: &[Rule] = &[
             "某节点从未被启动（NMT start）",
         ),
         remedy: (
-            "let its master start it: `cansend can0 000#0100` starts all",
-            "由主站启动它：`cansend can0 000#0100` 启动全部",
+            "let its master start it, or start it by hand: `cansend INTERFACE 000#0100` starts all nodes",
+            "由主站启动它，或手动启动：`cansend INTERFACE 000#0100` 启动全部节点",
         ),
         guard: (
             "pre-operational for more than 2 s; a board only where somebody gives it orders meanwhile",
@@ -226,7 +227,7 @@ fn silent(heard: &Heard) -> Verdict {
                 } else {
                     format!("9015.{}", drive.name)
                 };
-                found.mended_by(format!("leadscrew params set {no}=NUMBER"))
+                found.mended_by(Mend::Set(format!("{no}=NUMBER")))
             }
             _ => found,
         })
@@ -260,9 +261,8 @@ fn not_started(heard: &Heard) -> Verdict {
             return None;
         }
         let name = heard.machine.called(*node);
-        let (node, number) = (*node, node.get());
         let found = Found::at(
-            node,
+            *node,
             &of.waits,
             both!(
                 "heartbeats of {en} say 7Fh (pre-operational), and nobody starts it",
@@ -271,7 +271,7 @@ fn not_started(heard: &Heard) -> Verdict {
                 zh = name.zh
             ),
         );
-        Some(found.mended_by(format!("cansend can0 000#01{number:02X}")))
+        Some(found.mended_by(Mend::Start(*node)))
     }))
 }
 
@@ -280,7 +280,6 @@ fn stopped(heard: &Heard) -> Verdict {
     for (node, of) in &heard.nodes {
         if of.stopped.enough() {
             let name = heard.machine.called(*node);
-            let number = node.get();
             let found = Found::at(
                 *node,
                 &of.stopped,
@@ -291,7 +290,7 @@ fn stopped(heard: &Heard) -> Verdict {
                     zh = name.zh
                 ),
             );
-            all.push(found.mended_by(format!("cansend can0 000#01{number:02X}")));
+            all.push(found.mended_by(Mend::Start(*node)));
         }
     }
     for alarm in [4331, 4375] {
@@ -323,7 +322,7 @@ fn no_heartbeat(heard: &Heard) -> Verdict {
                 ),
             );
             all.push(match *node == heard.machine.board {
-                true => found.mended_by("leadscrew params set 9023=500"),
+                true => found.mended_by(Mend::Set("9023=500".into())),
                 false => found,
             });
         }
@@ -375,7 +374,7 @@ fn too_seldom(heard: &Heard) -> Verdict {
                 ),
             );
             all.push(match *consumer == heard.machine.board {
-                true => found.mended_by(format!("leadscrew params set 9024={}", gap * 2)),
+                true => found.mended_by(Mend::Set(format!("9024={}", gap * 2))),
                 false => found,
             });
         }

@@ -11,6 +11,7 @@ use crate::doctor::heard::Heard;
 use crate::doctor::heard::sdo::Deed;
 use crate::doctor::hits::Hits;
 use crate::doctor::machine::Expected;
+use crate::doctor::mend::Mend;
 use crate::params::drives::command_mapping;
 use crate::words::both;
 
@@ -208,16 +209,16 @@ fn late(heard: &Heard) -> Verdict {
 
 fn shorter(heard: &Heard) -> Verdict {
     let all = by_emergency(heard, 0x8210).into_iter();
-    found(all.map(|found| found.mended_by("leadscrew params push MACHINE.toml")))
+    found(all.map(|found| found.mended_by(Mend::Push(None))))
 }
 
 fn longer(heard: &Heard) -> Verdict {
-    let command = match heard.machine.params.setpoint_frame() {
-        0 => "leadscrew params push MACHINE.toml",
-        _ => "leadscrew params set 9031=0",
+    let mend = match heard.machine.params.setpoint_frame() {
+        0 => Mend::Push(None),
+        _ => Mend::Set("9031=0".into()),
     };
     let all = by_emergency(heard, 0x8220).into_iter();
-    found(all.map(|found| found.mended_by(command)))
+    found(all.map(|found| found.mended_by(mend.clone())))
 }
 
 fn mapping(heard: &Heard) -> Verdict {
@@ -248,7 +249,7 @@ fn mapping(heard: &Heard) -> Verdict {
                     "驱动器 {name} 的 {index:04X}h 为 {told}，控制板需要 {wanted}"
                 ),
             );
-            all.push(found.mended_by("leadscrew params push MACHINE.toml"));
+            all.push(found.mended_by(Mend::Push(None)));
         }
     }
     found_or(all, known, Lack::Objects("1600h, 1A00h"))
@@ -275,9 +276,9 @@ fn at_once(heard: &Heard) -> Verdict {
                 "驱动器 {name} 的 1400h:02 为 {value}"
             ),
         )
-        .mended_by(format!(
-            "leadscrew params push MACHINE.toml   # [drive.{name}] rpdo1_transmission = 1"
-        ))
+        .mended_by(Mend::Push(Some(format!(
+            "[drive.{name}] rpdo1_transmission = 1"
+        ))))
     });
     found_or(all, known, Lack::Objects("1400h:02"))
 }
@@ -314,9 +315,9 @@ fn cadence(heard: &Heard) -> Verdict {
                     "驱动器 {name} 每 {every} 个 SYNC 应答一次，9021 为 {wanted}"
                 ),
             );
-            all.push(found.mended_by(format!(
-                "leadscrew params push MACHINE.toml   # [drive.{name}] tpdo1_transmission = {wanted}"
-            )));
+            all.push(found.mended_by(Mend::Push(Some(format!(
+                "[drive.{name}] tpdo1_transmission = {wanted}"
+            )))));
         }
     }
     found_or(all, known, Lack::Time)
@@ -352,7 +353,7 @@ fn bunched(heard: &Heard) -> Verdict {
             "{drives} 台驱动器每 {wanted} 个 SYNC 应答，且都在同一个"
         ),
     )
-    .mended_by("leadscrew params push MACHINE.toml   # [drive.Z] tpdo1_start = 2")])
+    .mended_by(Mend::Push(Some("[drive.Z] tpdo1_start = 2".into())))])
 }
 
 fn switched_off(heard: &Heard) -> Verdict {
@@ -423,7 +424,7 @@ fn not_mappable(heard: &Heard) -> Verdict {
 fn wrong_state(heard: &Heard) -> Verdict {
     let setting = |_, object: Object| matches!(object.index, 0x1400..=0x1BFF | 0x60C2);
     let all = refused(heard, &[0x0800_0022], setting).into_iter();
-    found(all.map(|found| found.mended_by("leadscrew params push MACHINE.toml")))
+    found(all.map(|found| found.mended_by(Mend::Push(None))))
 }
 
 /// Objects that are settings, not values of the moment.

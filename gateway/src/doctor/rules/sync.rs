@@ -10,6 +10,7 @@ use crate::doctor::heard::Heard;
 use crate::doctor::heard::sdo::Deed;
 use crate::doctor::hits::Hits;
 use crate::doctor::machine::{Clock, Expected};
+use crate::doctor::mend::Mend;
 use crate::params::drives::period_ns;
 use crate::words::both;
 
@@ -237,9 +238,9 @@ fn period(heard: &Heard) -> Verdict {
                     "SYNC 每 {us} µs，驱动器 {name} 的 60C2h 为 {theirs} µs，9000 为 {nominal} µs"
                 ),
             );
-            all.push(found.mended_by(format!(
-                "leadscrew params push MACHINE.toml   # [drive.{name}] interpolation_period = \"{nominal} µs\""
-            )));
+            all.push(found.mended_by(Mend::Push(Some(format!(
+                "[drive.{name}] interpolation_period = \"{nominal} µs\""
+            )))));
         }
     }
     let own = u64::from(nominal) * 1000;
@@ -251,7 +252,7 @@ fn period(heard: &Heard) -> Verdict {
                 "SYNC 每 {us} µs，9000 为 {nominal} µs"
             ),
         );
-        all.push(found.mended_by(format!("leadscrew params set 9000={us}")));
+        all.push(found.mended_by(Mend::Set(format!("9000={us}"))));
     }
     found_or(all, known, Lack::Objects("60C2h"))
 }

@@ -4,6 +4,7 @@ use super::{Found, Group, Lack, Rule, Verdict, found};
 use crate::doctor::heard::Heard;
 use crate::doctor::hits::Hits;
 use crate::doctor::machine::Clock;
+use crate::doctor::mend::Mend;
 use crate::words::both;
 
 /// Rules 1–5.
@@ -276,7 +277,7 @@ fn load(heard: &Heard) -> Verdict {
         ),
     )
     // Both sides: the drives go on at their own 1800h:02.
-    .mended_by(format!(
-        "leadscrew params push MACHINE.toml   # 9021 = {every}, and in each [drive.*] tpdo1_transmission = {every}"
-    ))])
+    .mended_by(Mend::Push(Some(format!(
+        "9021 = {every}, and in each [drive.*] tpdo1_transmission = {every}"
+    ))))])
 }

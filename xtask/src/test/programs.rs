@@ -1,0 +1,254 @@
+//! The tests of the workspace: their programs, run beside each other.
+//!
+//! Cargo runs one program of tests after the other, and a core is idle while the last test of one takes long. Here as
+//! many programs run at once as there are cores, those that take longest first, and what a program printed is shown when
+//! it has ended. Beside them runs the program whose tests wait for machines.
+
+use std::collections::VecDeque;
+use std::io::{PipeReader, Read, pipe};
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+
+use super::counts::Counts;
+use crate::run;
+
+/// The number of tests of a program that run at once.
+const THREADS: &str = "RUST_TEST_THREADS";
+/// Tests with processes and time-outs mostly wait, so that a core has time for several of them.
+const THREADS_PER_PROGRAM: usize = 4;
+
+/// The tests that start machines and wait for them most of their time. They need a tenth of a core.
+const OF_MACHINES: &str = "leadscrew desk";
+/// Those that take longest in full volume, each with a tail in which one test runs alone.
+const LONG: [&str; 8] = [
+    "leadscrew-tests kept",
+    "leadscrew-tests motion",
+    "leadscrew-tests zones",
+    "leadscrew-tests threads",
+    "leadscrew-tests whole",
+    "leadscrew-tests trouble",
+    "leadscrew-tests journal",
+    "leadscrew-tests latency",
+];
+
+/// A program of tests.
+#[derive(Debug)]
+struct Program {
+    /// The package and the target.
+    name: String,
+    file: PathBuf,
+    /// The folder of the package: tests find their files from there.
+    folder: PathBuf,
+}
+
+/// What a program printed, and whether it succeeded.
+struct Ran {
+    name: String,
+    took: Duration,
+    printed: String,
+    succeeded: bool,
+}
+
+/// Builds, runs and counts all tests of the workspace, documentation examples included.
+pub fn run(counts: &mut Counts) -> Result<()> {
+    let mut programs = built()?;
+    let of_machines = take(&mut programs, OF_MACHINES)?;
+    let mut queue = VecDeque::new();
+    for name in LONG {
+        queue.push_back(take(&mut programs, name)?);
+    }
+    queue.extend(programs);
+
+    let queue = Mutex::new(queue);
+    let ended = Mutex::new(Vec::new());
+    let end = |ran: Ran| {
+        let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
+        let (took, printed) = (ran.took.as_secs_f64(), ran.printed.trim_end());
+        println!("\n-- {}, {took:.1} s\n{printed}", ran.name);
+        ended.push(ran);
+    };
+    let next = || {
+        let mut queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
+        queue.pop_front()
+    };
+    let cores = thread::available_parallelism()?.get();
+    thread::scope(|scope| -> Result<()> {
+        let mut workers = vec![scope.spawn(|| run_one(of_machines).map(end))];
+        for _ in 0..cores {
+            workers.push(scope.spawn(|| {
+                while let Some(program) = next() {
+                    end(run_one(program)?);
+                }
+                Ok(())
+            }));
+        }
+        for worker in workers {
+            let done = worker.join();
+            done.unwrap_or_else(|_| bail!("what ran a program of tests has panicked"))?;
+        }
+        Ok(())
+    })?;
+    end(examples_of_documentation()?);
+    let ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
+    judge(&ended, counts)
+}
+
+/// Counts the tests, and names those that failed.
+fn judge(ended: &[Ran], counts: &mut Counts) -> Result<()> {
+    let mut failed = Vec::new();
+    for Ran {
+        name,
+        printed,
+        succeeded,
+        ..
+    } in ended
+    {
+        let mut own = Counts::default();
+        printed.lines().for_each(|line| own.take(line));
+        counts.add(&own);
+        let tests = printed.lines().filter_map(|line| {
+            let line = line.strip_prefix("test ")?;
+            line.strip_suffix(" ... FAILED")
+        });
+        failed.extend(tests.map(|test| format!("{name}: {test}")));
+        if !succeeded && own.failed == 0 {
+            failed.push(format!("{name}: it ended without a result"));
+        }
+    }
+    if failed.is_empty() {
+        return Ok(());
+    }
+    bail!("these tests failed:\n  {}", failed.join("\n  "));
+}
+
+fn take(programs: &mut Vec<Program>, name: &str) -> Result<Program> {
+    let place = programs.iter().position(|program| program.name == name);
+    let place = place.with_context(|| format!("no program of tests is named `{name}`"))?;
+    Ok(programs.remove(place))
+}
+
+/// Builds all tests of the workspace; gives their programs.
+fn built() -> Result<Vec<Program>> {
+    let build = ["test", "--workspace", "--no-run"];
+    let told = ["--message-format", "json-render-diagnostics"];
+    let told = run::answer(run::cargo(&run::root(), &[&build[..], &told].concat()))?;
+    let messages = told
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    Ok(messages.filter_map(|message| program(&message)).collect())
+}
+
+/// The program in a message of cargo, where that tells of one.
+fn program(message: &Value) -> Option<Program> {
+    if message["profile"]["test"] != true {
+        return None;
+    }
+    let manifest = PathBuf::from(message["manifest_path"].as_str()?);
+    let folder = manifest.parent()?.to_owned();
+    let package = message["package_id"].as_str()?;
+    let target = message["target"]["name"].as_str()?;
+    Some(Program {
+        name: format!("{} {target}", package_name(package)),
+        file: PathBuf::from(message["executable"].as_str()?),
+        folder,
+    })
+}
+
+/// The name in the identity of a package: `path+file:///…/tests#leadscrew-tests@0.1.0`, or `…/xtask#0.1.0` where the
+/// folder has the name of the package.
+fn package_name(identity: &str) -> &str {
+    let (source, rest) = identity.rsplit_once('#').unwrap_or((identity, ""));
+    match rest.split_once('@') {
+        Some((name, _)) => name,
+        None => source.rsplit('/').next().unwrap_or(source),
+    }
+}
+
+fn run_one(program: Program) -> Result<Ran> {
+    let mut command = run::command(&program.folder, &program.file.to_string_lossy(), &[]);
+    run::seed(&mut command);
+    ran(program.name, command)
+}
+
+/// The examples in the documentation of all libraries. Rustdoc builds and runs them.
+fn examples_of_documentation() -> Result<Ran> {
+    let args = ["test", "--workspace", "--doc", "--no-fail-fast"];
+    let command = run::cargo(&run::root(), &[&args[..], &["--color", "never"]].concat());
+    ran("examples in the documentation".to_owned(), command)
+}
+
+/// Runs a program to its end. Its output and what it says beside it are one text.
+fn ran(name: String, mut command: Command) -> Result<Ran> {
+    if std::env::var_os(THREADS).is_none() {
+        command.env(THREADS, THREADS_PER_PROGRAM.to_string());
+    }
+    let started = Instant::now();
+    let (mut reader, writer): (PipeReader, _) = pipe()?;
+    command.stdout(writer.try_clone()?).stderr(writer);
+    let child = command.spawn();
+    // The command holds the writing end, and the text ends when nobody holds it.
+    drop(command);
+    let mut child = child.with_context(|| format!("cannot start the tests `{name}`"))?;
+    println!("   begins: {name}");
+    let mut printed = Vec::new();
+    reader.read_to_end(&mut printed)?;
+    let succeeded = child.wait()?.success();
+    Ok(Ran {
+        name,
+        took: started.elapsed(),
+        printed: String::from_utf8_lossy(&printed).into_owned(),
+        succeeded,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_has_the_names_of_its_package_and_target() {
+        let message = |identity: &str, is_test: bool| {
+            serde_json::json!({
+                "package_id": identity, "manifest_path": "/a/tests/Cargo.toml", "executable": "/a/target/kept-1",
+                "target": {"name": "kept"}, "profile": {"test": is_test},
+            })
+        };
+        let of_tests = "path+file:///a/tests#leadscrew-tests@0.1.0";
+        let found = program(&message(of_tests, true)).unwrap();
+        assert_eq!(found.name, "leadscrew-tests kept");
+        assert_eq!(found.folder, PathBuf::from("/a/tests"));
+        assert_eq!(package_name("path+file:///a/xtask#0.1.0"), "xtask");
+        assert!(program(&message(of_tests, false)).is_none());
+    }
+
+    #[test]
+    fn what_fails_is_named_and_a_program_without_a_result_too() {
+        let ran = |name: &str, printed: &str, succeeded| Ran {
+            name: name.to_owned(),
+            took: Duration::ZERO,
+            printed: printed.to_owned(),
+            succeeded,
+        };
+        let good = "test one ... ok\ntest result: ok. 1 passed; 0 failed;\n";
+        let bad = "test two ... FAILED\ntest result: FAILED. 1 passed; 1 failed;\n";
+        let mut counts = Counts::default();
+        assert!(judge(&[ran("a", good, true)], &mut counts).is_ok());
+        let all = [
+            ran("a", good, true),
+            ran("b", bad, false),
+            ran("c", "", false),
+        ];
+        let told = judge(&all, &mut counts).unwrap_err().to_string();
+        assert_eq!(
+            told,
+            "these tests failed:\n  b: two\n  c: it ended without a result"
+        );
+        assert_eq!((counts.passed, counts.failed), (3, 1));
+    }
+}
