@@ -17,7 +17,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
 use crate::json::Json;
 use crate::output;
-use crate::params::drives::{DriveName, OfProfile};
+use crate::params::drives::{DriveName, OfProfile, mode};
 use crate::profiles::Chosen;
 use crate::setup::{Answer, Setup};
 use crate::words::{self, Both, both, pick};
@@ -214,10 +214,11 @@ fn machine(
             _ => None,
         }
         .or(of_file.map(|own| &own.profile));
-        let number = |path| -> Option<u32> { profile?.fact(path)?.value.text().parse().ok() };
+        let number = |path: &str| -> Option<u32> { profile?.fact(path)?.value.text().parse().ok() };
+        let mode = mode(drive.name, &machine.params) as u32;
         drive.known = profile.map(|_| Known {
             window_us: number("sync.window_us"),
-            buffer: number("mode.8.buffer.default"),
+            buffer: number(&format!("mode.{mode}.buffer.default")),
         });
     }
     Ok(machine)

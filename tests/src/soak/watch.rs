@@ -301,6 +301,26 @@ impl Watch {
         }
     }
 
+    /// How far an axis may be beside its helix while the spindle does not do what it is told, in nanometres.
+    fn beside_broken(&self, row: &Row) -> i64 {
+        let of_cut = row.cut.map(|cut| cut.lead.nm().abs());
+        let groove = || self.grooves.iter().find(|groove| groove.line == row.line);
+        let lead = of_cut.or_else(|| groove().map(|groove| groove.lead.abs()));
+        let lead = lead.unwrap_or(0);
+        match self.class {
+            // Where within a count a spindle comes to rest that nobody has stopped, no edge tells.
+            Class::Fine => self.beside.max(lead / self.counts),
+            // Few counts learn it no better than one whose swing nobody has told. One that is jammed is lost a sixteenth
+            // of a turn and two counts later, and two ticks pass until the axis knows.
+            Class::FewTimed | Class::Few => {
+                let lost = lead / 16 + 2 * lead / self.counts;
+                let ticks = self.bounds.iter().map(|bounds| 2.0 * bounds.speed);
+                let ticks = ticks.fold(0.0, f64::max) as i64;
+                self.beside.max(encoder::UNKNOWN_NM).max(lost + ticks)
+            }
+        }
+    }
+
     /// Judges threads and taps on their lines.
     fn spindle(&mut self, row: &Row) {
         let Some(error) = row.error else {
@@ -338,16 +358,11 @@ impl Watch {
                 }
                 let worst = &mut self.judged.thread_nm[class];
                 *worst = (*worst).max(nm);
-                // Few counts learn a spindle that is broken no better than one whose swing nobody has told.
                 let broken = (row.tick as usize) < self.spindle_broken_until;
-                let most = match self.class {
-                    Class::FewTimed | Class::Few if broken => self.beside.max(encoder::UNKNOWN_NM),
-                    // Where within a count a spindle comes to rest that nobody has stopped, no edge tells.
-                    Class::Fine if broken => {
-                        let lead = row.cut.map_or(0, |cut| cut.lead.nm().abs());
-                        self.beside.max(lead / self.counts)
-                    }
-                    _ => self.beside,
+                let most = if broken {
+                    self.beside_broken(row)
+                } else {
+                    self.beside
                 };
                 assert!(
                     nm <= most,

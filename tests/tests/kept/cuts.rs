@@ -148,7 +148,7 @@ pub fn first(tear: usize, stride: usize) -> u32 {
 
 #[test]
 fn a_cut_at_any_byte_leaves_the_old_set_or_the_new_one() {
-    let stride = leadscrew_seed::amount(7, 3);
+    let stride = leadscrew_seed::amount(17, 13);
     let (mut cuts, mut erases, mut new) = (0, 0, 0);
     for tear in 0..Tear::ALL.len() {
         for (step, number) in history(tear).iter().zip(1..) {
@@ -176,7 +176,7 @@ fn a_cut_at_any_byte_leaves_the_old_set_or_the_new_one() {
 fn cuts_upon_cuts_lose_nothing() {
     leadscrew_seed::volume(11, |seed| {
         let mut random = Random(seed);
-        let rounds = leadscrew_seed::amount(12, 240);
+        let rounds = leadscrew_seed::amount(12, 120);
         let mut cuts = 0;
         for round in 0..rounds {
             let mut flash = Flash::erased();

@@ -59,7 +59,7 @@ fn a_change_of_any_bit_of_an_image_is_noticed() {
 /// Bits of the whole flash, also of what the store itself has written; other ones with each commit.
 #[test]
 fn a_change_of_any_bit_of_the_flash_is_no_other_set() {
-    let stride = leadscrew_seed::amount(7, 3);
+    let stride = leadscrew_seed::amount(17, 13);
     let mut alarms = 0;
     for sets in [1, 5] {
         let whole = stored(sets);

@@ -46,7 +46,7 @@ fn history(tear: usize) -> Vec<(Step, u32)> {
 
 #[test]
 fn a_cut_at_any_byte_leaves_the_old_table_or_the_new_one() {
-    let stride = leadscrew_seed::amount(29, 5);
+    let stride = leadscrew_seed::amount(29, 19);
     let (mut cuts, mut erases, mut new) = (0, 0, 0);
     for tear in 0..Tear::ALL.len() {
         for ((step, set), number) in history(tear).iter().zip(1..) {
@@ -82,7 +82,7 @@ fn a_cut_at_any_byte_leaves_the_old_table_or_the_new_one() {
 /// Bits of the whole flash, also of what the store itself has written; other ones with each commit.
 #[test]
 fn a_change_of_any_bit_of_the_flash_is_no_other_table() {
-    let stride = leadscrew_seed::amount(7, 3);
+    let stride = leadscrew_seed::amount(17, 13);
     let mut flash = Flash::erased();
     for number in 1..=3 {
         let mut bench = Bench::new(&mut flash);

@@ -40,6 +40,7 @@ const LONG: [&str; 8] = [
 /// A program of tests.
 #[derive(Debug)]
 struct Program {
+    package: String,
     /// The package and the target.
     name: String,
     file: PathBuf,
@@ -151,10 +152,11 @@ fn program(message: &Value) -> Option<Program> {
     }
     let manifest = PathBuf::from(message["manifest_path"].as_str()?);
     let folder = manifest.parent()?.to_owned();
-    let package = message["package_id"].as_str()?;
+    let package = package_name(message["package_id"].as_str()?).to_owned();
     let target = message["target"]["name"].as_str()?;
     Some(Program {
-        name: format!("{} {target}", package_name(package)),
+        name: format!("{package} {target}"),
+        package,
         file: PathBuf::from(message["executable"].as_str()?),
         folder,
     })
@@ -173,6 +175,8 @@ fn package_name(identity: &str) -> &str {
 fn run_one(program: Program) -> Result<Ran> {
     let mut command = run::command(&program.folder, &program.file.to_string_lossy(), &[]);
     run::seed(&mut command);
+    // As cargo does: the command that repeats a failure has it.
+    command.env("CARGO_PKG_NAME", &program.package);
     ran(program.name, command)
 }
 
