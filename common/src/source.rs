@@ -179,12 +179,15 @@ impl SourceFile {
         }
     }
 
-    /// Another file of this program: the one that a subprogram may have for itself, beside it [D240]. `None` where the
-    /// program is no file.
+    /// Another file of this program: the one that a subprogram may have for itself, beside it [D240], also in capitals, as
+    /// a control writes it to a card. `None` where the program is no file.
     #[must_use]
     pub fn beside(&self, file: Whose) -> Option<Self> {
         let name = file.name().filter(|_| self.text.is_none())?;
-        Some(Self::new(&self.path.with_file_name(name)))
+        let [file, on_card] =
+            [name.clone(), name.to_uppercase()].map(|name| self.path.with_file_name(name));
+        let is_on_card = !file.exists() && on_card.exists();
+        Some(Self::new(if is_on_card { &on_card } else { &file }))
     }
 
     /// The name in messages.

@@ -156,14 +156,21 @@ pub fn behind_leader<S: Source>(lines: &mut Lines<S>, at: Place) -> io::Result<P
             break;
         };
         let next = line.next;
-        match trimmed(line.text) {
-            [b'%', ..] => return Ok(front),
+        match behind_controls(line.text) {
+            text @ [b'%', ..] => return Ok(front.in_line(line.text.len() - text.len())),
             text if may_be_block(text) => break,
             _ => {}
         }
         front = next;
     }
     Ok(at)
+}
+
+/// A line without the blanks and the codes of a tape punch at its front.
+fn behind_controls(text: &[u8]) -> &[u8] {
+    let blank = |byte: &u8| *byte == b' ' || byte.is_ascii_control();
+    let front = text.iter().take_while(|byte| blank(byte)).count();
+    &text[front..]
 }
 
 /// True for a line that could be a block or a comment: it begins with neither two letters nor a letter of another script.
@@ -176,6 +183,26 @@ fn may_be_block(text: &[u8]) -> bool {
         }
         [first, ..] => first.is_ascii(),
     }
+}
+
+/// True where the program stands in this file behind the `%` that ends its text.
+///
+/// # Errors
+/// The text cannot be read.
+pub fn is_behind_end<S: Source>(
+    lines: &mut Lines<S>,
+    file: Whose,
+    number: u32,
+) -> io::Result<bool> {
+    let mut scanner = Scanner::of(file);
+    while scanner.next(lines)?.is_some() {}
+    while lines.line(scanner.at)?.is_some() {
+        let block = scanner.next(lines)?;
+        if block.is_some_and(|block| block.program == Some(number)) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// The number of a loop.

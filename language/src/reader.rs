@@ -20,7 +20,7 @@ mod tests;
 
 use std::collections::VecDeque;
 
-use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
+use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::call::{Aux, Call, CallKind, Position};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Carried, Dialect, Event, Interpreter, Options, Way};
@@ -39,7 +39,7 @@ use crate::stock::Stock;
 use crate::variables::{Kept, Variables};
 use crate::whose::Whose;
 use crate::word::Word;
-use glimpse::{blanked, codes, letters, place_of_code};
+use glimpse::{blanked, codes, letters, place_of, place_of_code};
 
 /// A program being read.
 #[derive(Debug)]
@@ -131,7 +131,6 @@ impl<'p, S: Source> Reader<'p, S> {
             out,
         };
         let mut result = self.flow.step(&mut acting);
-        let one_block = self.flow.one_block();
         if self.flow.is_over() {
             // Also where the step has failed.
             let _ = acting.release();
@@ -145,9 +144,7 @@ impl<'p, S: Source> Reader<'p, S> {
             }
         }
         result.map_err(|trouble| match trouble {
-            Trouble::Alarm(alarm) => {
-                Trouble::Alarm(control.in_own_codes(as_written(alarm, one_block)))
-            }
+            Trouble::Alarm(alarm) => Trouble::Alarm(control.in_own_codes(alarm)),
             unreadable => unreadable,
         })
     }
@@ -350,19 +347,6 @@ impl Core<'_> {
             },
         }
     }
-}
-
-/// An alarm of a thread that stands in one block: it names the G76 that was written, and not the G78 that it was turned
-/// into.
-fn as_written(mut alarm: Alarm, one_block: Option<Span>) -> Alarm {
-    if one_block.is_some_and(|place| place.line == alarm.span.line) {
-        for arg in &mut alarm.args {
-            if *arg == Arg::GCode(780) {
-                *arg = Arg::GCode(760);
-            }
-        }
-    }
-    alarm
 }
 
 /// A core that carries out one step.
@@ -589,7 +573,8 @@ impl Acting<'_, '_> {
             let span = words.first().map_or(Span::default(), |word| word.span);
             collected.block(letters, words.iter().any(is_straight), span)?;
             let is_stray = |word: &&Word| code_of(word).is_some_and(is_no_motion);
-            if let Some(word) = words.iter().find(is_stray) {
+            let turns = |word: &&Word| matches!(word.letter, b'C' | b'H');
+            if let Some(word) = words.iter().find(|word| is_stray(word) || turns(word)) {
                 return Err(word.alarm(Code::ContourWord));
             }
             // The offsets of the tool that finishes are not those of the one that roughs.
@@ -654,9 +639,13 @@ impl Machine for Acting<'_, '_> {
             let is_straight = codes(text).any(|code| matches!(code, 0 | 1));
             let span = crate::text::span(line, 0, text.len());
             collected.block(letters(text), is_straight, span)?;
-            if let Some((from, to)) = place_of_code(text, is_no_motion) {
+            let stray = place_of_code(text, is_no_motion).map(|place| (place, b'G'));
+            let turns = || [b'C', b'H'].map(|letter| Some((place_of(text, letter)?, letter)));
+            if let Some(((from, to), letter)) =
+                stray.or_else(|| turns().into_iter().flatten().next())
+            {
                 let span = crate::text::span(line, from, to);
-                return Err(Alarm::new(Code::ContourWord, span).word(b'G'));
+                return Err(Alarm::new(Code::ContourWord, span).word(letter));
             }
             if own.is_some() && letters(text).any(|letter| letter == b'T') {
                 without_tool = blanked(text, b'T');
@@ -717,6 +706,7 @@ impl Machine for Acting<'_, '_> {
             inch: self.core.interpreter.is_inch(),
             per_turn: now.per_turn,
             counts_increments: self.core.counts_increments(),
+            c_is_axis: !now.turns && self.core.contour.is_none(),
         }
     }
 

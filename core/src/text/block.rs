@@ -296,6 +296,10 @@ impl Block {
             Known::No => return Err(word.alarm(Code::UnknownG).with(named)),
         };
         if let Some(first) = self.g(group) {
+            // The same again says nothing new [D568].
+            if first.value.mantissa() == code {
+                return Ok(());
+            }
             let args = [
                 g_arg(first.value.mantissa()),
                 g_arg(code),
@@ -327,6 +331,9 @@ impl Block {
             {
                 *place = slot;
                 self.more_count = self.more_count.saturating_add(1);
+                return Ok(());
+            }
+            if group != MGroup::Clamp && !differs(first) {
                 return Ok(());
             }
             let args = [

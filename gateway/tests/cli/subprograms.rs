@@ -126,6 +126,22 @@ fn every_command_says_which_file_a_line_is_of() {
     );
 }
 
+/// Controls write names in capitals to a card.
+#[test]
+fn the_name_of_such_a_file_may_be_in_capitals() {
+    let (folder, program) = parts("capitals");
+    std::fs::rename(folder.file("O0020.nc"), folder.file("O0020.NC")).unwrap();
+    let output = leadscrew(&["check", &program]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    std::fs::write(folder.file("O0020.NC"), "O20\nG0 U-2\nY3\nM99\n").unwrap();
+    let told = stderr(&leadscrew(&["check", &program]));
+    assert!(told.contains("O0020.NC:3:1\n"), "{told}");
+    // Where none is there, the usual name is told.
+    std::fs::remove_file(folder.file("O0020.NC")).unwrap();
+    let told = stderr(&leadscrew(&["check", &program]));
+    assert!(told.contains("O0020.nc"), "{told}");
+}
+
 #[test]
 fn a_mistake_in_such_a_file_is_told_with_its_file_line_and_column() {
     let (folder, program) = parts("mistake");

@@ -11,9 +11,14 @@ type Pairs = &'static [(i64, i64)];
 
 /// True for a code, in tenths, of a FANUC or Haas that ends what this machine does not have: it stands in the first lines
 /// of programs, and there is nothing to do [D442].
-const fn ends_nothing(tenths: i64) -> bool {
-    // G23 G25 G49 G69, and the end of G12.1 and G112.
-    matches!(tenths, 230 | 250 | 490 | 690 | 131 | 1130)
+const fn ends_nothing(tenths: i64, control: Control) -> bool {
+    match tenths {
+        // G23 G25 G49 G69, and the end of G12.1 and G112.
+        230 | 250 | 490 | 690 | 131 | 1130 => true,
+        // The end of G10, which ends with its block here.
+        110 => control.is_fanuc(),
+        _ => false,
+    }
 }
 
 /// Takes the codes and words out of a block that say nothing on this machine: cancels, G103 P and G187 P of a Haas, V0 of
@@ -30,7 +35,7 @@ pub(super) fn leave_out(words: &mut Vec<Word>, control: Control) {
             b'V' | b'Y' => goes_home && is_zero,
             _ if control.is_gsk() => false,
             b'G' => code(word, b'G').is_some_and(|code| {
-                ends_nothing(code) || (looks_ahead && matches!(code, 1030 | 1870))
+                ends_nothing(code, control) || (looks_ahead && matches!(code, 1030 | 1870))
             }),
             b'M' => control == Control::Haas && matches!(code(word, b'M'), Some(230 | 240)),
             b'P' => looks_ahead,

@@ -15,14 +15,44 @@ fn has(words: &[Word], letters: &[u8]) -> bool {
     words.iter().any(|word| letters.contains(&word.letter))
 }
 
-/// True for a thread in one block. K alone is the run-out of the two-line form.
-pub(super) fn is_thread(words: &[Word]) -> bool {
-    has_code(words, 76) && has(words, b"XUZW") && has(words, b"D")
+/// True for a thread in one block, also one whose height or first depth is missing: D and A are its words alone. K is too
+/// on a Haas, and without P and Q on a FANUC; on a GSK it is the run-out of the two-line form.
+pub(super) fn is_thread(words: &[Word], control: Control) -> bool {
+    let k_is_height = match control {
+        Control::Haas => true,
+        _ => control.is_fanuc() && !has(words, b"PQ"),
+    };
+    has_code(words, 76)
+        && has(words, b"XUZW")
+        && (has(words, b"DA") || k_is_height && has(words, b"K"))
 }
 
 /// The G word of a thread in one block.
-pub fn thread_word(words: &[Word]) -> Option<Span> {
-    is_thread(words).then(|| g76(words).map(|word| word.span))?
+pub fn thread_word(words: &[Word], control: Control) -> Option<Span> {
+    is_thread(words, control).then(|| g76(words).map(|word| word.span))?
+}
+
+/// An alarm of a thread in one block: it names the code and the letters that were written, and not those of the G78 that
+/// it was turned into.
+pub fn as_written(mut alarm: Alarm, words: &[Word]) -> Alarm {
+    if !words.iter().any(|word| word.span == alarm.span) {
+        return alarm;
+    }
+    let written = |letter| match letter {
+        b'P' => b'K',
+        b'Q' => b'D',
+        b'R' => b'I',
+        other => other,
+    };
+    alarm.word = alarm.word.map(written);
+    for arg in &mut alarm.args {
+        *arg = match *arg {
+            Arg::GCode(780) => Arg::GCode(760),
+            Arg::Letter(letter) => Arg::Letter(written(letter)),
+            other => other,
+        };
+    }
+    alarm
 }
 
 fn g76(words: &[Word]) -> Option<&Word> {
@@ -47,7 +77,7 @@ pub fn blocks(
     if is_groove(words) {
         return Ok(Some(vec![groove(words, control, now)?]));
     }
-    if is_thread(words) {
+    if is_thread(words, control) {
         return Ok(Some(thread(words)?.into()));
     }
     Ok(None)

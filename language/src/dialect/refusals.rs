@@ -74,8 +74,8 @@ const fn row(
 #[rustfmt::skip]
 pub(super) const REFUSALS: &[Refusal] = &[
     row(Code::PolarMoves, Of::All, "G7.1, G107, G12.1, G112", &[(71, 71), (1070, 1070), (121, 121), (1120, 1120)],
-        "let the CAM system write these moves with X, Z and C of their own (without polar or cylindrical interpolation)",
-        "请让 CAM 系统直接输出 X、Z、C 的移动（不用极坐标或圆柱插补）"),
+        "let the CAM system write X, Z and C themselves (no polar or cylindrical interpolation), with M05 and F per minute (G98; B, C: G94)",
+        "请让 CAM 系统直接输出 X、Z、C（不用极坐标或圆柱插补），用 M05 和每分进给（G98；B、C 为 G94）"),
     row(Code::OtherControls, Of::Fanuc, "G05, G05.1, G08", &[(50, 51), (80, 80)],
         "leave it out: cuts that are joined (G64) look ahead anyway",
         "请省略：相连的切削（G64）始终预读"),
@@ -133,6 +133,9 @@ pub(super) const REFUSALS: &[Refusal] = &[
     row(Code::PartOfOtherMachine, Of::Haas, "G05, G195, G196", &[(50, 50), (1950, 1960)],
         "this machine has no live tool of this kind: write the moves of the part without it",
         "本机没有此类动力刀具：请不用它编写加工"),
+    row(Code::PartOfOtherMachine, Of::Haas, "G95, G186", &[(950, 950), (1860, 1860)],
+        "this machine has no live tool that taps; where G95 is to be the feed per turn, write G99",
+        "本机没有攻丝动力刀具；若 G95 指每转进给，请写 G99"),
     row(Code::PartOfOtherMachine, Of::Haas, "G14, G15, G198, G199", &[(140, 150), (1980, 1990)],
         "this machine has no second spindle: the other side of the part is a program of its own",
         "本机没有副主轴：工件另一端请另编程序"),

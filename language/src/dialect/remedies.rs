@@ -85,9 +85,33 @@ pub fn help(alarm: &Alarm, lang: Lang) -> Option<String> {
                 }
             }
         }
+        (Code::FunctionMissing, [Arg::Int(96), ..]) => both(
+            "leave it out: no program reads an input; where it is to wait for one, write an M code whose row has that input as \
+             its answer (docs/functions.md)",
+            "请省略：程序不能读取输入；若需等待输入，请使用以该输入为应答的 M 代码（docs/functions.md）",
+        ),
+        (Code::FunctionMissing, [Arg::Int(198), ..]) => both(
+            "write M98 with the same P, with the program in the same file or in one of its own beside it (M98 P20: `O0020.nc`)",
+            "请写 M98 和相同的 P，子程序写在同一文件中，或写成旁边的单独文件（M98 P20：`O0020.nc`）",
+        ),
+        (Code::ProgramNotFound, [_, Arg::Letter(_), ..]) => both(
+            "it stands behind the `%` that ends the program: take that `%` out",
+            "该程序位于结束程序的 `%` 之后：请去掉该 `%`",
+        ),
+        (Code::ContourWord, _) if matches!(alarm.word, Some(b'C' | b'H')) => both(
+            "turn C before or after the cycle; for a chamfer write `,C` (L on a GSK), or, on a FANUC and a Haas, C beside one of \
+             X and Z",
+            "请在循环之前或之后转动 C；倒角请写 `,C`（GSK 为 L），FANUC 和 Haas 也可在 X、Z 之一旁写 C",
+        ),
         (Code::WordWithoutUse, _) if matches!(alarm.word, Some(b'C' | b'R')) => both(
             "remove it, or write the code it belongs to; where a corner between two lines is meant, write `,C` or `,R`",
             "请去掉它，或写出它所属的代码；若指两直线间的拐角，请写 `,C` 或 `,R`",
+        ),
+        // Only the systems B and C have no G50.
+        (Code::UnknownG, [Arg::GCode(500), Arg::None, ..]) => both(
+            "write G92 in its place; where the program is one of system A, choose `fanuc-a` with `--dialect`, or `(DIALECT …)` in \
+             its first line",
+            "请改写为 G92；若为 A 系统程序，请用 `--dialect` 或首行 `(DIALECT …)` 选择 `fanuc-a`",
         ),
         (Code::UnknownG, [_, Arg::Int(with_it), ..]) => {
             let has = |number: usize| with_it >> number & 1 == 1;

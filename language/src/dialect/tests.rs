@@ -333,7 +333,7 @@ fn words_that_a_haas_writes_with_another_letter() {
 
 #[test]
 fn corners_without_a_comma_have_a_direction() {
-    let path = "G0 X20 Z2;G1 Z-20 {};X40 F.1";
+    let path = "M3 S500;G0 X20 Z2;G1 Z-20 {};X40 F.1";
     let text = |word: &str| path.replace("{}", &format!("{word} F.1"));
     for (own, comma) in [("C2.", ",C2."), ("I2.", ",C2."), ("R3.", ",R3.")] {
         for control in [Control::FanucA, Control::FanucB, Control::Haas] {
@@ -361,6 +361,60 @@ fn corners_without_a_comma_have_a_direction() {
         gsk(&short, "L2.").contains("F20,-18.585786 F22.82842"),
         "{}",
         gsk(&short, "L2.")
+    );
+}
+
+#[test]
+fn c_beside_x_or_z_is_the_axis_where_the_spindle_stands() {
+    for control in [Control::FanucA, Control::Haas] {
+        let same = |c: &str, h: &str| {
+            let [c, h] = [c, h].map(|words| format!("G98;G0 X50 Z-5;{words} F100;X38"));
+            assert_eq!(kinds(control, &c), kinds(control, &h), "{control:?} {c}");
+        };
+        same("G1 X40 C30", "G1 X40 H30");
+        same("M3 S500;M5;G1 Z-8 C-30", "M3 S500;M5;G1 Z-8 H-30");
+        same("M3 S500;M19;G1 X40 C1", "M3 S500;M19;G1 X40 H1");
+        same("M3 S500;M19;G1 X40 Z-5 C1", "M3 S500;M19;G1 X40 C1");
+        // A chamfer where the spindle turns, from this block on too, and until it has stopped.
+        let cut = |words: &str| format!("G98;G0 X50 Z2;{words};X60");
+        for words in ["M3 S500;G1 Z-5 {} F100", "M3 S500;G1 Z-5 {} F100 M5"] {
+            assert_eq!(
+                kinds(control, &cut(&words.replace("{}", "C1."))),
+                kinds(control, &cut(&words.replace("{}", ",C1."))),
+                "{words}"
+            );
+        }
+        assert_eq!(
+            kinds(control, &cut("S500;G1 Z-5 C1. M4 F100")),
+            kinds(control, &cut("S500;G1 Z-5 ,C1. M4 F100"))
+        );
+    }
+}
+
+#[test]
+fn a_contour_has_no_c() {
+    let rough = |word: &str| {
+        format!("G98;G0 X50 Z2;G71 U2 R1;G71 P1 Q2 U0 W0 F100;N1 G0 X30;G1 Z-10 {word};N2 X50")
+    };
+    for (control, wrong) in [
+        (Control::Gsk980td, "C2"),
+        (Control::Gsk980td, "H2"),
+        (Control::Gsk988, "C[1+1]"),
+        (Control::FanucA, "H2."),
+        (Control::FanucA, "X30. C2."),
+    ] {
+        let alarm = alarm(control, &rough(wrong));
+        assert_eq!(alarm.number(), 66, "{control:?} {wrong}");
+        let letter = wrong
+            .split(';')
+            .next_back()
+            .and_then(|text| text.bytes().find(|byte| b"CH".contains(byte)));
+        assert_eq!(alarm.word, letter, "{wrong}");
+    }
+    // A chamfer of a contour is one with the spindle at rest, too.
+    assert_eq!(
+        kinds(Control::FanucA, &rough("C2.")),
+        kinds(Control::FanucA, &rough(",C2."))
     );
 }
 

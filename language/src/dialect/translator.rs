@@ -28,6 +28,8 @@ pub struct Setting {
     pub per_turn: bool,
     /// A number without a point counts increments.
     pub counts_increments: bool,
+    /// C beside X or Z of a line is the axis: the spindle stands, and no contour is read.
+    pub c_is_axis: bool,
 }
 
 impl Default for Setting {
@@ -41,6 +43,7 @@ impl Default for Setting {
             inch: false,
             per_turn: false,
             counts_increments: false,
+            c_is_axis: false,
         }
     }
 }
@@ -135,7 +138,8 @@ impl Translator {
             refuse_run_out(words)?;
         }
         if alone && motion == 1 {
-            corners(words);
+            let c_is_axis = now.c_is_axis && !words.iter().any(starts_spindle);
+            corners(words, c_is_axis);
         } else {
             refuse_angle(words)?;
         }
@@ -144,13 +148,13 @@ impl Translator {
         }
         if self.control == Control::Haas {
             of_haas(words, motion, alone, now.holes);
-            return refuse_turns_per_inch(words, motion, alone);
+            return refuse_turns_per_inch(words, self.control, motion, alone);
         }
         if self.control == Control::FanucA && alone {
             old_tapers(words, motion);
         }
-        refuse_turns_per_inch(words, motion, alone)?;
-        of_fanuc(words, now)
+        refuse_turns_per_inch(words, self.control, motion, alone)?;
+        of_fanuc(words, self.control, now)
     }
 
     /// M23 and M24 of a Haas: threads with and without a run-out. Gives it where it is the latest M of the block.
@@ -219,6 +223,11 @@ pub(crate) fn code_of(word: &Word) -> Option<i64> {
 /// True with this G code in the block.
 pub(crate) fn has_code(words: &[Word], code: i64) -> bool {
     words.iter().any(|word| code_of(word) == Some(code))
+}
+
+/// M03 and M04.
+fn starts_spindle(word: &Word) -> bool {
+    word.letter == b'M' && matches!(word.value().whole(), Some(3 | 4))
 }
 
 /// M19.
@@ -300,10 +309,15 @@ fn refuse_run_out(words: &[Word]) -> Result<(), Alarm> {
 }
 
 /// I of a thread that is not one line of G76: turns per inch of a GSK, which an old FANUC takes for a taper [D440].
-fn refuse_turns_per_inch(words: &[Word], motion: i64, alone: bool) -> Result<(), Alarm> {
+fn refuse_turns_per_inch(
+    words: &[Word],
+    control: Control,
+    motion: i64,
+    alone: bool,
+) -> Result<(), Alarm> {
     let two_lines = [76, 78].into_iter().find(|code| has_code(words, *code));
     let code = match two_lines {
-        Some(code) if !one_line::is_thread(words) => code,
+        Some(code) if !one_line::is_thread(words, control) => code,
         None if alone && matches!(motion, 32 | 34 | 92) => motion,
         _ => return Ok(()),
     };
@@ -347,7 +361,7 @@ fn count_from_here(words: &mut [Word]) {
 }
 
 /// Counts of increments as lengths.
-fn of_fanuc(words: &mut [Word], now: Setting) -> Result<(), Alarm> {
+fn of_fanuc(words: &mut [Word], control: Control, now: Setting) -> Result<(), Alarm> {
     let axes = words
         .iter()
         .any(|word| matches!(word.letter, b'X' | b'U' | b'Z' | b'W'));
@@ -366,7 +380,7 @@ fn of_fanuc(words: &mut [Word], now: Setting) -> Result<(), Alarm> {
         return Ok(());
     };
     // P of the one-line G76 is the way of the infeed, and Q its start angle.
-    let one_line = one_line::is_thread(words);
+    let one_line = one_line::is_thread(words, control);
     for word in words {
         if letters.contains(&word.letter) && !(one_line && word.letter != b'D') {
             word.given = counted(word, now.increment, taps)?;
@@ -380,7 +394,11 @@ fn counted(word: &Word, increment: u8, taps: bool) -> Result<Given, Alarm> {
     let steps = libm::pow(10.0, f64::from(increment));
     Ok(match word.given {
         Given::Written(number) if number.has_point() && word.letter != b'D' && !taps => {
-            let count = in_steps(number, increment);
+            // With a point behind them they are a count all the same: nobody pecks by 0.1 m.
+            let count = match number.scaled(0) {
+                Ok(whole @ 100..) => whole,
+                _ => in_steps(number, increment),
+            };
             let figures = [Arg::Int(count), Arg::Letter(word.letter)];
             return Err(word.alarm(Code::PointInIncrements).with(figures));
         }
@@ -460,8 +478,8 @@ fn corners_of_gsk(words: &mut [Word]) {
 }
 
 /// `C`, `I`, `K` and `R` of a straight cut along one axis: a corner at its end, whose sign says where the next motion goes.
-/// Beside the angle of a line the corner is that of `,C` and `,R`.
-fn corners(words: &mut [Word]) {
+/// Beside the angle of a line the corner is that of `,C` and `,R`. `C` may be the axis [D566].
+fn corners(words: &mut [Word], c_is_axis: bool) {
     let has = |letters: &[u8]| words.iter().any(|word| letters.contains(&word.letter));
     if has(&[b'A', Word::ANGLE]) {
         for word in words {
@@ -480,7 +498,7 @@ fn corners(words: &mut [Word]) {
     }
     for word in words {
         word.letter = match word.letter {
-            b'C' => Word::CHAMFER_TOWARD,
+            b'C' if !c_is_axis => Word::CHAMFER_TOWARD,
             b'I' if along_z => Word::CHAMFER_TOWARD,
             b'K' if along_x => Word::CHAMFER_TOWARD,
             b'R' => Word::ROUND_TOWARD,

@@ -228,10 +228,14 @@ impl<S: Source> Flow<S> {
         }
         machine.follow(self.modes());
         if let Some(blocks) = one_line::blocks(words, self.translator.control(), now)? {
-            self.one_block = one_line::thread_word(words);
+            self.one_block = one_line::thread_word(words, self.translator.control());
             for block in &blocks {
-                let done = machine.words(cursor.line(), block)?;
-                self.done(done)?;
+                let done = machine.words(cursor.line(), block);
+                let told = |alarm| match self.one_block {
+                    Some(_) => one_line::as_written(alarm, words),
+                    None => alarm,
+                };
+                self.done(done.map_err(told)?)?;
             }
             return Ok(());
         }

@@ -10,7 +10,7 @@ use super::jumps::{Loop, unmatched};
 use super::{Flow, Own, Trouble};
 use crate::heading::Heading;
 use crate::lines::{Place, Source};
-use crate::outline::{Mark, Outline, Scanner};
+use crate::outline::{Mark, Outline, Scanner, is_behind_end};
 use crate::whose::Whose;
 
 /// Answers of one kind that are kept.
@@ -119,9 +119,13 @@ impl<S: Source> Flow<S> {
                 .into());
         };
         if !self.lines.has(own)? {
-            return Err(Alarm::new(Code::ProgramNotFound, called)
-                .with(figure)
-                .into());
+            let mut alarm = Alarm::new(Code::ProgramNotFound, called).with(figure);
+            for file in [self.at.file(), Whose::Program] {
+                if is_behind_end(&mut self.lines, file, number)? {
+                    alarm.args[1] = Arg::Letter(b'%');
+                }
+            }
+            return Err(alarm.into());
         }
         self.read_heading(own)?;
         if let Some(found) = self.find_in(own, number)? {

@@ -11,6 +11,12 @@ pub(super) fn place_of_code(text: &[u8], asked: fn(i64) -> bool) -> Option<(usiz
     Some((from, word_end(text, from)))
 }
 
+/// From where to where the first word with this letter stands.
+pub(super) fn place_of(text: &[u8], letter: u8) -> Option<(usize, usize)> {
+    let from = places(text, letter).next()?;
+    Some((from, word_end(text, from)))
+}
+
 /// The text with spaces where the words of a letter stand.
 pub(super) fn blanked(text: &[u8], letter: u8) -> Vec<u8> {
     let mut rest = text.to_vec();

@@ -1,6 +1,7 @@
 //! Programs against the calls of the core.
 
 use super::*;
+use leadscrew_core::alarm::Arg;
 use leadscrew_core::call::Position;
 use leadscrew_core::offsets::Offsets;
 use leadscrew_core::program::Events;

@@ -213,9 +213,9 @@ codes! {
         "make the step smaller (Q of the first block; where there is none, parameter 5140), or the height larger (P; in one block K)",
         "最小切削量 {0} 大于牙高 {1}", "请减小最小切削量（第一段的 Q；没有时为参数 5140），或增大牙高（P；单段格式为 K）";
     /// k or Δd of a thread missing, zero or negative; {0} the letter.
-    ThreadDepth = 317, "the thread needs {0} (P: its height, Q: the depth of the first pass) above zero",
-        "write P and Q, both positive, in the block with X and Z",
-        "螺纹需要大于零的 {0}（P：牙高，Q：第一刀切深）", "请在含 X、Z 的程序段中写正的 P 和 Q";
+    ThreadDepth = 317, "the thread needs {0} above zero: its height (P; in one block K), or the depth of its first pass (Q; in one block D)",
+        "write both, positive, in the block with X and Z",
+        "螺纹需要大于零的 {0}：牙高（P；单段格式为 K）或第一刀切深（Q；单段格式为 D）", "请在含 X、Z 的程序段中写入两者，且均为正";
     /// Δd of a groove is negative.
     GrooveRelief = 318, "the relief R at the bottom of the groove is negative", "write R without a sign, or leave it out",
         "槽底退刀量 R 为负", "请写不带符号的 R，或省略";
@@ -489,8 +489,8 @@ codes! {
     CircularThread = 4094, "{0}, a thread along an arc, is not built", "write G32 for each piece of the thread that is straight: strokes that follow each other are one thread",
         "未实现圆弧螺纹 {0}", "请将螺纹分成直线段，用连续的 G32 编写：相连的各段为同一螺纹";
     /// G7.1, G107, G12.1, G112; {0} the code.
-    PolarMoves = 4095, "{0} moves X and C as one plane for a live tool, and is not built", "let the CAM system write these moves with X, Z and C of their own (without polar or cylindrical interpolation)",
-        "未实现 {0}（动力刀具的极坐标或圆柱插补）", "请让 CAM 系统直接输出 X、Z、C 的移动（不用极坐标或圆柱插补）";
+    PolarMoves = 4095, "{0} moves X and C as one plane for a live tool, and is not built", "let the CAM system write these moves with X, Z and C of their own (without polar or cylindrical interpolation), the spindle stopped (M05) and F per minute (G98; FANUC B, C: G94)",
+        "未实现 {0}（动力刀具的极坐标或圆柱插补）", "请让 CAM 系统直接输出 X、Z、C 的移动（不用极坐标或圆柱插补），主轴停止（M05），F 为每分进给（G98；FANUC B、C 为 G94）";
     /// A code of FANUC or Haas that does something, and is not built; {0} the code.
     OtherControls = 4097, "{0} of other controls is not built",
         "write it with codes of this control",
@@ -530,20 +530,20 @@ codes! {
         "螺纹起点与终点 X 相同，无法判断内外螺纹", "请使起点 X 离开螺纹，距离大于牙高";
     /// A lies deeper than a crest; {0} how far, on the diameter: the board knows no coordinates but the machine's.
     StartInsideThread = 4103, "the start lies inside the work, {0} on the diameter below the crest of the thread",
-        "start further from the work, or correct X, P (height) or R (taper)",
-        "起点在工件内：低于螺纹牙顶 {0}（直径值）", "请使起点远离工件，或修改 X、P（牙高）或 R（锥度）";
+        "start further from the work, or correct X, the height (P; in one block K) or the taper (R; in one block I)",
+        "起点在工件内：低于螺纹牙顶 {0}（直径值）", "请使起点远离工件，或修改 X、牙高（P；单段格式为 K）或锥度（R；单段格式为 I）";
     /// The stroke of a pass is used up by run-in and run-out.
     StrokeTooShort = 4104, "pass {0} has no room to cut: stroke {1}, run-in {2}, run-out {3}",
-        "start further away, or shorten the run-out (K) or the run-in (E)",
-        "第 {0} 刀没有切削行程：行程 {1}，旋进 {2}，退尾 {3}", "请使起点更远，或缩短退尾（K）或旋进（E）";
+        "start further away, or shorten the run-out (K; of a G76 in one block parameter 5130) or the run-in (E)",
+        "第 {0} 刀没有切削行程：行程 {1}，旋进 {2}，退尾 {3}", "请使起点更远，或缩短退尾（K；G76 单段格式为参数 5130）或旋进（E）";
     /// The shift along the flank reaches the end of the thread.
     PassStartsBeyondEnd = 4105, "pass {0} would start {1} from the start point, and the thread is only {2} long",
         "start further away along Z, or use a smaller angle",
         "第 {0} 刀的切入点距起点 {1}，而螺纹长度只有 {2}", "请使起点沿 Z 向更远，或减小角度";
     /// The taper rises as fast as the run-out.
     RunOutIntoThread = 4106, "the run-out retracts {0} over {1}, but the taper rises {2} there: it would cut into the thread",
-        "write a larger J or a smaller K (in G32 also mind the sign of J)",
-        "退尾在 {1} 内退 {0}，而锥面在此上升 {2}，将切入螺纹", "请增大 J 或减小 K（G32 中还应检查 J 的符号）";
+        "write a larger J or a smaller K (G76 in one block: a smaller parameter 5130; in G32 also mind the sign of J)",
+        "退尾在 {1} 内退 {0}，而锥面在此上升 {2}，将切入螺纹", "请增大 J 或减小 K（G76 单段格式：减小参数 5130；G32 中还应检查 J 的符号）";
     /// E where X is the long axis.
     RunInWithLongX = 4107, "a run-in E is not possible where X is the long axis", "leave E out, or reduce the taper R",
         "X 为长轴时不能使用旋进 E", "请去掉 E，或减小锥度 R";
@@ -608,14 +608,14 @@ codes! {
 
     // 4250–4299: threads and the spindle.
     /// A thread, or a feed per turn, with a spindle that does not turn (or turns the other way).
-    SpindleStopped = 4250, "the spindle does not turn", "start it before this block: M03 or M04 with S",
-        "主轴没有旋转", "请在此程序段之前用 M03 或 M04 加 S 启动主轴";
+    SpindleStopped = 4250, "the spindle does not turn", "start it before this block: M03 or M04 with S; where it is to stand because C moves, feed per minute (G98; FANUC B, C: G94)",
+        "主轴没有旋转", "请在此程序段之前用 M03 或 M04 加 S 启动主轴；若因 C 轴移动而须停止，请用每分进给（G98；FANUC B、C 为 G94）";
     /// Lead times spindle speed above what the long axis may do.
     LeadTooFast = 4251, "at {3} the lead asks {1} of {0}; it may do {2}", "lower S or the lead",
         "主轴 {3} 时导程要求 {0} 轴达到 {1}，允许值为 {2}", "请降低 S 或减小导程";
     /// The run-out asks more of the short axis than its feed.
-    RunOutTooFast = 4252, "at {3} the run-out asks {1} of {0}; it may do {2}", "lower S, or write a longer K or a smaller J",
-        "主轴 {3} 时退尾要求 {0} 轴达到 {1}，允许值为 {2}", "请降低 S，或加大 K、减小 J";
+    RunOutTooFast = 4252, "at {3} the run-out asks {1} of {0}; it may do {2}", "lower S, or write a longer K or a smaller J (G76 in one block: a larger parameter 5130)",
+        "主轴 {3} 时退尾要求 {0} 轴达到 {1}，允许值为 {2}", "请降低 S，或加大 K、减小 J（G76 单段格式：加大参数 5130）";
     /// Less than one pitch in the shortest stroke.
     PitchTooLong = 4253, "the pitch {0} is longer than the shortest stroke {1}", "F is the lead of the thread in length per turn, not a feed rate: write the lead",
         "螺距 {0} 大于最短行程 {1}", "F 是每转导程而不是进给速度，请写导程";
@@ -1296,11 +1296,11 @@ codes! {
     // -- 4800–4811: what a program hardly means; a number may be allowed -----------------------------------------------
     /// A thread of a height that its pitch hardly has; {0} height, {1} pitch, {2} their ratio.
     ThreadHeightOdd = 4800, "a height of {0} on a pitch of {1} is {2} of it, and threads have 0.15 to 1.2",
-        "correct P or F: without a point P may count increments (0.001 mm, or 0.0001 mm with parameter 1004.1 = 1; millimetres with 182.7 = 1); write L for further starts; `(ALLOW 4800)` in the program if it is meant",
-        "牙高 {0}、螺距 {1}，比值 {2}，而螺纹一般为 0.15 至 1.2", "请修改 P 或 F：不带小数点的 P 可能以最小增量计（0.001 mm；1004.1 = 1 时 0.0001 mm；182.7 = 1 时为 mm）；多头螺纹请写 L；确实如此请在程序中写 `(ALLOW 4800)`";
+        "correct P (in one block K) or F: without a point P may count increments (0.001 mm, or 0.0001 mm with parameter 1004.1 = 1; millimetres with 182.7 = 1); write L for further starts; `(ALLOW 4800)` in the program if it is meant",
+        "牙高 {0}、螺距 {1}，比值 {2}，而螺纹一般为 0.15 至 1.2", "请修改 P（单段格式为 K）或 F：不带小数点的 P 可能以最小增量计（0.001 mm；1004.1 = 1 时 0.0001 mm；182.7 = 1 时为 mm）；多头螺纹请写 L；确实如此请在程序中写 `(ALLOW 4800)`";
     /// A first pass deeper than the thread; {0} its depth, {1} the height.
-    FirstPassAboveHeight = 4801, "the first pass is {0} deep, and the thread {1}", "write a Q smaller than P, both in the same unit; `(ALLOW 4801)` if it is meant",
-        "第一刀切深 {0}，而牙高只有 {1}", "请写小于 P 的 Q，且单位相同；确实如此请写 `(ALLOW 4801)`";
+    FirstPassAboveHeight = 4801, "the first pass is {0} deep, and the thread {1}", "write a Q smaller than P (in one block a D smaller than K), both in the same unit; `(ALLOW 4801)` if it is meant",
+        "第一刀切深 {0}，而牙高只有 {1}", "请写小于 P 的 Q（单段格式为小于 K 的 D），且单位相同；确实如此请写 `(ALLOW 4801)`";
     /// Hundreds of pecks; {0} pecks, {1} columns, {2} depth, {3} peck.
     PecksMany = 4802, "{0} pecks in each of {1} columns: {2} deep by {3}", "write P and Q in the unit of this control: a FANUC, and a GSK 980TD by 182.7, count increments (Q5000 is 5 mm), a Haas and a GSK 988 write millimetres (Q5.); `(ALLOW 4802)` if it is meant",
         "每列 {0} 次进给，共 {1} 列：深 {2}，每次 {3}", "请按本系统的单位写 P、Q：FANUC 和 GSK 980TD（182.7）为增量数（Q5000 即 5 mm），Haas 和 GSK 988 为 mm（Q5.）；确实如此请写 `(ALLOW 4802)`";
@@ -1314,8 +1314,8 @@ codes! {
     CutBeyondInsert = 4807, "this cut takes {0} where its insert takes {1}: a depth of 8 mm at most, and a feed per turn of the nose radius at most", "cut in more passes, write a smaller F, or correct parameters 9201 to 9216 (nose radius) or the comment `(STOCK ..)`; `(ALLOW 4807)` if it is meant",
         "此切削为 {0}，刀片最多 {1}：背吃刀量不超过 8 mm，每转进给不超过刀尖半径", "请分多次切削、减小 F，或修改参数 9201 至 9216（刀尖半径）或注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4807)`";
     /// C moves with another axis while the spindle turns.
-    TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05 for the C axis; `(ALLOW 4808)` if it is meant",
-        "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴；确实如此请写 `(ALLOW 4808)`";
+    TurningAxisTurns = 4808, "C moves together with another axis, and the spindle turns by itself", "write `,C` for a chamfer (L on a GSK); stop the spindle by M05, and feed per minute (G98; FANUC B, C: G94), for the C axis; `(ALLOW 4808)` if it is meant",
+        "C 与其他轴同时移动，而主轴正在旋转", "倒角请写 `,C`（GSK 为 L）；使用 C 轴请先用 M05 停主轴，并用每分进给（G98；FANUC B、C 为 G94）；确实如此请写 `(ALLOW 4808)`";
 
     // -- 4850–4868, 4876, 4877 program flow: `language` ---------------------------------------------------------------
     /// A loop that goes on for ever; {0} how many statements it may have without a motion.
@@ -1420,14 +1420,14 @@ codes! {
         "use a tool with a smaller nose than the groove, step or inside arc; check R of the offset table, and G41 against G42",
         "半径 {0} 的刀尖在此处放不下，会产生过切", "请使用刀尖半径小于槽宽、台阶或内圆弧的刀具；请检查刀补表中的 R 以及 G41、G42";
     /// No motion after a chamfer or rounding.
-    CornerNextMissing = 51, "no motion follows the chamfer or rounding", "let a G01, G02 or G03 with a way to go be the next motion",
-        "倒角或倒圆之后没有移动", "倒角或倒圆的下一个移动应为有移动量的 G01、G02 或 G03";
+    CornerNextMissing = 51, "no motion follows the chamfer or rounding", "let a G01, G02 or G03 with a way to go be the next motion; where C of a FANUC or a Haas is the axis, stop the spindle by M05 before",
+        "倒角或倒圆之后没有移动", "倒角或倒圆的下一个移动应为有移动量的 G01、G02 或 G03；若 FANUC 或 Haas 的 C 指 C 轴，请先用 M05 停主轴";
     /// The chamfer or rounding does not stand between two cutting motions.
     CornerNextWrong = 52, "a chamfer or rounding stands between two motions of G01, G02 or G03", "write G01, G02 or G03 before and after it",
         "倒角或倒圆应位于两个 G01、G02 或 G03 移动之间", "请在其前后使用 G01、G02 或 G03";
     /// A leg of a chamfer or rounding is longer than its element, or has the wrong direction.
-    CornerTooLong = 55, "the chamfer or rounding does not fit between its two motions", "make it smaller or the motions longer; its sign, if it has one, is the direction of the next motion",
-        "倒角或倒圆在两段移动之间放不下", "请减小倒角或倒圆，或加长移动；若带符号，应与下一段移动方向一致";
+    CornerTooLong = 55, "the chamfer or rounding does not fit between its two motions", "make it smaller or the motions longer; its sign, if it has one, is the direction of the next motion; where C of a FANUC or a Haas is the axis, stop the spindle by M05 before",
+        "倒角或倒圆在两段移动之间放不下", "请减小倒角或倒圆，或加长移动；若带符号，应与下一段移动方向一致；若 FANUC 或 Haas 的 C 指 C 轴，请先用 M05 停主轴";
     /// Too many blocks without motion; {0} the limit.
     NoseStill = 4600, "more than {0} blocks without motion follow this one in nose compensation", "move some of them before G41 or G42, or after G40",
         "刀尖半径补偿中此段之后无移动的程序段超过 {0} 个", "请将部分程序段移到 G41、G42 之前或 G40 之后";
@@ -1495,11 +1495,11 @@ codes! {
     LeadInLong = 4940, "start at least {0} before the material: {1} to get onto the lead, {2} for the shift of the starts", "lower S, or start further away",
         "起刀点距工件至少 {0}：进入导程 {1}，起点偏移 {2}", "请降低 S 或加大起刀距离";
     /// The axis leaves the lead before the run-out begins.
-    FallingLead = 4941, "the last {0} before the end of the thread are cut with a falling lead", "lower S, or give the thread a run-out of {1} or more: K; where it has no such word, r in P of G76, or parameter 5130",
-        "螺纹末端 {0} 的导程逐渐减小", "请降低 S，或使退尾长度不小于 {1}：写 K；没有 K 时用 G76 的 P 中的 r，或参数 5130";
+    FallingLead = 4941, "the last {0} before the end of the thread are cut with a falling lead", "lower S, or give the thread a run-out of {1} or more: K; where it has no such word, r in P of G76, or parameter 5130 (G76 in one block, too)",
+        "螺纹末端 {0} 的导程逐渐减小", "请降低 S，或使退尾长度不小于 {1}：写 K；没有 K 时用 G76 的 P 中的 r，或参数 5130（G76 单段格式亦同）";
     /// The short axis cannot make up inside K what it lags.
-    RunOutLags = 4942, "the run-out is {0} short of its height at its end", "lower S, or give it a length of {1} or more: K; where the thread has no such word, r in P of G76, or parameter 5130",
-        "退尾结束时距其高度还差 {0}", "请降低 S，或使其长度不小于 {1}：写 K；没有 K 时用 G76 的 P 中的 r，或参数 5130";
+    RunOutLags = 4942, "the run-out is {0} short of its height at its end", "lower S, or give it a length of {1} or more: K; where the thread has no such word, r in P of G76, or parameter 5130 (G76 in one block, too)",
+        "退尾结束时距其高度还差 {0}", "请降低 S，或使其长度不小于 {1}：写 K；没有 K 时用 G76 的 P 中的 r，或参数 5130（G76 单段格式亦同）";
     /// Parameter 107 is not followed.
     RunOutSpeedIgnored = 4943, "parameter 107 is {0}, and the run-out stays as J and K say", "set parameter 107 to 0",
         "参数 107 为 {0}，退尾仍按 J、K 执行", "请将参数 107 设为 0";
@@ -1530,15 +1530,15 @@ codes! {
 
     // -- 4980–4999 warnings: what a program hardly means ---------------------------------------------------------------
     /// A first pass that cuts next to nothing; {0} its depth, {1} the height.
-    FirstPassTiny = 4981, "the first pass is {0} deep, of a thread of {1}", "is Q in the unit of this control? `(ALLOW 4981)` if it is meant",
-        "第一刀切深仅 {0}，牙高 {1}", "Q 的单位是否正确？确实如此请写 `(ALLOW 4981)`";
+    FirstPassTiny = 4981, "the first pass is {0} deep, of a thread of {1}", "is Q (in one block D) in the unit of this control? `(ALLOW 4981)` if it is meant",
+        "第一刀切深仅 {0}，牙高 {1}", "Q（单段格式为 D）的单位是否正确？确实如此请写 `(ALLOW 4981)`";
     /// A peck far beyond the depth; {0} peck, {1} depth.
     PeckBeyondDepth = 4982, "a step of {0} is beyond the whole way of {1} that it is to divide", "is it in the unit of this control? A FANUC, and a GSK 980TD by 182.7, count increments (Q5000 is 5 mm); a Haas and a GSK 988 write millimetres (Q5.); `(ALLOW 4982)` if it is meant",
         "每步 {0} 超过需分割的全长 {1}", "单位是否正确？FANUC 和 GSK 980TD（182.7）为增量数（Q5000 即 5 mm），Haas 和 GSK 988 为 mm（Q5.）；确实如此请写 `(ALLOW 4982)`";
     /// A feed per minute, or a groove, with a spindle that nothing has started.
     CutStanding = 4984, "this feeds with the spindle standing: no M03 or M04 with S is in force here",
-        "start the spindle before this block: M03 or M04 with S; where the tool cuts nothing, nothing needs to be done",
-        "主轴静止时进行切削进给：此处没有生效的 M03 或 M04 加 S", "请在此程序段之前用 M03 或 M04 加 S 启动主轴；若刀具未切削则无需处理";
+        "start the spindle before this block: M03 or M04 with S; where the tool cuts nothing, or a driven tool cuts, nothing needs to be done",
+        "主轴静止时进行切削进给：此处没有生效的 M03 或 M04 加 S", "请在此程序段之前用 M03 或 M04 加 S 启动主轴；若刀具未切削，或由动力刀具切削，则无需处理";
     /// A lead that threads hardly have; {0} it.
     LeadOdd = 4985, "a pitch of {0} is none that threads have (0.05 to 50 mm)", "is F the lead, and not a feed? `(ALLOW 4985)` if it is meant",
         "螺距 {0} 不在一般螺纹范围内（0.05 至 50 mm）", "F 是导程而非进给速度吗？确实如此请写 `(ALLOW 4985)`";
@@ -1546,8 +1546,8 @@ codes! {
     RapidInStock = 4987, "this rapid goes into the material at X {0}, Z {1}", "go around it, cut it away first, or correct the comment `(STOCK ..)`; `(ALLOW 4987)` if it is meant",
         "此快速移动在 X {0}、Z {1} 处进入毛坯", "请绕开、先切除，或修改注释 `(STOCK ..)`；确实如此请写 `(ALLOW 4987)`";
     /// An allowance into the part, or a depth that hardly any tool takes; {w} the word, {0} its length.
-    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm, or than half of the declared stock, or so small that there are more than 250 strokes", "outside U is positive and in a bore negative; toward the chuck W is positive; with a pocket write W0, in G72 U0; `(ALLOW 4989)` if it is meant",
-        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm 或所声明毛坯的一半，或过小而超过 250 刀", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；轮廓有凹槽时请写 W0（G72 为 U0）；确实如此请写 `(ALLOW 4989)`";
+    AllowanceOdd = 4989, "{w} {0} does not suit this contour: the allowance goes into the part, or the depth is more than 10 mm, or than half of the declared stock, or so small that there are more than 250 strokes", "outside U is positive and in a bore negative; toward the chuck W is positive; with a pocket write W0, in G72 U0; a depth, U (G72: W) of the first block or D, is a length on the radius: D2., and not D2000, where no point means whole lengths; `(ALLOW 4989)` if it is meant",
+        "{w} {0} 与此轮廓不符：余量进入工件，或背吃刀量超过 10 mm 或所声明毛坯的一半，或过小而超过 250 刀", "外圆 U 为正，内孔 U 为负；朝卡盘方向 W 为正；轮廓有凹槽时请写 W0（G72 为 U0）；背吃刀量（第一段的 U，G72 为 W，或 D）为半径方向的长度：不带小数点即整数长度时写 D2. 而不是 D2000；确实如此请写 `(ALLOW 4989)`";
     /// A contour cycle that begins between the lowest and the highest point of its contour; {0} how far below.
     StartInContour = 4990, "the cycle begins inside its contour, which goes {0} further out than the tool stands", "move outside the stock before this block; `(ALLOW 4990)` if it is meant",
         "循环起点位于轮廓之内，轮廓比刀具位置还高出 {0}", "请先移动到毛坯之外；确实如此请写 `(ALLOW 4990)`";

@@ -236,6 +236,13 @@ fn what_ends_nothing_is_passed_over() {
         }
         assert_ne!(read(Control::Gsk980td, cancels).1, None, "{cancels}");
     }
+    assert_eq!(
+        kinds(Control::FanucA, &format!("G11;{plain}")),
+        kinds(Control::FanucA, plain)
+    );
+    for control in [Control::Gsk988, Control::Haas] {
+        assert_eq!(alarm(control, "G11").number(), 4018, "{control:?}");
+    }
     let haas = |text: &str| kinds(Control::Haas, &format!("{text};{plain}"));
     assert_eq!(haas("G103"), haas("M23"));
     assert_eq!(haas("G103 P1"), haas("G103"));

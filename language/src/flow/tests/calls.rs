@@ -110,6 +110,15 @@ fn what_stands_before_the_first_percent_sign_is_a_leader() {
         run(&format!("\u{8f74} 30\n\nFlange, first side\n%\n{program}")),
         moved
     );
+    // The codes of a tape punch, as a serial line hands them on.
+    for front in ["\u{12}", "\0\0\0\u{12}\u{14} ", "\u{7f}\t"] {
+        let told = run(&format!("{front}%\n{program}"));
+        assert_eq!(told, bare[6..], "{front:?}");
+    }
+    assert_eq!(
+        run(&format!("\0\0\n\u{12}\n\n\n%\n{program}")),
+        run(&format!("\n\n\n\n%\n{program}"))
+    );
     // Without `%`, and with what could be a block or a comment in front of it, nothing is passed over.
     for text in [
         "\u{8f74} 30\nX1\nM30",
