@@ -65,7 +65,15 @@ pub fn keep(board: &mut Board, flash: &mut Flash) {
             return;
         };
         let region = request.region;
-        let written = Store::new(&mut *flash).and_then(|mut store| store.keep(&request));
+        let mut erases = None;
+        let written = Store::new(&mut *flash).and_then(|mut store| {
+            let written = store.keep(&request);
+            erases = store.more_erases();
+            written
+        });
+        if let Some(erases) = erases {
+            board.set_erases(erases);
+        }
         board.stored(region, written);
     }
 }

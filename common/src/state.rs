@@ -101,6 +101,10 @@ impl StateFile {
                 "it is no image of a simulated board's flash",
                 "它不是模拟控制板的闪存映像"
             ),
+            Err(ImageError::Earlier) => both!(
+                "it is of an earlier version, whose board had a flash of 32 KiB instead of 128 (`leadscrew up --new` makes a machine anew)",
+                "它属于早期版本，其控制板的闪存为 32 KiB，而不是 128 KiB（`leadscrew up --new` 重新建立机床）"
+            ),
             Err(ImageError::Length(found)) if found > Flash::IMAGE => both!(
                 "it is longer than the {most} bytes of an image",
                 "它比映像的 {most} 字节长",
@@ -336,7 +340,9 @@ mod tests {
         for (bytes, word) in [
             (b"G0 X0\n".to_vec(), "no image"),
             (Vec::new(), "no image"),
-            (good[..good.len() - 1].to_vec(), "of the 33292 bytes"),
+            (good[..good.len() - 1].to_vec(), "of the 133132 bytes"),
+            // What eight pages took.
+            (good[..33_292].to_vec(), "a flash of 32 KiB"),
             (long, "longer"),
             (damaged, "checksum"),
         ] {

@@ -8,7 +8,9 @@
 //! - a word that was torn in the middle may read as an error (a real controller's
 //!   ECC): [`Patient`] reads it as zeros, which no checksum takes for a value;
 //! - an erase that was cut may leave anything on its page, and the moving of values from page to page half done:
-//!   [`Store::recover`] ends both, before anything else is done.
+//!   [`Store::recover`] ends both, before anything else is done;
+//! - a page bears some thousand erases: they are [counted](Store::erases), with one write for each. Where the power goes
+//!   between the two, that erase is not counted.
 //!
 //! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation. The
 //! flash is one whose operations end by themselves (simulated, or a driver that waits for its chip):
@@ -40,6 +42,7 @@ use embedded_storage::nor_flash::NorFlash;
 use leadscrew_core::board::{Held, KeptOffsets, Mark, PowerUp};
 use leadscrew_core::params::Params;
 use sequential_storage::Error;
+use sequential_storage::cache::key_pointers::ArrayKeyPointers;
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage, Value};
 
@@ -55,11 +58,16 @@ pub const BUFFER: usize = (Region::LONGEST + SPARE + 1).next_multiple_of(WORD);
 /// Word and page of the largest flash this is made for.
 const WORD: usize = 32;
 
-type Map<F> = MapStorage<u8, Patient<F>, Cache<Uncached, Uncached, Uncached, u8>>;
+/// Where the newest value of each region is. Without it all pages would be looked through for a value that has not been
+/// written for long, and that for each old one of a page that is moved: seconds, in a flash of many pages.
+type Places = Cache<Uncached, Uncached, ArrayKeyPointers<u8, { Region::ALL.len() }>, u8>;
+type Map<F> = MapStorage<u8, Patient<F>, Places>;
 
-/// Regions in all of a flash. Nothing is kept in memory: it can be made anew for every access.
+/// Regions in all of a flash. It can be made anew for every access: what it knows of places it finds again.
 pub struct Store<F: NorFlash> {
     map: Map<F>,
+    /// Erases of all pages, where they have become more and nobody has asked.
+    erases: Option<u32>,
 }
 
 impl<F: NorFlash> Store<F> {
@@ -74,8 +82,10 @@ impl<F: NorFlash> Store<F> {
             return Err(StoreError::Device);
         }
         let config = MapConfig::try_new(0..capacity).map_err(|_| StoreError::Device)?;
+        let places = Cache::new(Uncached, Uncached, ArrayKeyPointers::new());
         Ok(Self {
-            map: MapStorage::new(Patient::new(flash), config, Cache::new_uncached()),
+            map: MapStorage::new(Patient::new(flash), config, places),
+            erases: None,
         })
     }
 
@@ -96,7 +106,9 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// [`StoreError`]; the region then holds what it held before.
     pub fn write(&mut self, region: Region, bytes: &[u8]) -> Result<(), StoreError> {
-        self.put(region, &bytes)
+        let written = self.put(region, &bytes);
+        self.count_erases();
+        written
     }
 
     /// Stores what a board asks for.
@@ -104,7 +116,9 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn keep(&mut self, request: &StoreRequest<'_>) -> Result<(), StoreError> {
-        self.put(request.region, &Wanted(request))
+        let written = self.put(request.region, &Wanted(request));
+        self.count_erases();
+        written
     }
 
     /// Reads what a board starts with; `built_in` makes what it has of its own. Behind [`recover`](Self::recover).
@@ -113,22 +127,69 @@ impl<F: NorFlash> Store<F> {
         let mut up = begin(&built_in);
         self.params(built_in, &mut up);
         self.offsets(&mut up.offsets);
+        up.erases = self.erases();
         up
+    }
+
+    /// How often each page has been erased, by what has been counted; 0 also where the count cannot be read. The pages are
+    /// used in turn, so that none has been erased more often than that.
+    #[inline(never)]
+    pub fn erases(&mut self) -> u32 {
+        let pages = self.number(Region::Erases).unwrap_or(0);
+        self.for_each_page(pages)
+    }
+
+    /// The same where a write since the last call has had a page erased.
+    pub fn more_erases(&mut self) -> Option<u32> {
+        let pages = self.erases.take()?;
+        Some(self.for_each_page(pages))
+    }
+
+    fn for_each_page(&self, erases: u32) -> u32 {
+        let pages = self.map.flash_range().end / (F::ERASE_SIZE as u32).max(1);
+        erases.div_ceil(pages.max(1))
+    }
+
+    /// Counts what has been erased since the last count. The write of a count may have a page erased itself: that one is
+    /// counted too, and where even this has needed one, the next count has it.
+    #[inline(never)]
+    fn count_erases(&mut self) {
+        for _ in 0..2 {
+            let pages = self.map.flash().erased();
+            if pages == 0 {
+                return;
+            }
+            let Some(before) = self.number(Region::Erases) else {
+                return;
+            };
+            let count = before.saturating_add(pages);
+            let bytes = Mark(count).encode();
+            if self.put(Region::Erases, &bytes.as_slice()).is_err() {
+                return;
+            }
+            self.map.flash().counted(pages);
+            self.erases = Some(count);
+        }
+    }
+
+    /// The number in a region, 0 where there was never one; `None` where it cannot be read.
+    #[inline(never)]
+    fn number(&mut self, region: Region) -> Option<u32> {
+        let mut buffer = [0; BUFFER];
+        match self.read(region, &mut buffer) {
+            Ok(None) => Some(0),
+            Ok(Some(bytes)) => Mark::decode(bytes).map(|mark| mark.0),
+            Err(_) => None,
+        }
     }
 
     /// Counts a start of the board, and gives its number: from 1; 0 where the flash cannot say or keep it. Once for each
     /// start, behind [`recover`](Self::recover), before the board says a word.
     #[inline(never)]
     pub fn count_start(&mut self) -> u32 {
-        let starts = {
-            let mut buffer = [0; BUFFER];
-            match self.read(Region::Starts, &mut buffer) {
-                Ok(None) => Some(Mark(0)),
-                Ok(Some(bytes)) => Mark::decode(bytes),
-                Err(_) => None,
-            }
-        };
-        let next = starts.and_then(|starts| starts.0.checked_add(1));
+        let next = self
+            .number(Region::Starts)
+            .and_then(|starts| starts.checked_add(1));
         next.filter(|next| self.write(Region::Starts, &Mark(*next).encode()).is_ok())
             .unwrap_or(0)
     }
@@ -172,6 +233,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// The buffer is on the stack for as long as it is needed.
+    #[inline(never)]
     fn put<'d, V: Value<'d>>(&mut self, region: Region, value: &V) -> Result<(), StoreError> {
         let mut buffer = [0; BUFFER];
         let stored = block_on(self.map.store_item(&mut buffer, &region.key(), value));

@@ -18,6 +18,7 @@ const MARK_BITS: u32 = 4;
 pub struct Patient<F> {
     flash: F,
     view: View,
+    erased: u32,
 }
 
 /// The pages that the map sees, each by its first address; the others read as erased. Nothing is changed meanwhile.
@@ -52,13 +53,26 @@ impl<E: NorFlashError> NorFlashError for Error<E> {
 impl<F> Patient<F> {
     /// Around a flash.
     pub const fn new(flash: F) -> Self {
-        let view = View::All;
-        Self { flash, view }
+        Self {
+            flash,
+            view: View::All,
+            erased: 0,
+        }
     }
 
     /// What the map sees from now on.
     pub const fn look(&mut self, view: View) {
         self.view = view;
+    }
+
+    /// Pages that have been erased and are not [counted](Self::counted) yet.
+    pub const fn erased(&self) -> u32 {
+        self.erased
+    }
+
+    /// So many of them are counted.
+    pub const fn counted(&mut self, pages: u32) {
+        self.erased = self.erased.saturating_sub(pages);
     }
 
     /// The flash back.
@@ -95,7 +109,10 @@ impl<F: NorFlash> Patient<F> {
     /// # Errors
     /// Those of the flash.
     pub fn erase_pages(&mut self, from: u32, to: u32) -> Result<(), F::Error> {
-        self.flash.erase(from, to)
+        self.flash.erase(from, to)?;
+        let pages = to.saturating_sub(from).checked_div(F::ERASE_SIZE as u32);
+        self.erased = self.erased.saturating_add(pages.unwrap_or(0));
+        Ok(())
     }
 
     /// True where a word is a mark of its page. As the map judges it: a bit or two that have changed by themselves do not

@@ -12,10 +12,15 @@
 //! - a page whose marks no whole page has is erased again, and so is the later one of two pages in use;
 //! - a move is ended by erasing the source, or, where the target lacks something, the target;
 //! - where all pages look closed, one of them is a target that was being erased. It has nothing but copies.
+//!
+//! Erased pages lie behind each other in the ring. Where they do not, the pages were once a ring of fewer: what was kept
+//! in that one would not be found, or an older value of it. That is told as damage, and nothing is changed.
 
 use embedded_storage::nor_flash::NorFlash;
+use sequential_storage::cache::{Cache, Uncached};
+use sequential_storage::map::{MapConfig, MapStorage};
 
-use super::patient::View;
+use super::patient::{Patient, View};
 use super::wait::block_on;
 use super::{BUFFER, Store, StoreError, WORD, reason};
 
@@ -43,6 +48,9 @@ enum Use {
     AllClosed,
 }
 
+/// A map for one look at some of the pages. It remembers no place: the next look is at others.
+type Look<'f, F> = MapStorage<u8, &'f mut Patient<F>, Cache<Uncached, Uncached, Uncached, u8>>;
+
 /// Which keys have a value on a page.
 type Keys = [bool; 1 << u8::BITS];
 
@@ -50,9 +58,20 @@ impl<F: NorFlash> Store<F> {
     /// Ends what a loss of power has left half done. Call it once after power-up, before anything else.
     ///
     /// # Errors
-    /// [`StoreError::Device`].
+    /// [`StoreError::Device`]; [`StoreError::Damaged`] for pages that were written as a ring of fewer.
     pub fn recover(&mut self) -> Result<(), StoreError> {
-        match self.end_erases()? {
+        self.end_all()?;
+        self.count_erases();
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn end_all(&mut self) -> Result<(), StoreError> {
+        let used = self.end_erases()?;
+        if !self.is_one_ring()? {
+            return Err(StoreError::Damaged);
+        }
+        match used {
             Use::Page(target) => {
                 let source = self.after(target);
                 if self.state(source)? == Page::Closed {
@@ -86,6 +105,19 @@ impl<F: NorFlash> Store<F> {
             }
         }
         Ok(found)
+    }
+
+    /// True where the erased pages lie behind each other. A page that is not erased has its mark now.
+    fn is_one_ring(&mut self) -> Result<bool, StoreError> {
+        let end = self.map.flash_range().end;
+        let mut before = self.is_marked(end.saturating_sub(F::ERASE_SIZE as u32))?;
+        let mut gaps = 0_u8;
+        for page in self.pages() {
+            let used = self.is_marked(page)?;
+            gaps = gaps.saturating_add(u8::from(before && !used));
+            before = used;
+        }
+        Ok(gaps <= 1)
     }
 
     /// Erases the source where all of it that counts is on other pages, else the target. The source of a target that
@@ -133,33 +165,28 @@ impl<F: NorFlash> Store<F> {
         key: u8,
         buffer: &'b mut [u8; BUFFER],
     ) -> Result<Option<&'b [u8]>, StoreError> {
-        self.map.flash().look(view);
-        let value = self.get(key, buffer);
+        let value = match self.look(view) {
+            Ok(mut map) => {
+                let fetched = block_on(map.fetch_item::<&[u8]>(buffer, &key));
+                fetched.map_err(|error| reason(&error))
+            }
+            Err(error) => Err(error),
+        };
         self.map.flash().look(View::All);
         value
     }
 
-    fn keys_on(&mut self, page: u32) -> Result<Keys, StoreError> {
-        self.map.flash().look(View::Only(page));
-        let keys = self.keys();
-        self.map.flash().look(View::All);
-        keys
+    fn look(&mut self, view: View) -> Result<Look<'_, F>, StoreError> {
+        let config = MapConfig::try_new(self.map.flash_range()).map_err(|_| StoreError::Device)?;
+        let flash = self.map.flash();
+        flash.look(view);
+        Ok(MapStorage::new(flash, config, Cache::new_uncached()))
     }
 
-    fn keys(&mut self) -> Result<Keys, StoreError> {
-        let mut keys = [false; _];
-        let mut buffer = [0; BUFFER];
-        let values = block_on(self.map.fetch_all_items(&mut buffer));
-        let mut values = values.map_err(|error| reason(&error))?;
-        loop {
-            let value = block_on(values.next::<&[u8]>(&mut buffer));
-            let Some((key, _)) = value.map_err(|error| reason(&error))? else {
-                return Ok(keys);
-            };
-            if let Some(known) = keys.get_mut(usize::from(key)) {
-                *known = true;
-            }
-        }
+    fn keys_on(&mut self, page: u32) -> Result<Keys, StoreError> {
+        let keys = self.look(View::Only(page)).and_then(keys);
+        self.map.flash().look(View::All);
+        keys
     }
 
     /// Where each page begins.
@@ -219,6 +246,22 @@ impl<F: NorFlash> Store<F> {
         let end = start.saturating_add(F::ERASE_SIZE as u32);
         let done = self.map.flash().erase_pages(start, end);
         done.map_err(|_| StoreError::Device)
+    }
+}
+
+fn keys<F: NorFlash>(mut map: Look<'_, F>) -> Result<Keys, StoreError> {
+    let mut keys = [false; _];
+    let mut buffer = [0; BUFFER];
+    let values = block_on(map.fetch_all_items(&mut buffer));
+    let mut values = values.map_err(|error| reason(&error))?;
+    loop {
+        let value = block_on(values.next::<&[u8]>(&mut buffer));
+        let Some((key, _)) = value.map_err(|error| reason(&error))? else {
+            return Ok(keys);
+        };
+        if let Some(known) = keys.get_mut(usize::from(key)) {
+            *known = true;
+        }
     }
 }
 

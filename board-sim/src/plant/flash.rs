@@ -1,5 +1,5 @@
-//! The flash of a microcontroller: words of 8 bytes that are written once, and pages of 4 KiB that are erased whole (two of
-//! an STM32G474's).
+//! The flash of a microcontroller: words of 8 bytes that are written once, and 32 pages of 4 KiB that are erased whole
+//! (two of an STM32G474's each).
 //! The power can fail at any byte of both.
 //!
 //! A word during whose write the power fails is torn: its first bytes are new, the rest is erased. A torn word reads
@@ -84,6 +84,8 @@ impl NorFlashError for FlashError {
 /// Why bytes are not an image of a flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageError {
+    /// Of a flash of eight pages, as boards had it before.
+    Earlier,
     /// Not the length of an image: the number of bytes.
     Length(usize),
     /// They do not begin with the mark: they are something else.
@@ -96,6 +98,8 @@ pub enum ImageError {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flash {
     bytes: [u8; Self::SIZE],
+    /// Bytes that there are.
+    size: usize,
     /// One bit for each word that cannot be read.
     unreadable: [u8; Self::WORDS / 8],
     tear: Tear,
@@ -109,6 +113,7 @@ pub struct Flash {
     /// Pages that can still be erased before the flash refuses to erase.
     erases_left: Option<u32>,
     written: u32,
+    erased: u32,
 }
 
 impl Default for Flash {
@@ -122,10 +127,13 @@ impl Flash {
     pub const WORD: usize = 8;
     /// Bytes of a page.
     pub const PAGE: usize = 4096;
+    /// Pages.
+    pub const PAGES: usize = 32;
     /// Bytes in all.
-    pub const SIZE: usize = 8 * Self::PAGE;
+    pub const SIZE: usize = Self::PAGES * Self::PAGE;
     /// Bytes of an [image](Self::image).
     pub const IMAGE: usize = Self::MARK.len() + Self::SIZE + Self::WORDS / 8 + 4;
+    const EARLIER: usize = Self::MARK.len() + 8 * (Self::PAGE + Self::PAGE_WORDS / 8) + 4;
 
     const WORDS: usize = Self::SIZE / Self::WORD;
     const PAGE_WORDS: usize = Self::PAGE / Self::WORD;
@@ -136,6 +144,7 @@ impl Flash {
     pub const fn erased() -> Self {
         Self {
             bytes: [0xFF; Self::SIZE],
+            size: Self::SIZE,
             unreadable: [0; Self::WORDS / 8],
             tear: Tear {
                 unreadable: false,
@@ -147,7 +156,18 @@ impl Flash {
             writes_left: None,
             erases_left: None,
             written: 0,
+            erased: 0,
         }
+    }
+
+    /// One with so many pages alone, which are erased in turn the sooner. Its [image](Self::image) is that of a whole one.
+    #[must_use]
+    pub const fn with_pages(pages: usize) -> Self {
+        let mut flash = Self::erased();
+        if pages < Self::PAGES {
+            flash.size = pages.saturating_mul(Self::PAGE);
+        }
+        flash
     }
 
     /// Turns a bit over, as an old cell may do by itself; none beyond eight times [`SIZE`](Self::SIZE).
@@ -186,6 +206,9 @@ impl Flash {
     pub fn from_image(image: &[u8]) -> Result<Self, ImageError> {
         if !image.starts_with(&Self::MARK) {
             return Err(ImageError::Foreign);
+        }
+        if image.len() == Self::EARLIER {
+            return Err(ImageError::Earlier);
         }
         if image.len() != Self::IMAGE {
             return Err(ImageError::Length(image.len()));
@@ -247,6 +270,12 @@ impl Flash {
         self.written
     }
 
+    /// Pages erased so far, each as often as it was.
+    #[must_use]
+    pub const fn erases(&self) -> u32 {
+        self.erased
+    }
+
     /// The number of the `wanted` bytes that can be changed before the power fails. The power fails if they are fewer.
     fn spend(&mut self, wanted: usize) -> usize {
         let wanted = u32::try_from(wanted).unwrap_or(u32::MAX);
@@ -265,9 +294,7 @@ impl Flash {
         }
         let from = usize::try_from(offset).map_err(|_| FlashError::Address)?;
         let aligned = from.is_multiple_of(grain) && length.is_multiple_of(grain);
-        let inside = from
-            .checked_add(length)
-            .is_some_and(|end| end <= Self::SIZE);
+        let inside = from.checked_add(length).is_some_and(|end| end <= self.size);
         if aligned && inside {
             Ok(from)
         } else {
@@ -335,6 +362,7 @@ impl Flash {
         if got < Self::PAGE {
             return Err(FlashError::NoPower);
         }
+        self.erased = self.erased.wrapping_add(1);
         Ok(())
     }
 }
@@ -359,7 +387,7 @@ impl ReadNorFlash for Flash {
     }
 
     fn capacity(&self) -> usize {
-        Self::SIZE
+        self.size
     }
 }
 
@@ -399,10 +427,9 @@ impl NorFlash for Flash {
     }
 }
 
-/// CRC-32 (ISO-HDLC), computed bit by bit.
+/// CRC-32 (ISO-HDLC).
 fn checksum(bytes: impl Iterator<Item = u8>) -> u32 {
-    const CRC: crc::Crc<u32, crc::NoTable> =
-        crc::Crc::<u32, crc::NoTable>::new(&crc::CRC_32_ISO_HDLC);
+    const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
     let mut digest = CRC.digest();
     for byte in bytes {
         digest.update(&[byte]);

@@ -120,6 +120,11 @@ impl Background {
         self.device.power_up(up);
     }
 
+    /// Takes how often each page of the storage has been erased, where it has become more.
+    pub fn set_erases(&mut self, erases: u32) {
+        self.device.set_erases(erases);
+    }
+
     /// Sets the serial number of 1018h.
     pub const fn set_serial(&mut self, serial: u32) {
         self.device.set_serial(serial);

@@ -188,7 +188,7 @@ fn open(bytes: &[u8]) -> Result<(&[u8], u32), KeptError> {
     Ok((content, number))
 }
 
-/// A number by itself: of the newest set that has been stored, or how often the board has started.
+/// A number by itself: of the newest set that has been stored, of the board's starts, or of erased pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mark(pub u32);
 
@@ -253,6 +253,8 @@ pub struct PowerUp {
     pub offsets: KeptOffsets,
     /// Which of its starts this is, from 1; 0: not known.
     pub start: u32,
+    /// How often each page of the storage has been erased; 0 also where the count cannot be read.
+    pub erases: u32,
     pub(super) shelved: Shelved,
 }
 
@@ -265,6 +267,7 @@ impl PowerUp {
             found: Found::Newest,
             offsets: KeptOffsets::default(),
             start: 0,
+            erases: 0,
             shelved: Shelved::default(),
         }
     }

@@ -46,5 +46,5 @@ pub use kept::{Held, KeptError, KeptSet, Mark, PowerUp, Slot};
 pub use kept_offsets::KeptOffsets;
 pub use planner::Planner;
 pub use request::StoreRequest;
-pub use store::Region;
+pub use store::{GUARANTEED_ERASES, Region, WORN};
 pub use whole::Board;

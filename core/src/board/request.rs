@@ -19,7 +19,7 @@ impl Region {
             Self::TapJournal => TapRecord::BYTES,
             Self::ParametersA | Self::ParametersB => KeptSet::BYTES,
             Self::OffsetsA | Self::OffsetsB => image::BYTES,
-            Self::ParametersMark | Self::OffsetsMark | Self::Starts => Mark::BYTES,
+            Self::ParametersMark | Self::OffsetsMark | Self::Starts | Self::Erases => Mark::BYTES,
         }
     }
 }

@@ -2,6 +2,12 @@
 //!
 //! Knows nothing of the content, nor of flash.
 
+/// How often each page of a board's flash can be erased, as its maker guarantees it (STM32G474, DS12288).
+pub const GUARANTEED_ERASES: u32 = 10_000;
+
+/// From so many erases of each page on a warning is given: a fifth of its life is left to get another board.
+pub const WORN: u32 = GUARANTEED_ERASES / 5 * 4;
+
 /// A region of the storage. New bytes replace all bytes before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Region {
@@ -21,11 +27,13 @@ pub enum Region {
     OffsetsMark,
     /// How often the board has started.
     Starts,
+    /// How many pages of the storage have been erased.
+    Erases,
 }
 
 impl Region {
     /// All regions.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::TapJournal,
         Self::ParametersA,
         Self::ParametersB,
@@ -34,6 +42,7 @@ impl Region {
         Self::OffsetsB,
         Self::OffsetsMark,
         Self::Starts,
+        Self::Erases,
     ];
 
     /// Its number in a storage; never reused for another region.
@@ -48,6 +57,7 @@ impl Region {
             Self::OffsetsB => 6,
             Self::OffsetsMark => 7,
             Self::Starts => 8,
+            Self::Erases => 9,
         }
     }
 }

@@ -191,6 +191,11 @@ impl Board {
         self.side().stored(region, result);
     }
 
+    /// Takes how often each page of the storage has been erased, where it has become more.
+    pub fn set_erases(&mut self, erases: u32) {
+        self.background.set_erases(erases);
+    }
+
     /// The next region to read; the owner answers with [`loaded`](Self::loaded).
     pub const fn load(&mut self) -> Option<Region> {
         self.background.load()

@@ -19,6 +19,8 @@ pub trait Machine {
     fn store(&mut self, request: &StoreRequest<'_>);
     /// Continues to store. Gives the result once the request is done.
     fn stored(&mut self) -> Option<Result<(), StoreError>>;
+    /// How often each page of the storage has been erased, where that request has made it more.
+    fn erases(&mut self) -> Option<u32>;
     /// Reads a region of the storage and calls `then` once with its content.
     fn load(&mut self, region: Region, then: &mut dyn FnMut(Held<'_>));
     /// Tells the board an event: for a log, and for the board's switches.
@@ -86,6 +88,9 @@ fn store(side: &mut BackgroundSide<'_>, machine: &mut impl Machine) -> bool {
         let Some(result) = machine.stored() else {
             return false;
         };
+        if let Some(erases) = machine.erases() {
+            side.state_mut().set_erases(erases);
+        }
         side.stored(region, result);
     }
     let state = side.state_mut();

@@ -1,4 +1,4 @@
-//! What the board keeps (parameters, tables, tap journal): the last 32 KiB of the second flash bank.
+//! What the board keeps (parameters, tables, tap journal): the second half of the second flash bank, 128 KiB.
 //!
 //! Nothing runs from the second bank while it changes: the processor would wait for the instruction, and every interrupt
 //! with it. So [`Bank::write`] and [`Bank::erase`] wait in the first bank, and no interrupt uses code of the second
@@ -22,11 +22,11 @@ const CHIP_PAGE: usize = 2048;
 /// Bytes that are erased together: two pages of the chip. A parameter set has to fit into them.
 const PAGE: usize = 2 * CHIP_PAGE;
 /// Pages for the regions.
-const PAGES: usize = 8;
+const PAGES: usize = 32;
 /// Bytes of the chip's flash.
 const FLASH: u32 = 512 * 1024;
-/// Where the regions begin, from the beginning of the flash: they are its end. So the program has room to grow, and an
-/// address that a user has noted for erasing them stays right.
+/// Where the regions begin, from the beginning of the flash: they are its end. Many
+/// pages: each is erased the less often.
 const PLACE: u32 = FLASH - (PAGE * PAGES) as u32;
 /// The address of that.
 const START: u32 = 0x0800_0000 + PLACE;

@@ -39,7 +39,9 @@ mod wire;
 use core::mem::MaybeUninit;
 
 use cortex_m_rt::entry;
+use embassy_stm32::Peri;
 use embassy_stm32::pac::{UID, interrupt};
+use embassy_stm32::peripherals::FLASH;
 use leadscrew_app::{Machine, Memory, PowerUp, Sides, TickMachine, serial_of};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{
@@ -71,6 +73,7 @@ const FALLBACK: BitTiming = BitTiming {
 };
 
 static MEMORY: Once<Memory> = Once::new(Memory::new());
+static STORAGE: Once<MaybeUninit<Storage>> = Once::new(MaybeUninit::uninit());
 static PARTS: Once<MaybeUninit<BackgroundParts>> = Once::new(MaybeUninit::uninit());
 static TICK: Owned<Tick> = Owned::empty();
 
@@ -133,10 +136,19 @@ type Storage = Store<WordFlash<Bank>>;
 
 struct BackgroundParts {
     wire: BackgroundEnd<'static>,
-    storage: Storage,
+    storage: &'static mut Storage,
     stored: Option<Result<(), StoreError>>,
     switches: Switches,
     handwheel: Handwheel,
+}
+
+/// The regions in the flash. A function of its own: the copies on the way to their place are not on the stack afterwards.
+#[inline(never)]
+fn storage(part: Peri<'static, FLASH>) -> &'static mut Storage {
+    let Ok(storage) = Storage::new(flash::start(part)) else {
+        panic!("the bank holds the regions");
+    };
+    STORAGE.put(storage)
 }
 
 /// The entry of the tap journal. `None` also where it cannot be read; then `trouble` gets the alarm. Before the read,
@@ -188,6 +200,10 @@ impl Machine for BackgroundParts {
         self.stored.take()
     }
 
+    fn erases(&mut self) -> Option<u32> {
+        self.storage.more_erases()
+    }
+
     fn event(&mut self, event: &Event) {
         log::event(event);
     }
@@ -229,11 +245,9 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
     let chip = clock::start();
     pins::start();
     log::started(cause);
-    let Ok(mut storage) = Storage::new(flash::start(chip.FLASH)) else {
-        panic!("the bank holds the regions");
-    };
+    let storage = storage(chip.FLASH);
     let mut trouble = None;
-    let tap = tap(&mut storage, &mut trouble);
+    let tap = tap(storage, &mut trouble);
     let mut set = storage.power_up(Params::slant_bed);
     set.start = storage.count_start();
 

@@ -6,7 +6,7 @@ use leadscrew_core::board::Interlocks;
 use leadscrew_core::board::device::DROP;
 use leadscrew_core::board::device::PRODUCT;
 use leadscrew_core::board::device::objects::{
-    BLOCK_INPUTS, BLOCK_OUTPUTS, CERTIFICATES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION,
+    BLOCK_INPUTS, BLOCK_OUTPUTS, CERTIFICATES, ERASES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION,
     MACHINE_INPUTS, MACHINE_OUTPUTS, NEWEST_EVENT, PRODUCT_CODE, SERIAL_NUMBER, SET_CHECKSUM,
     SIGNALS, SOFTWARE_VERSION, START, STATUS_RECORD, TAP_DISCARD, TAP_RECORD, THREADS_TAKEN,
 };
@@ -274,6 +274,15 @@ impl Link {
     pub fn start(&mut self) -> LinkResult<u32> {
         let raw = self.read_number(START)?;
         u32::try_from(raw).map_err(|_| self.strange(START))
+    }
+
+    /// How often each page of its storage has been erased.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn erases(&mut self) -> LinkResult<u32> {
+        let raw = self.read_number(ERASES)?;
+        u32::try_from(raw).map_err(|_| self.strange(ERASES))
     }
 
     /// CRC-32 of the parameter set in force.

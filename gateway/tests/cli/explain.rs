@@ -195,6 +195,11 @@ const ELSEWHERE: &[(&[u64], &str, &str)] = &[
         "a_clamp_that_does_not_answer_is_an_alarm_after_a_second_and_a_reset_lets_go",
     ),
     (
+        &[4309],
+        "tests/tests/kept/wear.rs",
+        "the_warning_comes_at_eighty_per_cent_and_once",
+    ),
+    (
         &[4329, 4348, 4349],
         "tests/tests/device/protection.rs",
         "an_image_that_is_not_taken_has_its_reason",

@@ -88,7 +88,8 @@ impl Code {
     /// True for a condition that is reported and does not stop anything.
     #[must_use]
     pub const fn is_warning(self) -> bool {
-        self.number() >= 4900
+        // One of the storage stands with the alarms that it tells of beforehand.
+        self.number() >= 4900 || matches!(self, Self::StorageWorn)
     }
 }
 
@@ -741,6 +742,11 @@ codes! {
     /// M19: where the spindle stands, where it should, both within the turn.
     SpindleNotOriented = 4304, "the spindle has not arrived at its angle: it stands at {0} instead of {1}", "look at what holds the spindle; check its drive, its increments for a turn (9013) and its encoder (3720); then reset",
         "主轴未到达指定角度：位于 {0}，应为 {1}", "请检查主轴是否被卡住，以及其驱动器、每转脉冲数（9013）和编码器（3720）；然后复位";
+
+    /// So many erases of each page of the storage, and how many its maker guarantees. A warning.
+    StorageWorn = 4309, "the board's storage is worn: each of its pages has been erased {0} times, and {1} are guaranteed",
+        "get another board in time; save what this one keeps (`leadscrew params pull`, `leadscrew tools pull`). A storage that takes nothing any more begins no hole (4311)",
+        "控制板的存储器磨损：每页已擦除 {0} 次，保证次数为 {1} 次", "请及早准备更换控制板，并备份其保存的内容（`leadscrew params pull`、`leadscrew tools pull`）。存储器无法再写入时不再开始攻丝（4311）";
 
     /// Motion, or a spindle command, while a tap is in its hole; {0} its axis, {1} the bottom.
     TapInHole = 4310, "a tap is in its hole (axis {0}, bottom {1}): nothing but the tapping return may move", "run G30 P99; or drop the entry of the tap journal if no tap is there",

@@ -9,8 +9,8 @@ import unicorn
 from unicorn import arm_const as arm
 
 FLASH, SECOND, RAM, RAM_SIZE = 0x0800_0000, 0x0804_0000, 0x2000_0000, 128 * 1024
-# The end of the second bank is looked at word by word. Before it lies code, and what is as empty as it reads.
-BANK, WATCHED = 256 * 1024, 64 * 1024
+# The second half of the second bank is looked at word by word. Before it lies code, and what is as empty as it reads.
+BANK, WATCHED = 256 * 1024, 128 * 1024
 KEPT = BANK - WATCHED
 SYSTEM = 0x1FFF_7000
 PERIPHERALS = (

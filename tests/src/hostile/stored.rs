@@ -94,7 +94,7 @@ fn power_up(changes: &[u8]) {
 
 /// Garbage in every page; afterwards what is written is read.
 fn pages(bytes: &[u8]) {
-    let mut flash = Flash::erased();
+    let mut flash = Flash::with_pages(8);
     let word = Flash::WRITE_SIZE;
     for (at, chunk) in bytes.chunks_exact(word + 2).enumerate() {
         let (place, content) = chunk.split_at(2);

@@ -1,6 +1,7 @@
 //! Flash that can no longer be written: from a certain write on, or because its pages are worn.
 
 use leadscrew_board_sim::line::Faults;
+use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::State;
 use leadscrew_core::params::Params;
 
@@ -37,6 +38,7 @@ fn a_hole_is_not_begun_where_its_entry_cannot_be_written() {
 fn worn_pages_are_an_alarm_before_the_hole_that_needs_one_more() {
     let params = Params::sheets();
     let mut bench = Bench::new(&params);
+    *bench.sim.flash_mut() = Flash::with_pages(8);
     bench.sim.flash_mut().wear_out_after(1);
     let mut holes = 0;
     loop {

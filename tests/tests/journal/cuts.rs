@@ -9,6 +9,8 @@ use leadscrew_tests::random::Random;
 
 /// Writes until every page has been erased once and the first is being filled again.
 const WRITES: u32 = 480;
+/// Pages of the flash of these tests: fewer than a board has, and the same.
+const PAGES: usize = 8;
 
 /// Entry `sequence` of a hole that is pecked.
 fn entry(sequence: u32) -> TapRecord {
@@ -65,7 +67,7 @@ fn after_power_up(flash: &mut Flash, new: u32) -> Option<u32> {
 
 /// The flash before each write, and the bytes that write takes.
 fn history(tear: Tear) -> Vec<(Flash, u32)> {
-    let mut flash = Flash::erased();
+    let mut flash = Flash::with_pages(PAGES);
     flash.set_tear(tear);
     (0..WRITES)
         .map(|sequence| {
@@ -92,8 +94,11 @@ fn a_cut_at_every_byte_leaves_the_old_entry_or_the_new_one() {
             for cut in (0..*bytes).step_by(stride) {
                 let mut flash = before.clone();
                 flash.cut_after(cut);
-                assert!(write(&mut flash, sequence).is_err(), "cut at {cut}");
-                after_power_up(&mut flash, sequence);
+                let written = write(&mut flash, sequence);
+                assert!(!flash.is_on(), "cut at {cut}");
+                let found = after_power_up(&mut flash, sequence);
+                // Behind an entry a page's erase may be counted.
+                assert!(written.is_err() || found == Some(sequence), "cut at {cut}");
                 // Everything works again.
                 write(&mut flash, sequence + 1).expect("written");
                 assert_eq!(read(&mut flash), Ok(Some(entry(sequence + 1))));
@@ -113,7 +118,7 @@ fn cuts_upon_cuts_lose_nothing() {
         let rounds = leadscrew_seed::amount(12, 600);
         let mut cuts = 0;
         for round in 0..rounds {
-            let mut flash = Flash::erased();
+            let mut flash = Flash::with_pages(PAGES);
             flash.set_tear(Tear::ALL[round % Tear::ALL.len()]);
             let mut stored = None;
             for sequence in 0..300_u32 {

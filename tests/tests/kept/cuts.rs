@@ -14,7 +14,7 @@ use leadscrew_store::{BUFFER, Store};
 use leadscrew_tests::gateway::NODE;
 use leadscrew_tests::random::Random;
 
-use super::flash::{in_force, note, noted, offsets_in_force, power_up, set, table};
+use super::flash::{COUNT, PAGES, in_force, note, noted, offsets_in_force, power_up, set, table};
 
 /// Changes until every page has been erased more than once.
 const CHANGES: u32 = 14;
@@ -116,13 +116,14 @@ impl Step {
         ask(&mut bench);
         flash.cut_after(at);
         let (whole, newest) = bench.store(&mut flash, self.sequence);
-        assert!(!whole, "cut at {at}");
+        // Behind the last entry a page's erase may be counted.
+        assert!(!whole || self.bytes - at <= COUNT, "cut at {at}");
         (flash, newest)
     }
 }
 
 fn history(tear: usize) -> Vec<Step> {
-    let mut flash = Flash::erased();
+    let mut flash = Flash::with_pages(PAGES);
     flash.set_tear(Tear::ALL[tear]);
     let mut sequence = 0;
     let mut history = Vec::new();
@@ -179,7 +180,7 @@ fn cuts_upon_cuts_lose_nothing() {
         let rounds = leadscrew_seed::amount(12, 120);
         let mut cuts = 0;
         for round in 0..rounds {
-            let mut flash = Flash::erased();
+            let mut flash = Flash::with_pages(PAGES);
             flash.set_tear(Tear::ALL[round % Tear::ALL.len()]);
             let (mut stored, mut tables, mut newest) = (None, 0, 0);
             for _ in 0..100 {
@@ -239,7 +240,7 @@ fn cuts_upon_cuts_lose_nothing() {
 
 #[test]
 fn a_change_that_is_told_as_done_is_there() {
-    let mut flash = Flash::erased();
+    let mut flash = Flash::with_pages(PAGES);
     let mut bench = Bench::new(&mut flash);
     bench.ask(1);
     assert!(bench.board.device().is_changing());

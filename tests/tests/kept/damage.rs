@@ -7,10 +7,10 @@ use leadscrew_core::params::Params;
 use leadscrew_store::Store;
 
 use super::cuts::first;
-use super::flash::{number, power_up, set};
+use super::flash::{PAGES, number, power_up, set};
 
 fn stored(sets: u32) -> Flash {
-    let mut flash = Flash::erased();
+    let mut flash = Flash::with_pages(PAGES);
     for number in 1..=sets {
         let params = set(number);
         let region = if number.is_multiple_of(2) {
@@ -63,7 +63,7 @@ fn a_change_of_any_bit_of_the_flash_is_no_other_set() {
     let mut alarms = 0;
     for sets in [1, 5] {
         let whole = stored(sets);
-        for bit in (first(0, stride) as usize..Flash::SIZE * 8).step_by(stride) {
+        for bit in (first(0, stride) as usize..PAGES * Flash::PAGE * 8).step_by(stride) {
             let mut flash = whole.clone();
             flash.turn_bit(bit);
             let up = power_up(&mut flash);

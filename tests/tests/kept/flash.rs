@@ -11,6 +11,11 @@ use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Store};
 use leadscrew_tests::params::with;
 
+/// Pages of the flash of these tests: fewer than a board has, and the same.
+pub const PAGES: usize = 8;
+/// Bytes that the count of an erased page takes.
+pub const COUNT: u32 = 24;
+
 /// Set number so many: told apart by an offset.
 pub fn set(number: u32) -> Params {
     with(&[("1221.Z", i64::from(number) * 1000)])

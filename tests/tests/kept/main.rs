@@ -5,3 +5,4 @@ mod damage;
 mod flash;
 mod offsets;
 mod starts;
+mod wear;

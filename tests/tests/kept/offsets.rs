@@ -6,14 +6,14 @@ use leadscrew_core::board::Found;
 use leadscrew_core::offsets::Offsets;
 
 use super::cuts::{Bench, Step, first};
-use super::flash::{in_force, noted, offsets_in_force, power_up, table};
+use super::flash::{PAGES, in_force, noted, offsets_in_force, power_up, table};
 
 /// Changes until every page has been erased.
 const CHANGES: u32 = 32;
 
 /// Each step is a change of the offsets; now and then one of the parameters comes before it. With the number of the set.
 fn history(tear: usize) -> Vec<(Step, u32)> {
-    let mut flash = Flash::erased();
+    let mut flash = Flash::with_pages(PAGES);
     flash.set_tear(Tear::ALL[tear]);
     let mut sequence = 0;
     let mut steps = Vec::new();
@@ -83,14 +83,14 @@ fn a_cut_at_any_byte_leaves_the_old_table_or_the_new_one() {
 #[test]
 fn a_change_of_any_bit_of_the_flash_is_no_other_table() {
     let stride = leadscrew_seed::amount(17, 13);
-    let mut flash = Flash::erased();
+    let mut flash = Flash::with_pages(PAGES);
     for number in 1..=3 {
         let mut bench = Bench::new(&mut flash);
         bench.ask_offsets(number);
         assert!(bench.store(&mut flash, 2 * number).0);
     }
     let mut faults = 0;
-    for bit in (first(0, stride) as usize..Flash::SIZE * 8).step_by(stride) {
+    for bit in (first(0, stride) as usize..PAGES * Flash::PAGE * 8).step_by(stride) {
         let mut flash = flash.clone();
         flash.turn_bit(bit);
         let up = power_up(&mut flash).offsets;

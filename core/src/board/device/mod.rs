@@ -144,6 +144,12 @@ impl Device {
         self.values.parameter_store.power_up(up.found, up.shelved);
         self.values.offset_store.power_up(&up.offsets);
         self.values.start = up.start;
+        self.values.set_erases(up.erases);
+    }
+
+    /// Takes how often each page of the storage has been erased. A warning is given where that is much.
+    pub fn set_erases(&mut self, erases: u32) {
+        self.values.set_erases(erases);
     }
 
     /// The state of the stored parameters, at power-up or after a later decision. The tick side withholds motion

@@ -343,6 +343,8 @@ objects! {
         set |values, value, _| values.recorder.threads.take(value);
     START = item(0x5043, 0, "Number of this start", U32, Read),
         get |values, _| values.start;
+    ERASES = item(0x5044, 0, "Erases of each page of the storage", U32, Read),
+        get |values, _| values.erases;
     SIGNALS = within(item(0x5060, 0, "Signals", U16, Both), 0, Signals::BITS | Signals::MIRRORED),
         get |values, _| values.snapshot.signals(),
         set |values, value, _| values.put_signals(value);

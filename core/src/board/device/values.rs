@@ -14,8 +14,9 @@ use super::protection::WriteProtection;
 use super::recorder::RunRecorder;
 use super::shelf::Shelf;
 use super::table::HISTORY;
-use crate::alarm::{Alarm, Code};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::board::kept::Kept;
+use crate::board::store::{GUARANTEED_ERASES, WORN};
 use crate::bus::{
     Beat, BoardBeat, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame,
     HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Order,
@@ -63,6 +64,8 @@ pub struct ObjectValues {
     pub serial: u32,
     /// Which of the board's starts this is, from 1; 0: not known.
     pub start: u32,
+    /// How often each page of the storage has been erased.
+    pub(super) erases: u32,
     /// The controller sends frames of CAN FD.
     pub sends_fd: bool,
     pub(super) log_from: u32,
@@ -198,6 +201,7 @@ impl ObjectValues {
             emcy: EmcyProducer::new(node),
             serial: 0,
             start: 0,
+            erases: 0,
             sends_fd: true,
             commands: Deque::new(),
             signals: None,
@@ -319,6 +323,17 @@ impl ObjectValues {
     pub fn warn(&mut self, code: Code) {
         let warning = Alarm::of(code, &[]);
         self.log.push(self.tick, &Event::Warning(warning));
+    }
+
+    /// Takes how often each page of the storage has been erased, and warns once where it is worn.
+    #[inline(never)]
+    pub fn set_erases(&mut self, erases: u32) {
+        if self.erases < WORN && erases >= WORN {
+            let figures = [erases, GUARANTEED_ERASES].map(|figure| Arg::Int(figure.into()));
+            let warning = Alarm::of(Code::StorageWorn, &figures);
+            self.log.push(self.tick, &Event::Warning(warning));
+        }
+        self.erases = erases;
     }
 
     /// A command for the tick. Where there is no room, the owner does not read the commands.

@@ -99,6 +99,10 @@ impl Machine for Bench {
         std::mem::take(&mut self.writing).then_some(Ok(()))
     }
 
+    fn erases(&mut self) -> Option<u32> {
+        None
+    }
+
     fn event(&mut self, event: &Event) {
         self.events.push(*event);
     }

@@ -12,7 +12,7 @@ use leadscrew_store::{BUFFER, Store};
 
 const WORD: usize = 8;
 const PAGE: usize = 4096;
-const SIZE: usize = 8 * PAGE;
+const SIZE: usize = 32 * PAGE;
 
 /// The mark before a flash that was erased once; memory at power-up does not look like it.
 const MARK: u64 = 0x4C53_464C_4153_4831;
@@ -134,11 +134,11 @@ impl RamFlash {
         self.store()?.read(region, buffer)
     }
 
-    /// Stores the request's data.
-    ///
-    /// # Errors
-    /// As [`Store::keep`].
-    pub fn write(&mut self, request: &StoreRequest<'_>) -> Result<(), StoreError> {
-        self.store()?.keep(request)
+    /// Stores the request's data, as [`Store::keep`]. Gives also how often each page has been erased, where it is more.
+    pub fn write(&mut self, request: &StoreRequest<'_>) -> (Result<(), StoreError>, Option<u32>) {
+        match self.store() {
+            Ok(mut store) => (store.keep(request), store.more_erases()),
+            Err(error) => (Err(error), None),
+        }
     }
 }

@@ -34,6 +34,7 @@ pub struct Outside {
     asked: Producer<'static, Frame>,
     flash: RamFlash,
     result: Option<Result<(), StoreError>>,
+    erases: Option<u32>,
     /// The gateway was heard since the last question.
     beat: bool,
     /// The times of other parameters that have come into force.
@@ -58,6 +59,7 @@ impl Outside {
             asked,
             flash,
             result: None,
+            erases: None,
             beat: false,
             times: None,
             ms: 0,
@@ -159,11 +161,16 @@ impl Machine for Outside {
     }
 
     fn store(&mut self, request: &StoreRequest<'_>) {
-        self.result = Some(self.flash.write(request));
+        let (result, erases) = self.flash.write(request);
+        (self.result, self.erases) = (Some(result), erases);
     }
 
     fn stored(&mut self) -> Option<Result<(), StoreError>> {
         self.result.take()
+    }
+
+    fn erases(&mut self) -> Option<u32> {
+        self.erases.take()
     }
 
     fn load(&mut self, region: Region, then: &mut dyn FnMut(Held<'_>)) {

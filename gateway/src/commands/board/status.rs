@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use leadscrew_core::alarm::{Arg, Lang};
-use leadscrew_core::board::Interlocks;
+use leadscrew_core::board::{GUARANTEED_ERASES, Interlocks};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::{Interlock, OperatingMode};
@@ -31,6 +31,7 @@ pub fn status(global: &Global) -> Outcome {
     let mode = link.mode()?;
     let contacts = link.contacts()?;
     let journal = link.journal()?;
+    let erases = link.erases()?;
     let record = TapRecord::decode(&journal).ok().flatten();
     let node = link.node().get();
     let lang = global.lang();
@@ -93,11 +94,14 @@ pub fn status(global: &Global) -> Outcome {
             }
             json.text("interlocks", &names_of(contacts.interlocks));
             json.text("parameters", &format!("{:08x}", status.parameters));
+            json.integer("storage_erases", i64::from(erases));
+            json.integer("storage_erases_guaranteed", i64::from(GUARANTEED_ERASES));
             tapping::fields(record.as_ref(), json);
         });
     }
     let mut text = words(&status, mode, node, lang);
     text.push_str(&contact_words(&contacts, lang));
+    text.push_str(&wear_words(erases, lang));
     if let Some(alarm) = alarm {
         text.push_str(&format!(
             "{:04} {}\n     {}\n",
@@ -148,6 +152,19 @@ fn contact_words(contacts: &MachineContacts, lang: Lang) -> String {
         text.push_str(line.get(lang));
     }
     text
+}
+
+/// How far the storage is worn, from one per cent on.
+fn wear_words(erases: u32, lang: Lang) -> String {
+    let percent = erases / (GUARANTEED_ERASES / 100);
+    if percent == 0 {
+        return String::new();
+    }
+    let line = both!(
+        "storage: each page erased {erases} times, {percent} % of the {GUARANTEED_ERASES} that are guaranteed\n",
+        "存储器：每页已擦除 {erases} 次，为保证次数 {GUARANTEED_ERASES} 的 {percent} %\n"
+    );
+    line.get(lang).to_owned()
 }
 
 /// Names the other boards on the bus.

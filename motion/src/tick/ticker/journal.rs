@@ -105,11 +105,16 @@ impl Journal {
         self.waited = 0;
     }
 
-    /// Changes the entry of the same hole, in place, because an entry is large. False where there is none.
+    /// Changes the entry of the same hole, in place, because an entry is large. False where there is none. One that would
+    /// say the same again is not made: each wears the storage.
     fn renew(&mut self, in_hole: bool, stand: &Stand) -> bool {
         let Some(record) = &mut self.record else {
             return false;
         };
+        let is_at = record.position == record.hole.axis.of(stand.position);
+        if record.in_hole == in_hole && is_at && record.angle == stand.angle {
+            return true;
+        }
         record.sequence = record.sequence.wrapping_add(1);
         record.in_hole = in_hole;
         record.position = record.hole.axis.of(stand.position);
@@ -327,16 +332,10 @@ impl Ticker {
     /// Notes a stop: the position, if the hole has begun; otherwise that no tap is in it.
     pub(super) fn note_stop(&mut self) {
         self.journal.part = None;
-        let record = self.journal.record.as_ref();
-        let Some(record) = record.filter(|record| record.in_hole) else {
+        if !self.journal.has_hole() {
             return;
-        };
-        let stand = self.stand();
-        let begun = self.journal.begun;
-        let same =
-            record.position == record.hole.axis.of(stand.position) && record.angle == stand.angle;
-        if !begun || !same {
-            self.journal.renew(begun, &stand);
         }
+        let stand = self.stand();
+        self.journal.renew(self.journal.begun, &stand);
     }
 }

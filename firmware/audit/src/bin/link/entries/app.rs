@@ -83,6 +83,10 @@ impl Machine for Anything {
         any::<bool>().then(|| if any() { Ok(()) } else { Err(any()) })
     }
 
+    fn erases(&mut self) -> Option<u32> {
+        any::<bool>().then(any)
+    }
+
     fn load(&mut self, region: Region, then: &mut dyn FnMut(Held<'_>)) {
         sink(region);
         let bytes: [u8; Region::LONGEST] = any();
