@@ -305,7 +305,6 @@ fn a_write_looks_at_a_few_pages_however_old_what_it_moves_is() {
             up = up.max(read.take());
             assert_ne!(store.count_start(), 0);
             most = most.max(read.get());
-            drop(store);
             rounds += flash.erases() - before;
         }
     }
