@@ -68,6 +68,8 @@ pub struct Store<F: NorFlash> {
     map: Map<F>,
     /// Erases of all pages, where they have become more and nobody has asked.
     erases: Option<u32>,
+    /// The pages are those of another ring: they are neither read nor written.
+    is_foreign: bool,
 }
 
 impl<F: NorFlash> Store<F> {
@@ -86,6 +88,7 @@ impl<F: NorFlash> Store<F> {
         Ok(Self {
             map: MapStorage::new(Patient::new(flash), config, places),
             erases: None,
+            is_foreign: false,
         })
     }
 
@@ -131,8 +134,9 @@ impl<F: NorFlash> Store<F> {
         up
     }
 
-    /// How often each page has been erased, by what has been counted; 0 also where the count cannot be read. The pages are
-    /// used in turn, so that none has been erased more often than that.
+    /// How often each page has been erased since the storage was erased as a whole, by what has been counted; 0 also where
+    /// the count cannot be read. The pages are used in turn, so that none has been erased more often than that, but for one
+    /// or two that a loss of power and its repair add.
     #[inline(never)]
     pub fn erases(&mut self) -> u32 {
         let pages = self.number(Region::Erases).unwrap_or(0);
@@ -228,6 +232,9 @@ impl<F: NorFlash> Store<F> {
         key: u8,
         buffer: &'b mut [u8; BUFFER],
     ) -> Result<Option<&'b [u8]>, StoreError> {
+        if self.is_foreign {
+            return Err(StoreError::Damaged);
+        }
         let fetched = block_on(self.map.fetch_item::<&[u8]>(buffer, &key));
         fetched.map_err(|error| reason(&error))
     }
@@ -235,6 +242,9 @@ impl<F: NorFlash> Store<F> {
     /// The buffer is on the stack for as long as it is needed.
     #[inline(never)]
     fn put<'d, V: Value<'d>>(&mut self, region: Region, value: &V) -> Result<(), StoreError> {
+        if self.is_foreign {
+            return Err(StoreError::Damaged);
+        }
         let mut buffer = [0; BUFFER];
         let stored = block_on(self.map.store_item(&mut buffer, &region.key(), value));
         stored.map_err(|error| reason(&error))

@@ -13,8 +13,10 @@
 //! - a move is ended by erasing the source, or, where the target lacks something, the target;
 //! - where all pages look closed, one of them is a target that was being erased. It has nothing but copies.
 //!
-//! Erased pages lie behind each other in the ring. Where they do not, the pages were once a ring of fewer: what was kept
-//! in that one would not be found, or an older value of it. That is told as damage, and nothing is changed.
+//! Erased pages lie behind each other in the ring, and behind the page in use. Where they do not, the pages were once a ring
+//! of fewer: what was kept in that one would not be found, or an older value of it. That is told as damage; from then on
+//! nothing is read and nothing is changed, so that the image for that ring still finds everything. (An erase that was cut
+//! has been ended by then.)
 
 use embedded_storage::nor_flash::NorFlash;
 use sequential_storage::cache::{Cache, Uncached};
@@ -68,7 +70,8 @@ impl<F: NorFlash> Store<F> {
     #[inline(never)]
     fn end_all(&mut self) -> Result<(), StoreError> {
         let used = self.end_erases()?;
-        if !self.is_one_ring()? {
+        if !self.is_one_ring(used)? {
+            self.is_foreign = true;
             return Err(StoreError::Damaged);
         }
         match used {
@@ -107,17 +110,26 @@ impl<F: NorFlash> Store<F> {
         Ok(found)
     }
 
-    /// True where the erased pages lie behind each other. A page that is not erased has its mark now.
-    fn is_one_ring(&mut self) -> Result<bool, StoreError> {
+    /// True where the erased pages lie behind each other, right behind the page in use. Only in a move that is half done is
+    /// the page behind it not erased, and then none is.
+    fn is_one_ring(&mut self, used: Use) -> Result<bool, StoreError> {
         let end = self.map.flash_range().end;
-        let mut before = self.is_marked(end.saturating_sub(F::ERASE_SIZE as u32))?;
-        let mut gaps = 0_u8;
+        let first = self.is_marked(0)?;
+        let last = self.is_marked(end.saturating_sub(F::ERASE_SIZE as u32))?;
+        let (mut before, mut gaps, mut erased) = (last, 0_u32, 0_u32);
         for page in self.pages() {
-            let used = self.is_marked(page)?;
-            gaps = gaps.saturating_add(u8::from(before && !used));
-            before = used;
+            let marked = self.is_marked(page)?;
+            gaps = gaps.saturating_add(u32::from(before && !marked));
+            erased = erased.saturating_add(u32::from(!marked));
+            before = marked;
         }
-        Ok(gaps <= 1)
+        let follow = match used {
+            Use::Page(page) => erased == 0 || !self.is_marked(self.after(page))?,
+            // A ring that has gone round has one erased page, and one that has not begins at the first page.
+            Use::None => erased <= 1 || first || !last,
+            Use::AllClosed => true,
+        };
+        Ok(gaps <= 1 && follow)
     }
 
     /// Erases the source where all of it that counts is on other pages, else the target. The source of a target that

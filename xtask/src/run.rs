@@ -48,6 +48,13 @@ pub fn seed(command: &mut Command) {
     );
 }
 
+/// What this thread starts from now on takes the processors only while others do not want them: tests that wait for machines
+/// in real time beside it then find a quiet computer.
+pub fn give_way() {
+    // Where this is refused, the others have to share.
+    let _ = rustix::process::nice(10);
+}
+
 /// Builds programs of the workspace, given as `--bin` or `--example`; gives their folder. The build selects from the
 /// whole workspace, so the programs share all libraries with the tests. With `--package` some libraries would have
 /// other features and be built again.

@@ -276,13 +276,19 @@ impl Link {
         u32::try_from(raw).map_err(|_| self.strange(START))
     }
 
-    /// How often each page of its storage has been erased.
+    /// How often each page of its storage has been erased; `None` of a board that does not count.
     ///
     /// # Errors
     /// The board does not answer.
-    pub fn erases(&mut self) -> LinkResult<u32> {
-        let raw = self.read_number(ERASES)?;
-        u32::try_from(raw).map_err(|_| self.strange(ERASES))
+    pub fn erases(&mut self) -> LinkResult<Option<u32>> {
+        match self.read_number(ERASES) {
+            Ok(raw) => {
+                let erases = u32::try_from(raw);
+                erases.map(Some).map_err(|_| self.strange(ERASES))
+            }
+            Err(Trouble::Transfer { .. }) => Ok(None),
+            Err(trouble) => Err(trouble),
+        }
     }
 
     /// CRC-32 of the parameter set in force.

@@ -148,7 +148,7 @@ fn flash_that_fails_and_flash_that_is_worn_stop_a_tap_before_its_hole() {
     );
     // Short holes, more of them than the pages take that are there.
     let mut holes = String::from("G98 G0 X50 Z1\nM29 S1000\nG84 Z-1 R-1 F2000\n");
-    for n in 0..320 {
+    for n in 0..560 {
         holes.push_str(if n % 2 == 0 { "X51\n" } else { "X50\n" });
     }
     holes.push_str("G80\nM30\n");

@@ -7,6 +7,8 @@ use anyhow::{Result, bail};
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::TimeVal;
 
+use crate::run;
+
 /// Measures the time of each step, and knows which ones failed.
 #[derive(Default)]
 pub struct Clock {
@@ -40,8 +42,8 @@ impl Clock {
         self.note(name, result);
     }
 
-    /// Runs two rows of steps at once where there are two cores; otherwise one after the other. Output of one may stand
-    /// in the middle of that of the other.
+    /// Runs two rows of steps at once where there are two cores, and the second gives way to the first; otherwise one after
+    /// the other. Output of one may stand in the middle of that of the other.
     pub fn rows(
         &mut self,
         name: &'static str,
@@ -56,7 +58,10 @@ impl Clock {
                 return Ok(());
             }
             thread::scope(|scope| {
-                let second = scope.spawn(|| second(&mut other));
+                let second = scope.spawn(|| {
+                    run::give_way();
+                    second(&mut other);
+                });
                 first(&mut one);
                 let ended = second.join();
                 ended.or_else(|_| bail!("a step that ran beside another has panicked"))

@@ -2,7 +2,7 @@
 //!
 //! Cargo runs one program of tests after the other, and a core is idle while the last test of one takes long. Here as
 //! many programs run at once as there are cores, those that take longest first, and what a program printed is shown when
-//! it has ended. Beside them runs the program whose tests wait for machines.
+//! it has ended. Beside them runs the program whose tests wait for machines; the others give way to it.
 
 use std::collections::VecDeque;
 use std::io::{PipeReader, Read, pipe};
@@ -83,6 +83,7 @@ pub fn run(counts: &mut Counts) -> Result<()> {
         let mut workers = vec![scope.spawn(|| run_one(of_machines).map(end))];
         for _ in 0..cores {
             workers.push(scope.spawn(|| {
+                run::give_way();
                 while let Some(program) = next() {
                     end(run_one(program)?);
                 }

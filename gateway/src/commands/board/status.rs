@@ -94,14 +94,17 @@ pub fn status(global: &Global) -> Outcome {
             }
             json.text("interlocks", &names_of(contacts.interlocks));
             json.text("parameters", &format!("{:08x}", status.parameters));
-            json.integer("storage_erases", i64::from(erases));
+            match erases {
+                Some(erases) => json.integer("storage_erases", i64::from(erases)),
+                None => json.null("storage_erases"),
+            }
             json.integer("storage_erases_guaranteed", i64::from(GUARANTEED_ERASES));
             tapping::fields(record.as_ref(), json);
         });
     }
     let mut text = words(&status, mode, node, lang);
     text.push_str(&contact_words(&contacts, lang));
-    text.push_str(&wear_words(erases, lang));
+    text.push_str(&wear_words(erases.unwrap_or(0), lang));
     if let Some(alarm) = alarm {
         text.push_str(&format!(
             "{:04} {}\n     {}\n",
