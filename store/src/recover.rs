@@ -13,10 +13,10 @@
 //! - a move is ended by erasing the source, or, where the target lacks something, the target;
 //! - where all pages look closed, one of them is a target that was being erased. It has nothing but copies.
 //!
-//! Erased pages lie behind each other in the ring, and behind the page in use. Where they do not, the pages were once a ring
-//! of fewer: what was kept in that one would not be found, or an older value of it. That is told as damage; from then on
-//! nothing is read and nothing is changed, so that the image for that ring still finds everything. (An erase that was cut
-//! has been ended by then.)
+//! Erased pages lie behind each other in the ring, and behind the page in use. Where they do not, the pages were once a
+//! ring of fewer: what was kept in that one would not be found, or an older value of it. That is told as damage; from then
+//! on nothing is read and nothing is changed, so that the image for that ring still finds everything. (An erase that was
+//! cut has been ended by then.)
 
 use embedded_storage::nor_flash::NorFlash;
 use sequential_storage::cache::{Cache, Uncached};

@@ -48,8 +48,8 @@ pub fn seed(command: &mut Command) {
     );
 }
 
-/// What this thread starts from now on takes the processors only while others do not want them: tests that wait for machines
-/// in real time beside it then find a quiet computer.
+/// What this thread starts from now on takes the processors only while others do not want them: tests that wait for
+/// machines in real time beside it then find a quiet computer.
 pub fn give_way() {
     // Where this is refused, the others have to share.
     let _ = rustix::process::nice(10);
