@@ -2,7 +2,7 @@
 //!
 //! Cargo runs one program of tests after the other, and a core is idle while the last test of one takes long. Here as
 //! many programs run at once as there are cores, those that take longest first, and what a program printed is shown when
-//! it has ended. Beside them runs the program whose tests wait for machines; the others give way to it.
+//! it has ended. Before them, alone, runs the program whose tests start machines and wait for them in real time.
 
 use std::collections::VecDeque;
 use std::io::{PipeReader, Read, pipe};
@@ -22,8 +22,11 @@ use crate::run;
 const THREADS: &str = "RUST_TEST_THREADS";
 /// Tests with processes and time-outs mostly wait, so that a core has time for several of them.
 const THREADS_PER_PROGRAM: usize = 4;
+/// The same of the tests of machines, which have the computer for themselves.
+const THREADS_OF_MACHINES: usize = 8;
 
-/// The tests that start machines and wait for them most of their time. They need a tenth of a core.
+/// The tests that start machines and wait for them most of their time. Beside programs that compute, a machine that runs
+/// in real time answers too late.
 const OF_MACHINES: &str = "leadscrew desk";
 /// Those that take longest in full volume, each with a tail in which one test runs alone.
 const LONG: [&str; 8] = [
@@ -79,13 +82,13 @@ pub fn run(counts: &mut Counts) -> Result<()> {
         queue.pop_front()
     };
     let cores = thread::available_parallelism()?.get();
+    end(run_one(of_machines, THREADS_OF_MACHINES)?);
     thread::scope(|scope| -> Result<()> {
-        let mut workers = vec![scope.spawn(|| run_one(of_machines).map(end))];
+        let mut workers = Vec::new();
         for _ in 0..cores {
             workers.push(scope.spawn(|| {
-                run::give_way();
                 while let Some(program) = next() {
-                    end(run_one(program)?);
+                    end(run_one(program, THREADS_PER_PROGRAM)?);
                 }
                 Ok(())
             }));
@@ -173,25 +176,26 @@ fn package_name(identity: &str) -> &str {
     }
 }
 
-fn run_one(program: Program) -> Result<Ran> {
+fn run_one(program: Program, threads: usize) -> Result<Ran> {
     let mut command = run::command(&program.folder, &program.file.to_string_lossy(), &[]);
     run::seed(&mut command);
     // As cargo does: the command that repeats a failure has it.
     command.env("CARGO_PKG_NAME", &program.package);
-    ran(program.name, command)
+    ran(program.name, command, threads)
 }
 
 /// The examples in the documentation of all libraries. Rustdoc builds and runs them.
 fn examples_of_documentation() -> Result<Ran> {
     let args = ["test", "--workspace", "--doc", "--no-fail-fast"];
     let command = run::cargo(&run::root(), &[&args[..], &["--color", "never"]].concat());
-    ran("examples in the documentation".to_owned(), command)
+    let name = "examples in the documentation".to_owned();
+    ran(name, command, THREADS_PER_PROGRAM)
 }
 
 /// Runs a program to its end. Its output and what it says beside it are one text.
-fn ran(name: String, mut command: Command) -> Result<Ran> {
+fn ran(name: String, mut command: Command, threads: usize) -> Result<Ran> {
     if std::env::var_os(THREADS).is_none() {
-        command.env(THREADS, THREADS_PER_PROGRAM.to_string());
+        command.env(THREADS, threads.to_string());
     }
     let started = Instant::now();
     let (mut reader, writer): (PipeReader, _) = pipe()?;
