@@ -19,7 +19,7 @@ const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000
                     G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
 
 /// Ticks after which a machine that does not come to its end is given up.
-const LIMIT: u64 = 150_000;
+const LIMIT: u64 = 300_000;
 
 /// Runs the program with these options and without a gateway, in virtual time: exit code and words.
 fn alone(text: &str, options: &[&str]) -> (Option<i32>, String) {
