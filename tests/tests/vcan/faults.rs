@@ -19,7 +19,7 @@ const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000
                     G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
 
 /// Ticks after which a machine that does not come to its end is given up.
-const LIMIT: u64 = 300_000;
+const LIMIT: u64 = 150_000;
 
 /// Runs the program with these options and without a gateway, in virtual time: exit code and words.
 fn alone(text: &str, options: &[&str]) -> (Option<i32>, String) {
@@ -137,7 +137,7 @@ fn every_option_has_its_alarm_or_none() {
 }
 
 #[test]
-fn flash_that_fails_and_flash_that_is_worn_stop_a_tap_before_its_hole() {
+fn flash_that_fails_stops_a_tap_before_its_hole() {
     let tap = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-12 R-5 F2000\nG80\nM30\n";
     assert_eq!(alone(tap, &[]).0, Some(0));
     let (code, said) = alone(tap, &["--flash-fails", "0"]);
@@ -146,22 +146,6 @@ fn flash_that_fails_and_flash_that_is_worn_stop_a_tap_before_its_hole() {
         said.contains("the tap journal could not be written"),
         "{said}"
     );
-    // Short holes, more of them than the pages take that are there.
-    let mut holes = String::from("G98 G0 X50 Z1\nM29 S1000\nG84 Z-1 R-1 F2000\n");
-    for n in 0..560 {
-        holes.push_str(if n % 2 == 0 { "X51\n" } else { "X50\n" });
-    }
-    holes.push_str("G80\nM30\n");
-    let (code, said) = alone(&holes, &["--flash-worn", "0"]);
-    assert_eq!(code, Some(4), "{said}");
-    let alarm = said.lines().find(|line| line.contains("alarm: "));
-    let alarm = alarm.unwrap_or_else(|| panic!("{said}"));
-    assert!(
-        alarm.contains("the tap journal could not be written"),
-        "{said}"
-    );
-    // Not the first hole, in line 3, is the one that finds no place.
-    assert!(!alarm.contains("faults.nc:3:"), "{said}");
 }
 
 /// A parameter set that is torn on its way into the flash, at its beginning, in the middle and near its end.
