@@ -79,6 +79,8 @@ pub mod plane;
 #[cfg(test)]
 mod random;
 pub mod reader;
+#[cfg(test)]
+mod reading;
 pub mod roughing;
 pub mod statement;
 pub mod steps;

@@ -7,42 +7,20 @@ mod system_variables;
 
 use leadscrew_core::alarm::{Alarm, Arg};
 use leadscrew_core::call::{CallKind, CutIn, Infeed, ThreadCall};
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options};
 
 use super::{Control, Named, named};
-use crate::flow::{Rules, Trouble};
+use crate::flow::Rules;
 use crate::reader::Reader;
+use crate::reading::{Outcome, read_on, with};
 use crate::variables::Kept;
 
 fn machine(sets: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
-    for (key, raw) in sets {
-        params.set(Entry::find_text(key).unwrap(), *raw).unwrap();
-    }
-    params
+    with(Params::slant_bed(), sets)
 }
 
-fn read_on(params: &Params, control: Control, text: &str) -> (Vec<Event>, Option<Alarm>) {
-    let rules = Rules {
-        control,
-        ..Rules::default()
-    };
-    let text = text.replace(';', "\n");
-    let (options, kept) = (Options::default(), Kept::default());
-    let mut reader = Reader::new(text.as_bytes(), params, options, kept, rules);
-    let mut events = Vec::new();
-    while !reader.is_over() {
-        match reader.step(&mut |event| events.push(event)) {
-            Ok(()) => {}
-            Err(Trouble::Alarm(alarm)) => return (events, Some(alarm)),
-            Err(Trouble::Unreadable(error)) => panic!("{error}"),
-        }
-    }
-    (events, None)
-}
-
-fn read(control: Control, text: &str) -> (Vec<Event>, Option<Alarm>) {
+fn read(control: Control, text: &str) -> Outcome {
     read_on(&machine(&[]), control, text)
 }
 

@@ -1,38 +1,17 @@
 //! Drilling against move lists worked out by hand.
 
-use leadscrew_core::alarm::{Alarm, Arg};
-use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::{Event, Options};
+use leadscrew_core::alarm::Arg;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
 
 use super::{Hole, Step};
 use crate::dialect::Control;
-use crate::flow::{Rules, Trouble};
 use crate::path::tests::moves_of;
-use crate::reader::Reader;
-use crate::variables::Kept;
+use crate::reading::{Outcome, read_on, with};
 
-fn read_with(sets: &[(&str, i64)], control: Control, text: &str) -> (Vec<Event>, Option<Alarm>) {
-    let mut params = Params::slant_bed();
-    for (key, raw) in sets {
-        params.set(Entry::find_text(key).unwrap(), *raw).unwrap();
-    }
-    let rules = Rules {
-        control,
-        ..Rules::default()
-    };
-    let text = text.replace(';', "\n");
-    let (options, kept) = (Options::default(), Kept::default());
-    let mut reader = Reader::new(text.as_bytes(), &params, options, kept, rules);
-    let mut events = Vec::new();
-    while !reader.is_over() {
-        match reader.step(&mut |event| events.push(event)) {
-            Ok(()) => {}
-            Err(Trouble::Alarm(alarm)) => return (events, Some(alarm)),
-            Err(Trouble::Unreadable(error)) => panic!("{error}"),
-        }
-    }
-    (events, None)
+fn read_with(sets: &[(&str, i64)], control: Control, text: &str) -> Outcome {
+    read_on(&with(Params::slant_bed(), sets), control, text)
 }
 
 #[track_caller]

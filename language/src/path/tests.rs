@@ -1,45 +1,30 @@
 //! Programs with corners and the round nose, as moves.
 
-use leadscrew_core::alarm::Alarm;
 use leadscrew_core::call::{Aux, CallKind};
-use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::{Event, Options};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::Event;
 use leadscrew_core::units::Length;
 
-use crate::flow::{Rules, Trouble};
-use crate::reader::Reader;
-use crate::variables::Kept;
+use crate::dialect::Control;
+use crate::reading::{Outcome, read_on, with};
 
 /// A machine of 0.001 mm whose tool 3 has a nose of 0.4 mm with tip direction 3, and whose tool 4 is a bar of 0.8 mm with
 /// direction 2.
 fn machine() -> Params {
-    let mut params = Params::sheets();
-    for (key, raw) in [
-        ("1004.1", 0),
-        ("nose_radius_3", 400_000),
-        ("nose_direction_3", 3),
-        ("nose_radius_4", 800_000),
-        ("nose_direction_4", 2),
-    ] {
-        params.set(Entry::find_text(key).unwrap(), raw).unwrap();
-    }
-    params
+    with(
+        Params::sheets(),
+        &[
+            ("1004.1", 0),
+            ("nose_radius_3", 400_000),
+            ("nose_direction_3", 3),
+            ("nose_radius_4", 800_000),
+            ("nose_direction_4", 2),
+        ],
+    )
 }
 
-fn read(text: &str) -> (Vec<Event>, Option<Alarm>) {
-    let params = machine();
-    let mut events = Vec::new();
-    let (kept, rules) = (Kept::default(), Rules::default());
-    let text = text.replace(';', "\n");
-    let mut reader = Reader::new(text.as_bytes(), &params, Options::default(), kept, rules);
-    while !reader.is_over() {
-        match reader.step(&mut |event| events.push(event)) {
-            Ok(()) => {}
-            Err(Trouble::Alarm(alarm)) => return (events, Some(alarm)),
-            Err(Trouble::Unreadable(error)) => panic!("{error}"),
-        }
-    }
-    (events, None)
+fn read(text: &str) -> Outcome {
+    read_on(&machine(), Control::default(), text)
 }
 
 fn mm(length: Length) -> String {

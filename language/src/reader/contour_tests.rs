@@ -3,36 +3,17 @@
 use super::*;
 use crate::figures::Chance;
 use crate::path::tests::moves_of;
-use leadscrew_core::params::Entry;
+use crate::reading::{Outcome, read_on, with};
 
 /// A machine whose tool 3 has a nose of 0.4 mm with tip direction 3.
 fn machine() -> Params {
-    let mut params = Params::sheets();
-    for (key, raw) in [("nose_radius_3", 400_000), ("nose_direction_3", 3)] {
-        let entry = Entry::find_text(key).expect("the parameter exists");
-        params.set(entry, raw).expect("within its range");
-    }
-    params
+    let nose = [("nose_radius_3", 400_000), ("nose_direction_3", 3)];
+    with(Params::sheets(), &nose)
 }
 
 /// What a program does, with `;` between its lines, and the alarm that ends it.
-fn read(control: Control, text: &str) -> (Vec<Event>, Option<Alarm>) {
-    let (params, kept) = (machine(), Kept::default());
-    let rules = Rules {
-        control,
-        ..Rules::default()
-    };
-    let text = text.replace(';', "\n");
-    let mut events = Vec::new();
-    let mut reader = Reader::new(text.as_bytes(), &params, Options::default(), kept, rules);
-    while !reader.is_over() {
-        match reader.step(&mut |event| events.push(event)) {
-            Ok(()) => {}
-            Err(Trouble::Alarm(alarm)) => return (events, Some(alarm)),
-            Err(Trouble::Unreadable(error)) => panic!("{error}"),
-        }
-    }
-    (events, None)
+fn read(control: Control, text: &str) -> Outcome {
+    read_on(&machine(), control, text)
 }
 
 /// The events of a program without an alarm.

@@ -28,6 +28,12 @@ pub(super) fn blanked(text: &[u8], letter: u8) -> Vec<u8> {
 
 /// Where the words of a letter begin.
 fn places(text: &[u8], letter: u8) -> impl Iterator<Item = usize> {
+    let words = words(text).filter(move |(_, found)| *found == letter);
+    words.map(|(at, _)| at)
+}
+
+/// Where the words of a plain text begin, each with its letter; those in its comments are none.
+fn words(text: &[u8]) -> impl Iterator<Item = (usize, u8)> {
     let mut depth = 0_u32;
     text.iter().enumerate().filter_map(move |(at, byte)| {
         match byte {
@@ -35,7 +41,8 @@ fn places(text: &[u8], letter: u8) -> impl Iterator<Item = usize> {
             b')' => depth = depth.saturating_sub(1),
             _ => {}
         }
-        (depth == 0 && byte.eq_ignore_ascii_case(&letter)).then_some(at)
+        let letter = byte.to_ascii_uppercase();
+        (depth == 0 && letter.is_ascii_uppercase()).then_some((at, letter))
     })
 }
 
@@ -53,14 +60,5 @@ fn word_end(text: &[u8], from: usize) -> usize {
 
 /// The letters of the words of a plain text, without its comments.
 pub(super) fn letters(text: &[u8]) -> impl Iterator<Item = u8> {
-    let mut depth = 0_u32;
-    text.iter().filter_map(move |byte| {
-        match byte {
-            b'(' => depth += 1,
-            b')' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        let letter = byte.to_ascii_uppercase();
-        (depth == 0 && letter.is_ascii_uppercase()).then_some(letter)
-    })
+    words(text).map(|(_, letter)| letter)
 }

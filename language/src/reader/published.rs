@@ -1,6 +1,7 @@
 //! What programs write that were published for other controls: each does what the same program in plain words does.
 
 use super::*;
+use crate::reading;
 use leadscrew_core::params::Entry;
 
 /// Calls as text, warnings by number, and the alarm at the end: number, line, column.
@@ -12,29 +13,16 @@ fn read(control: Control, params: &Params, text: &str) -> Told {
         control,
         ..Rules::default()
     };
-    let mut reader = Reader::new(
-        text.as_bytes(),
-        params,
-        Options::default(),
-        Kept::default(),
-        rules,
-    );
+    let (events, alarm) = reading::read(text, params, Options::default(), rules);
     let (mut calls, mut warnings) = (Vec::new(), Vec::new());
-    while !reader.is_over() {
-        let stepped = reader.step(&mut |event| match event {
+    for event in events {
+        match event {
             Event::Call(call) => calls.push(without_places(&call.kind)),
             Event::Warning(warning) => warnings.push(warning.number()),
-        });
-        match stepped {
-            Ok(()) => {}
-            Err(Trouble::Alarm(alarm)) => {
-                let place = (alarm.number(), alarm.span.line, alarm.span.column);
-                return (calls, warnings, Some(place));
-            }
-            Err(Trouble::Unreadable(error)) => panic!("{error}"),
         }
     }
-    (calls, warnings, None)
+    let place = |alarm: Alarm| (alarm.number(), alarm.span.line, alarm.span.column);
+    (calls, warnings, alarm.map(place))
 }
 
 /// A call as text, without the places of its words.

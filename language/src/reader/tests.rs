@@ -1,32 +1,23 @@
 //! Programs against the calls of the core.
 
 use super::*;
+use crate::reading::{self, Outcome};
 use leadscrew_core::alarm::Arg;
 use leadscrew_core::call::Position;
 use leadscrew_core::offsets::Offsets;
 use leadscrew_core::program::Events;
 use leadscrew_core::units::{Angle, Length};
 
-fn read_with(text: &str, params: &Params, options: Options) -> (Vec<Event>, Option<Alarm>) {
-    let mut events = Vec::new();
-    let (kept, rules) = (Kept::default(), Rules::default());
-    let mut reader = Reader::new(text.as_bytes(), params, options, kept, rules);
-    while !reader.is_over() {
-        match reader.step(&mut |event| events.push(event)) {
-            Ok(()) => {}
-            Err(Trouble::Alarm(alarm)) => return (events, Some(alarm)),
-            Err(Trouble::Unreadable(error)) => panic!("{error}"),
-        }
-    }
-    (events, None)
+fn read_with(text: &str, params: &Params, options: Options) -> Outcome {
+    reading::read(text, params, options, Rules::default())
 }
 
-fn read(text: &str) -> (Vec<Event>, Option<Alarm>) {
+fn read(text: &str) -> Outcome {
     read_with(text, &Params::sheets(), Options::default())
 }
 
 /// The same by the core alone.
-fn alone(text: &str, params: &Params, options: Options) -> (Vec<Event>, Option<Alarm>) {
+fn alone(text: &str, params: &Params, options: Options) -> Outcome {
     let mut events = Vec::new();
     for event in Events::new(text.as_bytes(), params, options) {
         match event {
