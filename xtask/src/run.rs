@@ -67,24 +67,22 @@ pub fn programs(which: &[&str]) -> Result<PathBuf> {
 /// Builds the tests of the feature with this name; gives the path of the program.
 pub fn test_program(name: &str) -> Result<PathBuf> {
     let feature = format!("leadscrew-tests/{name}");
-    let build = [
-        "test",
-        "--quiet",
-        "--workspace",
-        "--test",
-        name,
-        "--features",
-        &feature,
-        "--no-run",
-        "--message-format",
-        "json",
-    ];
-    let told = read(cargo(&root(), &build))?;
-    told.lines()
-        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+    built_tests(&["--quiet", "--test", name, "--features", &feature])?
+        .iter()
         .find(|message| message["target"]["name"] == name && message["executable"].is_string())
         .and_then(|message| message["executable"].as_str().map(PathBuf::from))
         .with_context(|| format!("cargo named no program of the tests `{name}`"))
+}
+
+/// Builds tests of the workspace; gives what cargo tells of each part.
+pub fn built_tests(which: &[&str]) -> Result<Vec<serde_json::Value>> {
+    let build = ["test", "--workspace", "--no-run"];
+    let told = ["--message-format", "json-render-diagnostics"];
+    let told = answer(cargo(&root(), &[&build[..], &told, which].concat()))?;
+    let messages = told.lines().map(serde_json::from_str);
+    messages
+        .collect::<Result<_, _>>()
+        .context("cargo told what is not JSON")
 }
 
 /// What cargo says of a workspace. The lock file stays as it is.

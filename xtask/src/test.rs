@@ -108,8 +108,9 @@ pub fn test() -> Result<()> {
     if !full {
         println!("\n{NOT_RUN}\n");
     }
-    let failed = counts.failed.max(clock.failures() as u64);
-    println!("{} passed, {failed} failed", counts.passed);
+    // A step without a count is one that failed.
+    counts.failed = counts.failed.max(clock.failures() as u64);
+    println!("{counts}");
     clock.end()
 }
 
@@ -163,27 +164,26 @@ fn core_alone() -> Result<()> {
 
 /// Runs only the tests on a CAN bus.
 pub fn vcan(filter: &str) -> Result<()> {
-    let mut counts = Counts::default();
-    on_a_bus(&mut counts, filter)?;
-    println!("{} passed, {} failed", counts.passed, counts.failed);
-    Ok(())
+    alone(|counts| on_a_bus(counts, filter))
 }
 
 /// Runs only the tests of both pages in a browser.
 pub fn page() -> Result<()> {
-    let mut counts = Counts::default();
-    page::check(&mut counts)?;
-    println!("{} passed, {} failed", counts.passed, counts.failed);
-    Ok(())
+    alone(page::check)
 }
 
 /// Runs only the tests of the emulated board.
 pub fn emulated(filter: &str) -> Result<()> {
-    let mut counts = Counts::default();
     setup::tools(&[setup::EMULATOR])?;
     target::ensure()?;
-    on_the_board(&mut counts, filter)?;
-    println!("{} passed, {} failed", counts.passed, counts.failed);
+    alone(|counts| on_the_board(counts, filter))
+}
+
+/// Runs these tests and prints their numbers.
+fn alone(tests: impl FnOnce(&mut Counts) -> Result<()>) -> Result<()> {
+    let mut counts = Counts::default();
+    tests(&mut counts)?;
+    println!("{counts}");
     Ok(())
 }
 

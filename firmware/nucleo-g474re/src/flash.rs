@@ -25,8 +25,8 @@ const PAGE: usize = 2 * CHIP_PAGE;
 const PAGES: usize = 32;
 /// Bytes of the chip's flash.
 const FLASH: u32 = 512 * 1024;
-/// Where the regions begin, from the beginning of the flash: they are its end. Many
-/// pages: each is erased the less often.
+/// Where the regions begin, from the beginning of the flash: they are its end. The more pages there are,
+/// the less often each is erased.
 const PLACE: u32 = FLASH - (PAGE * PAGES) as u32;
 /// The address of that.
 const START: u32 = 0x0800_0000 + PLACE;

@@ -376,6 +376,11 @@ fn pages_that_were_a_ring_of_fewer_are_read_whole_or_not_at_all() {
     bench.ask(1);
     bench.store(&mut small, 0);
     let (mut whole, mut told) = (0, 0);
+    let mut judge = |image: Flash, old| {
+        let has_all = has_all_or_tells(image, old);
+        whole += u32::from(has_all);
+        told += u32::from(!has_all);
+    };
     let stride = leadscrew_seed::amount(97, 13);
     for sequence in 3..=700_u32 {
         let before = small.clone();
@@ -383,10 +388,7 @@ fn pages_that_were_a_ring_of_fewer_are_read_whole_or_not_at_all() {
         let moved = small.erases() > before.erases();
         if moved || sequence.is_multiple_of(19) {
             let old = (in_force(&mut small), noted(&mut small));
-            match has_all_or_tells(flashed_over(&mut small), old) {
-                true => whole += 1,
-                false => told += 1,
-            }
+            judge(flashed_over(&mut small), old);
         }
         // The old board was halted anywhere in a move.
         let bytes = if moved {
@@ -403,10 +405,7 @@ fn pages_that_were_a_ring_of_fewer_are_read_whole_or_not_at_all() {
             // What the old image would find.
             power_up(&mut halted);
             let old = (in_force(&mut halted), noted(&mut halted));
-            match has_all_or_tells(image, old) {
-                true => whole += 1,
-                false => told += 1,
-            }
+            judge(image, old);
         }
     }
     assert!(whole > 20 && told > 20, "{whole} whole, {told} told");

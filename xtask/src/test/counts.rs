@@ -1,5 +1,7 @@
 //! The numbers of tests, as the programs of tests print them.
 
+use std::fmt;
+
 /// The tests that passed and those that failed.
 #[derive(Default)]
 pub struct Counts {
@@ -33,6 +35,13 @@ impl Counts {
     }
 }
 
+/// The line that a run ends with.
+impl fmt::Display for Counts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} passed, {} failed", self.passed, self.failed)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -45,5 +54,6 @@ mod tests {
         counts
             .take("test result: FAILED. 3 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out");
         assert_eq!((counts.passed, counts.failed), (15, 2));
+        assert_eq!(counts.to_string(), "15 passed, 2 failed");
     }
 }

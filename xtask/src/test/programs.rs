@@ -61,7 +61,8 @@ struct Ran {
 
 /// Builds, runs and counts all tests of the workspace, documentation examples included.
 pub fn run(counts: &mut Counts) -> Result<()> {
-    let mut programs = built()?;
+    let built = run::built_tests(&[])?;
+    let mut programs: Vec<Program> = built.iter().filter_map(program).collect();
     let of_machines = take(&mut programs, OF_MACHINES)?;
     let mut queue = VecDeque::new();
     for name in LONG {
@@ -136,17 +137,6 @@ fn take(programs: &mut Vec<Program>, name: &str) -> Result<Program> {
     let place = programs.iter().position(|program| program.name == name);
     let place = place.with_context(|| format!("no program of tests is named `{name}`"))?;
     Ok(programs.remove(place))
-}
-
-/// Builds all tests of the workspace; gives their programs.
-fn built() -> Result<Vec<Program>> {
-    let build = ["test", "--workspace", "--no-run"];
-    let told = ["--message-format", "json-render-diagnostics"];
-    let told = run::answer(run::cargo(&run::root(), &[&build[..], &told].concat()))?;
-    let messages = told
-        .lines()
-        .filter_map(|line| serde_json::from_str::<Value>(line).ok());
-    Ok(messages.filter_map(|message| program(&message)).collect())
 }
 
 /// The program in a message of cargo, where that tells of one.
