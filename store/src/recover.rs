@@ -48,6 +48,8 @@ enum Use {
     None,
     /// None, and all of them look closed.
     AllClosed,
+    /// Two that are not neighbours.
+    Apart,
 }
 
 /// A map for one look at some of the pages. It remembers no place: the next look is at others.
@@ -83,7 +85,7 @@ impl<F: NorFlash> Store<F> {
                 Ok(())
             }
             Use::AllClosed => self.open_a_target(),
-            Use::None => Ok(()),
+            Use::None | Use::Apart => Ok(()),
         }
     }
 
@@ -99,7 +101,10 @@ impl<F: NorFlash> Store<F> {
                     self.erase(first)?;
                     found = Use::Page(page);
                 }
-                (Page::Writing, Use::Page(_)) => self.erase(page)?,
+                (Page::Writing, Use::Page(first)) if self.after(first) == page => {
+                    self.erase(page)?
+                }
+                (Page::Writing, Use::Page(_)) => return Ok(Use::Apart),
                 (Page::Writing, _) => found = Use::Page(page),
                 (Page::Erased, _) => {}
             }
@@ -111,7 +116,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// True where the erased pages lie behind each other, right behind the page in use. Only in a move that is half done is
-    /// the page behind it not erased, and then none is.
+    /// the page behind it not erased, and then none is. Two pages in use are the target and the source of a move, neighbours.
     fn is_one_ring(&mut self, used: Use) -> Result<bool, StoreError> {
         let end = self.map.flash_range().end;
         let first = self.is_marked(0)?;
@@ -125,9 +130,11 @@ impl<F: NorFlash> Store<F> {
         }
         let follow = match used {
             Use::Page(page) => erased == 0 || !self.is_marked(self.after(page))?,
-            // A ring that has gone round has one erased page, and one that has not begins at the first page.
-            Use::None => erased <= 1 || first || !last,
+            // A ring that has gone round has one erased page, one that has not begins at the first page, and an empty one has
+            // no gap.
+            Use::None => erased <= 1 || first || gaps == 0,
             Use::AllClosed => true,
+            Use::Apart => false,
         };
         Ok(gaps <= 1 && follow)
     }

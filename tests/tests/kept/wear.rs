@@ -343,8 +343,22 @@ fn flashed_over(small: &mut Flash) -> Flash {
     flash
 }
 
+/// The last eight pages, for the image that has no more.
+fn flashed_back(flash: &mut Flash) -> Flash {
+    let mut small = Flash::with_pages(PAGES);
+    let place = (Flash::SIZE - PAGES * Flash::PAGE) as u32;
+    for at in (0..(PAGES * Flash::PAGE) as u32).step_by(Flash::WORD) {
+        let mut word = [0; Flash::WORD];
+        flash.read(place + at, &mut word).expect("readable");
+        if word != [0xFF; Flash::WORD] {
+            small.write(at, &word).expect("written");
+        }
+    }
+    small
+}
+
 /// Starts such a board again and again, and pushes a set: it has what the old image has, or it tells the damage and keeps
-/// its hands off. True where it has it.
+/// its hands off, and the old image finds everything. True where it has it.
 fn has_all_or_tells(mut flash: Flash, old: (Option<u32>, Option<u32>)) -> bool {
     let mut untouched = None;
     for _ in 0..4 {
@@ -366,6 +380,9 @@ fn has_all_or_tells(mut flash: Flash, old: (Option<u32>, Option<u32>)) -> bool {
         let found = leadscrew_board_sim::stored_tap(&mut flash).expect_err("an alarm");
         assert_eq!(found.code, Code::TapJournalDamaged);
     }
+    let mut small = flashed_back(&mut flash);
+    power_up(&mut small);
+    assert_eq!((in_force(&mut small), noted(&mut small)), old);
     false
 }
 
@@ -385,19 +402,22 @@ fn pages_that_were_a_ring_of_fewer_are_read_whole_or_not_at_all() {
     for sequence in 3..=700_u32 {
         let before = small.clone();
         note(&mut small, sequence).expect("written");
-        let moved = small.erases() > before.erases();
-        if moved || sequence.is_multiple_of(19) {
+        let bytes = small.written() - before.written();
+        // The page in use was full.
+        let turned = bytes > ENTRY;
+        if turned || sequence.is_multiple_of(19) {
             let old = (in_force(&mut small), noted(&mut small));
             judge(flashed_over(&mut small), old);
         }
-        // The old board was halted anywhere in a move.
-        let bytes = if moved {
-            small.written() - before.written()
-        } else {
-            0
-        };
-        for cut in (first(sequence as usize, stride)..bytes).step_by(stride) {
+        if !turned {
+            continue;
+        }
+        // The old board was halted anywhere in it: also at each word of the marks with which it begins.
+        let marks = (0..6 * Flash::WORD as u32).step_by(Flash::WORD / 2);
+        let anywhere = (first(sequence as usize, stride)..bytes).step_by(stride);
+        for cut in marks.chain(anywhere) {
             let mut halted = before.clone();
+            halted.set_tear(Tear::ALL[(sequence + cut) as usize % Tear::ALL.len()]);
             halted.cut_after(cut);
             let _ = note(&mut halted, sequence);
             halted.power(true);
