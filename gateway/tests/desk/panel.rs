@@ -23,6 +23,13 @@ const WITHOUT: &[u8] = b"\x1b[?62c";
 /// After this time a key is pressed again.
 const SOON: Duration = Duration::from_secs(1);
 
+const SIZE: Winsize = Winsize {
+    ws_row: 24,
+    ws_col: 80,
+    ws_xpixel: 0,
+    ws_ypixel: 0,
+};
+
 struct Terminal {
     ends: OpenptyResult,
     before: Termios,
@@ -35,13 +42,7 @@ struct Terminal {
 impl Terminal {
     /// A panel on a terminal that answers so to the question.
     fn start(user: &User, args: &[&str], answer: &'static [u8]) -> Self {
-        let size = Winsize {
-            ws_row: 24,
-            ws_col: 80,
-            ws_xpixel: 0,
-            ws_ypixel: 0,
-        };
-        let ends = crate::pty::open(Some(&size));
+        let ends = crate::pty::open(Some(&SIZE));
         let before = tcgetattr(&ends.slave).unwrap();
         let end = || ends.slave.try_clone().unwrap();
         let child = user
@@ -284,6 +285,44 @@ fn a_panel_whose_machine_is_gone_is_left_by_a_key() {
         terminal.types("q");
         assert_eq!(terminal.end().0, Some(0));
     }
+}
+
+#[test]
+fn a_panel_whose_terminal_is_gone_ends() {
+    let user = User::with_machine();
+    let ends = crate::pty::open(Some(&SIZE));
+    let end = || ends.slave.try_clone().unwrap();
+    let mut child = user
+        .command(&["monitor"])
+        .stdin(end())
+        .stdout(end())
+        .stderr(end())
+        .spawn()
+        .unwrap();
+    let mut screen = File::from(ends.master);
+    let (mut drawn, mut bytes) = (Vec::new(), [0; 4096]);
+    while !String::from_utf8_lossy(&drawn).contains("G54") {
+        let count = screen.read(&mut bytes).unwrap();
+        drawn.extend_from_slice(&bytes[..count]);
+        if drawn.ends_with(QUESTION) {
+            screen.write_all(WITHOUT).unwrap();
+        }
+    }
+    drop(screen);
+    // Nobody has signalled it: the terminal was not that of its session.
+    let end = Instant::now() + LIMIT;
+    let code = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status.code();
+        }
+        if Instant::now() > end {
+            child.kill().unwrap();
+            panic!("it goes on");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    assert_ne!(code, Some(0));
+    user.json(&["status", "--node", "1"]);
 }
 
 #[test]

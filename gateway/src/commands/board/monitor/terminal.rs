@@ -1,9 +1,11 @@
 //! The terminal that the panel is drawn on: taken, asked whether it tells when a key is let go, and given back as it was.
 
-use std::io::{IsTerminal as _, Result, stdin, stdout};
+use std::io::{Error, IsTerminal as _, Result, stdin, stdout};
+use std::os::fd::AsFd as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{
     self, DisableBracketedPaste, DisableFocusChange, EnableBracketedPaste, EnableFocusChange,
@@ -60,10 +62,27 @@ pub fn give_back() {
 }
 
 /// What it has said since.
+///
+/// # Errors
+/// Those of the terminal; also where it is gone. The reader of its keys would look for them for ever.
 pub fn said() -> Result<Vec<Event>> {
     let mut said = Vec::new();
-    while event::poll(Duration::ZERO)? {
+    loop {
+        look_for_it()?;
+        if !event::poll(Duration::ZERO)? {
+            return Ok(said);
+        }
         said.push(event::read()?);
     }
-    Ok(said)
+}
+
+fn look_for_it() -> Result<()> {
+    let screen = stdout();
+    let mut ends = [PollFd::new(screen.as_fd(), PollFlags::empty())];
+    poll(&mut ends, PollTimeout::ZERO)?;
+    let gone = PollFlags::POLLHUP | PollFlags::POLLERR | PollFlags::POLLNVAL;
+    match ends[0].revents() {
+        Some(told) if told.intersects(gone) => Err(Error::other("the terminal is gone")),
+        _ => Ok(()),
+    }
 }
