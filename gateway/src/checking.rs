@@ -1,7 +1,7 @@
 //! Verifies a program without a machine: text, geometry, physics. `check` reports the result; `simulate` and `run` need it
 //! before any motion.
 
-use std::io::{BufRead as _, BufReader};
+use std::io::Read as _;
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{Call, CallKind, Position};
@@ -382,9 +382,13 @@ impl Checker<'_> {
     fn front(&self) -> Outcome<Vec<u8>> {
         let unreadable = |error| Failure::file(Doing::Read, self.source.name(), &error);
         let mut text = Vec::new();
-        let mut opened = BufReader::new(self.source.open().map_err(unreadable)?);
-        while text.len() < LOOKED_AT && opened.read_until(b'\n', &mut text).map_err(unreadable)? > 0
-        {
+        let opened = self.source.open().map_err(unreadable)?;
+        let mut front = opened.take(LOOKED_AT as u64);
+        front.read_to_end(&mut text).map_err(unreadable)?;
+        // The line at its end may go on.
+        if text.len() == LOOKED_AT {
+            let whole = text.iter().rposition(|byte| *byte == b'\n');
+            text.truncate(whole.map_or(0, |end| end + 1));
         }
         Ok(text)
     }

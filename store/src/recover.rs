@@ -116,7 +116,8 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// True where the erased pages lie behind each other, right behind the page in use. Only in a move that is half done is
-    /// the page behind it not erased, and then none is. Two pages in use are the target and the source of a move, neighbours.
+    /// the page behind it not erased, and then none is. Two pages in use are the target and the source of a move, which are
+    /// neighbours.
     fn is_one_ring(&mut self, used: Use) -> Result<bool, StoreError> {
         let end = self.map.flash_range().end;
         let first = self.is_marked(0)?;
@@ -130,8 +131,8 @@ impl<F: NorFlash> Store<F> {
         }
         let follow = match used {
             Use::Page(page) => erased == 0 || !self.is_marked(self.after(page))?,
-            // A ring that has gone round has one erased page, one that has not begins at the first page, and an empty one has
-            // no gap.
+            // A ring that has gone round has one erased page, one that has not begins at the first page, and an empty one
+            // has no gap.
             Use::None => erased <= 1 || first || gaps == 0,
             Use::AllClosed => true,
             Use::Apart => false,

@@ -11,7 +11,7 @@ use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::{Command, Event, Inputs, State};
 use leadscrew_core::bus::{BoardState, JogRequest, Order};
-use leadscrew_core::call::{Aux, Call, CallKind};
+use leadscrew_core::call::{Aux, Call, CallKind, Position};
 use leadscrew_core::operating::{Interlock, OperatingMode, Towards};
 use leadscrew_core::params::{Contact, Params};
 use leadscrew_core::units::Length;
@@ -301,6 +301,17 @@ impl Bench {
             }
             self.gateway.listen(&mut self.sim);
         }
+    }
+
+    fn place(&self) -> Position {
+        self.sim.board().ticker().executor().position()
+    }
+
+    /// The spindle is within 10 % of the speed that is commanded.
+    fn is_at_speed(&self) -> bool {
+        let speed = self.sim.board().ticker().observer().speed().rpm().get();
+        let wanted = self.sim.spindle_command().get();
+        wanted != 0 && (speed - wanted).abs() * 10 <= wanted.abs()
     }
 
     /// Z towards the chuck at rapid: a press, or its renewal.
@@ -643,6 +654,55 @@ fn nothing_is_resumed_with_the_door_open() {
     assert_eq!(ran.alarm, None);
 }
 
+/// A rapid override of 0 holds no way out of a groove, and so no reset.
+#[test]
+fn a_rapid_override_of_0_leaves_no_tool_in_a_groove() {
+    let params = with(&[("5130", 0)]);
+    let text = "G97 M3 S600\nG0 X-50 Z-20\nG92 X-61 Z-40 F1.5\nX-62\nM30\n";
+    let locked = locked_ticks(text, &params);
+    let (first, last) = (locked[0], *locked.last().expect("a thread"));
+    for tick in (first..last + 600).step_by(leadscrew_seed::amount(487, 97)) {
+        let mut sim = machine(&params, &PlantOptions::default());
+        let mut calls = calls(text, &params).into_iter().peekable();
+        let mut deepest = None;
+        for now in 0..tick + 20_000 {
+            while calls.peek().is_some_and(|call| sim.offer(call)) {
+                calls.next();
+            }
+            if now == tick {
+                sim.command(Command::RapidOverride(0));
+            }
+            if now == tick + 15_000 {
+                // It stands outside of the groove, and waits there.
+                deepest = Some(sim.board().ticker().executor().position().x);
+                sim.command(Command::Reset);
+                calls = Vec::new().into_iter().peekable();
+            }
+            sim.step();
+        }
+        let x = deepest.expect("it was looked at").nm();
+        assert!(x > -30_000_000, "{tick}: {x}");
+        assert_eq!(sim.board().ticker().state(), State::Idle, "{tick}");
+    }
+    // And where the reset comes within it.
+    for tick in (first..last + 100).step_by(leadscrew_seed::amount(487, 97)) {
+        let mut sim = machine(&params, &PlantOptions::default());
+        let mut calls = calls(text, &params).into_iter().peekable();
+        for now in 0..tick + 6_000 {
+            while calls.peek().is_some_and(|call| sim.offer(call)) {
+                calls.next();
+            }
+            if now == tick {
+                sim.command(Command::RapidOverride(0));
+                sim.command(Command::Reset);
+                calls = Vec::new().into_iter().peekable();
+            }
+            sim.step();
+        }
+        assert_eq!(sim.board().ticker().state(), State::Idle, "{tick}");
+    }
+}
+
 #[test]
 fn pressure_lost_in_a_thread_leaves_it_and_is_an_alarm() {
     let params = guarded();
@@ -855,6 +915,99 @@ fn the_spindle_of_a_program_that_was_left_turns_again_when_that_goes_on() {
     assert_eq!(ticker.state(), State::Idle);
     assert_eq!(ticker.executor().position().z, Length::from_nm(-40_000_000));
     assert_eq!(bench.codes, []);
+}
+
+/// A program in its first cut, the door opened and closed there, and the program resumed: its spindle is on its way to its
+/// speed.
+fn resumed_in_a_cut(params: &Params, text: &str) -> Bench {
+    let mut bench = Bench::new(params, WELL);
+    assert_eq!(bench.order(Order::Mode(OperatingMode::Automatic)), 0);
+    for call in &calls(text, params) {
+        assert!(bench.sim.offer(call));
+    }
+    while bench.place().z.nm() > -5_000_000 {
+        bench.run(1);
+    }
+    bench.sim.set_pins(inputs(WELL & !(1 << 4)));
+    bench.run(4_000);
+    bench.sim.set_pins(inputs(WELL));
+    bench.run(100);
+    assert_eq!(bench.sim.board().ticker().state(), State::Held);
+    assert_eq!(bench.order(Order::Resume), 0);
+    assert!(!bench.is_at_speed());
+    bench
+}
+
+/// A joined cut, a cut with an exact stop, and a pause between two cuts.
+const CUTS: [&str; 3] = [
+    "M3 S1500\nG98 G64\nG1 Z-40 F300\nG1 X-1 Z-50\nM30\n",
+    "M3 S1500\nG98 G61\nG1 Z-40 F300\nG1 X-1 Z-50\nM30\n",
+    "M3 S1500\nG98 G61\nG1 Z-5 F300\nG1 X-1 Z-50\nM30\n",
+];
+
+#[test]
+fn a_program_that_is_left_while_its_spindle_comes_to_its_speed_stays_left() {
+    let params = guarded();
+    for text in CUTS {
+        for jogs in [false, true] {
+            let mut bench = resumed_in_a_cut(&params, text);
+            assert_eq!(bench.order(Order::Mode(OperatingMode::Manual)), 0);
+            if jogs {
+                for _ in 0..10 {
+                    bench.press();
+                    bench.run(20);
+                }
+                bench.run(500);
+            }
+            let here = bench.place();
+            bench.run(6_000);
+            assert_eq!((bench.place(), bench.is_at_speed()), (here, true), "{text}");
+            assert_eq!(bench.sim.board().ticker().state(), State::Held, "{text}");
+            // Back, where it was left, and on from there.
+            assert_eq!(bench.order(Order::Mode(OperatingMode::Automatic)), 0);
+            assert_eq!(bench.order(Order::Resume), 0);
+            bench.run(6_000);
+            if jogs {
+                assert_eq!(bench.order(Order::Resume), 0);
+            }
+            bench.run(15_000);
+            assert_eq!(bench.sim.board().ticker().state(), State::Idle, "{text}");
+            let end = bench.place();
+            assert_eq!((end.x.nm(), end.z.nm()), (-500_000, -50_000_000), "{text}");
+            assert_eq!(bench.codes, []);
+        }
+    }
+}
+
+#[test]
+fn however_often_a_program_is_resumed_it_waits_for_its_spindle() {
+    let params = guarded();
+    for text in CUTS {
+        for orders in [
+            [Order::Resume].as_slice(),
+            &[Order::Hold, Order::Resume],
+            &[
+                Order::Mode(OperatingMode::Manual),
+                Order::Mode(OperatingMode::Automatic),
+                Order::Resume,
+                Order::Resume,
+            ],
+        ] {
+            let mut bench = resumed_in_a_cut(&params, text);
+            let here = bench.place();
+            for order in orders {
+                bench.order(*order);
+            }
+            while bench.place() == here {
+                bench.run(1);
+                let moves = bench.place() != here;
+                assert!(!moves || bench.is_at_speed(), "{text} {orders:?}");
+            }
+            bench.run(15_000);
+            assert_eq!(bench.sim.board().ticker().state(), State::Idle, "{text}");
+            assert_eq!(bench.place().z.nm(), -50_000_000, "{text}");
+        }
+    }
 }
 
 #[test]

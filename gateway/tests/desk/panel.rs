@@ -287,41 +287,50 @@ fn a_panel_whose_machine_is_gone_is_left_by_a_key() {
     }
 }
 
+/// Nobody signals it: the terminal is not that of its session.
 #[test]
 fn a_panel_whose_terminal_is_gone_ends() {
     let user = User::with_machine();
-    let ends = crate::pty::open(Some(&SIZE));
-    let end = || ends.slave.try_clone().unwrap();
-    let mut child = user
-        .command(&["monitor"])
-        .stdin(end())
-        .stdout(end())
-        .stderr(end())
-        .spawn()
-        .unwrap();
-    let mut screen = File::from(ends.master);
-    let (mut drawn, mut bytes) = (Vec::new(), [0; 4096]);
-    while !String::from_utf8_lossy(&drawn).contains("G54") {
-        let count = screen.read(&mut bytes).unwrap();
-        drawn.extend_from_slice(&bytes[..count]);
-        if drawn.ends_with(QUESTION) {
-            screen.write_all(WITHOUT).unwrap();
+    // Before its question is answered, and when it has drawn.
+    for is_answered in [false, true] {
+        let ends = crate::pty::open(Some(&SIZE));
+        let end = || ends.slave.try_clone().unwrap();
+        let mut child = user
+            .command(&["monitor"])
+            .stdin(end())
+            .stdout(end())
+            .stderr(end())
+            .spawn()
+            .unwrap();
+        let mut screen = File::from(ends.master);
+        let (mut drawn, mut bytes) = (Vec::new(), [0; 4096]);
+        let until = if is_answered {
+            b"G54".as_slice()
+        } else {
+            QUESTION
+        };
+        while !drawn.windows(until.len()).any(|at| at == until) {
+            let count = screen.read(&mut bytes).unwrap();
+            drawn.extend_from_slice(&bytes[..count]);
+            if is_answered && drawn.ends_with(QUESTION) {
+                screen.write_all(WITHOUT).unwrap();
+            }
         }
+        drop(screen);
+        let end = Instant::now() + LIMIT;
+        let code = loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                break status.code();
+            }
+            if Instant::now() > end {
+                child.kill().unwrap();
+                panic!("it goes on");
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        // It was not aborted.
+        assert_eq!(code, Some(2), "{is_answered}");
     }
-    drop(screen);
-    // Nobody has signalled it: the terminal was not that of its session.
-    let end = Instant::now() + LIMIT;
-    let code = loop {
-        if let Some(status) = child.try_wait().unwrap() {
-            break status.code();
-        }
-        if Instant::now() > end {
-            child.kill().unwrap();
-            panic!("it goes on");
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    };
-    assert_ne!(code, Some(0));
     user.json(&["status", "--node", "1"]);
 }
 

@@ -26,6 +26,9 @@ use crate::units::{Divisor, Length, Rpm, Ticks, TurnRate, Turns};
 pub use aside::Aside;
 use pass::{Followers, Stroke, Waited};
 
+/// A rapid that no hold stops, at an override of 0.
+const LEAST_RAPID: Rate = Rate::percent(25);
+
 /// The inputs of one tick of motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
@@ -587,6 +590,13 @@ impl Executor {
         } else {
             now.rate(timed.scaling)
         };
+        // An override of 0 is a hold too: the way out of a groove is made all the same [D575].
+        let goes_on = self.stops.hold_not_inside && timed.scaling == Scaling::Rapid;
+        let rate = if goes_on && rate == Rate::HOLD {
+            LEAST_RAPID
+        } else {
+            rate
+        };
         let step = self.run.tick(rate, timed);
         self.moved(now, timed, hold, step.done, setpoint)
     }
@@ -612,16 +622,27 @@ impl Executor {
         };
         self.tell(setpoint, motion);
         if is_still && !hold {
-            return self.await_turns(now, timed);
+            let (_, scaling) = self.asks_for(timed, now.stretch);
+            return self.await_turns(now, scaling);
         }
         Ok(())
+    }
+
+    /// The rate and the scaling by which the motion under way (`timed`) goes next. Of joined cuts that is not always the
+    /// cut in which the tool is.
+    #[must_use]
+    pub fn asks_for(&self, timed: &Timed, next: Option<&Stretch>) -> (PathRate, Scaling) {
+        match self.active {
+            Active::Joined => self.run.asks_for(next),
+            _ => (timed.nominal, timed.scaling),
+        }
     }
 
     /// A feed per turn stands while the spindle stands, but no longer than a stroke waits for it [D46].
     #[cold]
     #[inline(never)]
-    fn await_turns(&mut self, now: &Conditions<'_>, timed: &Timed) -> Result<(), Alarm> {
-        let Scaling::Turns(commanded) = timed.scaling else {
+    fn await_turns(&mut self, now: &Conditions<'_>, scaling: Scaling) -> Result<(), Alarm> {
+        let Scaling::Turns(commanded) = scaling else {
             return Ok(());
         };
         if now.observer.is_turning() || self.stalled.0 != self.position {
@@ -651,12 +672,12 @@ impl Executor {
     }
 }
 
-/// The rate of a motion at an override of 100 %, at the measured speed of the spindle.
+/// A rate at an override of 100 %, at the measured speed of the spindle.
 #[must_use]
-pub fn programmed(timed: &Timed, observer: &Observer) -> PathRate {
-    match timed.scaling {
-        Scaling::Rapid | Scaling::Feed => timed.nominal,
-        Scaling::Turns(commanded) => turning(observer.speed(), commanded).of(timed.nominal),
+pub fn programmed(nominal: PathRate, scaling: Scaling, observer: &Observer) -> PathRate {
+    match scaling {
+        Scaling::Rapid | Scaling::Feed => nominal,
+        Scaling::Turns(commanded) => turning(observer.speed(), commanded).of(nominal),
     }
 }
 

@@ -102,6 +102,14 @@ impl Flow {
         self.ended = true;
     }
 
+    /// The stretch of which something is put in next: the one in force, or the `next` one where nothing of it is left.
+    pub(super) fn asks_for<'a>(&'a self, next: Option<&'a Stretch>) -> &'a Stretch {
+        match next {
+            Some(next) if self.left == 0 && !self.ended => next,
+            _ => &self.now,
+        }
+    }
+
     /// True where nothing is left to put in, and nothing follows or is known to follow: the motion may end when the tool
     /// has come to rest.
     pub(super) const fn may_end(&self) -> bool {

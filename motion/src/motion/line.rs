@@ -13,7 +13,7 @@ pub struct Line {
     from: Position,
     to: Position,
     length: Length,
-    /// Distance in X and Z alone, on which a feed is measured. If only C moves: the length.
+    /// The way on which a feed is measured: the root of the squares of all three, a degree of C as a millimetre.
     feed_length: Length,
     /// Share of each axis, 2⁻⁶³.
     x: u64,
@@ -35,7 +35,12 @@ impl Line {
             from,
             to,
             length: nm(length),
-            feed_length: nm(if flat == 0 { length } else { flat }),
+            // As the controls of this family read F beside a rotary axis [D569].
+            feed_length: nm(if dc == 0 {
+                flat
+            } else {
+                plane::length_up(flat, dc)
+            }),
             x: share(dx, length),
             z: share(dz, length),
             c: share(dc, length),
@@ -48,7 +53,8 @@ impl Line {
         self.length
     }
 
-    /// The part of the length on which a feed is measured.
+    /// The way on which a feed is measured, no shorter than the length: with C beside X or Z, the feed is that of all of
+    /// them together.
     #[must_use]
     pub const fn feed_length(&self) -> Length {
         self.feed_length
@@ -180,10 +186,10 @@ mod tests {
     fn length_is_the_way_of_the_tool_unless_c_turns_further() {
         let flat = Line::new(position(0, 0, 0), position(3_000, -4_000, 100));
         assert_eq!(flat.length(), Length::from_nm(5_000));
-        assert_eq!(flat.feed_length(), Length::from_nm(5_000));
-        let turning = Line::new(position(0, 0, 0), position(3_000, -4_000, -90_000_000));
-        assert_eq!(turning.length(), Length::from_nm(90_000_000));
-        assert_eq!(turning.feed_length(), Length::from_nm(5_000));
+        assert_eq!(flat.feed_length(), Length::from_nm(5_001));
+        let turning = Line::new(position(0, 0, 0), position(3_000, -4_000, -12_000));
+        assert_eq!(turning.length(), Length::from_nm(12_000));
+        assert_eq!(turning.feed_length(), Length::from_nm(13_000));
         let alone = Line::new(position(0, 0, 0), position(0, 0, 360_000_000));
         assert_eq!(alone.feed_length(), alone.length());
     }

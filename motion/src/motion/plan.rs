@@ -302,16 +302,16 @@ mod tests {
     }
 
     #[test]
-    fn a_feed_is_the_speed_of_the_tool_where_c_turns_further() {
-        // 1 mm with a full turn of C: the path is 360 000 000 µ° long, the tool does 1 mm at 60 mm/min = 1 s.
+    fn a_feed_is_that_of_all_axes_together_a_degree_as_a_millimetre() {
+        // 30 mm with 40° of C are 50: at 60 a minute they take 50 s, and the path is 40 000 000 µ° long.
         let timed = plan_to(
-            position(0, 1_000_000, 360_000_000),
+            position(0, 30_000_000, 40_000_000),
             MoveKind::Feed(feed(60)),
         )
         .unwrap()
         .unwrap();
-        assert_eq!(timed.length, Length::from_nm(360_000_000));
-        assert_eq!(timed.nominal.raw(), 360_000 * 256);
+        assert_eq!(timed.length, Length::from_nm(40_000_000));
+        assert_eq!(timed.nominal.raw(), 800 * 256);
     }
 
     #[test]

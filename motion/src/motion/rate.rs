@@ -94,15 +94,19 @@ impl Rate {
         Self::from_raw(U16F16::const_from_int(percent as u32).to_bits() / 100)
     }
 
-    /// The factor by which `whole` becomes `part`, at most [`Rate::FULL`].
+    /// The factor by which `whole` becomes `part`, or a little less; at most [`Rate::FULL`]. Nothing is no part.
     #[must_use]
     pub const fn share(part: PathRate, whole: PathRate) -> Self {
-        if part.raw() >= whole.raw() {
+        let (part, whole) = (part.raw(), whole.raw());
+        if part == 0 {
+            return Self::HOLD;
+        }
+        if part >= whole {
             return Self::FULL;
         }
-        // Both in 16 bits at most, the part rounded down.
-        let shift = 16_u32.saturating_sub(whole.raw().leading_zeros());
-        let (part, whole) = (part.raw() >> shift, whole.raw() >> shift);
+        // Both in 17 bits at most; the part is rounded down, the whole up.
+        let shift = 16_u32.saturating_sub(whole.leading_zeros());
+        let (part, whole) = (part >> shift, whole.div_ceil(1 << shift));
         match (part << 16).checked_div(whole) {
             Some(share) => Self::from_raw(share),
             None => Self::HOLD,
@@ -192,9 +196,10 @@ mod tests {
             (1, 4, 16_384),
             (1_000, 1_000, 65_536),
             (2_000, 1_000, 65_536),
-            (0, 0, 65_536),
+            (0, 0, 0),
             (1 << 30, 1 << 31, 32_768),
-            (u32::MAX - 1, u32::MAX, 65_536),
+            (u32::MAX - 1, u32::MAX, 65_535),
+            (0x1_0001, 0x2_0003, 32_767),
             (1, u32::MAX, 0),
         ] {
             let share = Rate::share(PathRate::from_raw(part), PathRate::from_raw(whole));

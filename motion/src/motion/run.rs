@@ -147,6 +147,12 @@ impl Run {
         }
     }
 
+    /// Of joined motions: the rate and the scaling of what is put in next, which is ahead of the tool.
+    pub(super) fn asks_for(&self, next: Option<&Stretch>) -> (PathRate, Scaling) {
+        let stretch = self.flow.asks_for(next);
+        (stretch.nominal, stretch.scaling)
+    }
+
     /// The tool has passed the end of `last` in this tick: it is in `next` now.
     pub(super) fn cross(&mut self, last: Length, next: &Timed) {
         self.origin = self.origin.and(Travel::of(last));

@@ -281,7 +281,7 @@ impl Ticker {
         self.watch_drives(ends);
         self.watch_limits(ends);
         self.obey(ends);
-        self.course.drop_stale(self.executor.is_free(), ends);
+        self.course.drop_stale(ends);
         self.away.drop_stale(ends);
         let instant = self.take_up(ends);
 

@@ -138,6 +138,43 @@ fn the_tool_goes_as_far_as_the_wheel_is_turned_and_no_faster_than_programmed() {
     assert_eq!(path.hand.gateway.beat.state, PressState::Ended);
 }
 
+/// What the path goes by is ahead of the tool, and so is a feed that changes.
+#[test]
+fn the_tool_goes_no_farther_than_the_wheel_where_the_feed_changes() {
+    for text in [
+        "G98 G64\nG1 Z-0.3 F10\nG1 Z-60 F2000\nM30\n",
+        "G98 G64\nG1 Z-0.3 F2000\nG1 Z-60 F10\nM30\n",
+        "G98 G64\nG1 Z-0.1 F2000\nG1 Z-0.2 F10\nG1 Z-0.3 F500\nG1 Z-60 F10\nM30\n",
+    ] {
+        let mut path = Path::new(text);
+        path.factor = WheelFactor::One;
+        path.turn(0, 1);
+        let mut way = 0;
+        for _ in 0..200 {
+            path.turn(3, 1);
+            way += 3_000;
+            assert!(-path.z() <= way, "{text} {} of {way}", -path.z());
+        }
+        path.turn(0, 60);
+        let left = way + path.z();
+        assert!((0..1_000).contains(&left), "{text} {left}");
+    }
+}
+
+#[test]
+fn what_is_turned_slowly_is_not_lost() {
+    let mut path = Path::new("G98 G1 Z-60 F8000\nM30\n");
+    path.factor = WheelFactor::One;
+    path.turn(0, 1);
+    for _ in 0..40 {
+        path.turn(1, 1);
+        path.turn(0, 9);
+    }
+    // The mean gives out what is worth a step of the rate.
+    let left = 40_000 + path.z();
+    assert!((0..300).contains(&left), "{left}");
+}
+
 /// The link is lost, or the wheel let go of: the tool stands soon, and what is turned later is not made up for.
 #[test]
 fn without_frames_the_tool_stands() {

@@ -3,6 +3,7 @@
 mod cuts;
 mod damage;
 mod flash;
+mod living;
 mod offsets;
 mod starts;
 mod wear;

@@ -97,6 +97,27 @@ fn a_spindle_that_stands_in_a_feed_per_turn() {
     }
 }
 
+/// The same where a feed by time goes over into it without a stop: the tool stands at the end of a cut that asks for no turns.
+#[test]
+fn a_spindle_that_stands_before_a_feed_per_turn_of_joined_cuts() {
+    const JOINED: &str =
+        "G98 G64\nM3 S300\nG0 X40 Z2\nG1 Z0 F100\nG1 Z-0.1\nG99 G1 Z-20 F0.2\nM30\n";
+    let params = Params::sheets();
+    let mut bench = Lathe::new(&params);
+    bench.load(JOINED);
+    bench.until(JOINED, 20_000, |bench| {
+        bench
+            .rows
+            .last()
+            .is_some_and(|row| row.position.z.nm() < 1_000_000)
+    });
+    bench.sim.plant().spindle().disturb(0);
+    bench.until(JOINED, 7_000, |bench| bench.alarm.is_some());
+    assert_eq!(bench.alarm.map(|alarm| alarm.number()), Some(4303));
+    let at = bench.rows.last().expect("a row").position;
+    assert_eq!(at.z.nm(), -100_000);
+}
+
 #[test]
 fn a_spindle_that_stops_in_a_stroke() {
     spindle_trouble(0, 4250, 2_000);

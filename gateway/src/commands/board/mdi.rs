@@ -130,7 +130,7 @@ fn carry_out(global: &Global, line: &str) -> Outcome {
     let after = Place::at_start(&done.setup, left, &status)?;
     if global.json {
         output::json(|json| {
-            json.flag("ok", done.verdict.is_ok());
+            json.flag("ok", done.verdict.is_ok() && done.kept.is_ok());
             json.number("moves", done.ran.moves);
             if let Some(before) = &before {
                 json.object_at("before", |json| before.fields(json));
@@ -154,7 +154,7 @@ fn carry_out(global: &Global, line: &str) -> Outcome {
                 .as_bytes(),
         )?;
     }
-    done.verdict
+    done.verdict.and(done.kept)
 }
 
 /// What is in force, and where the machine stands.

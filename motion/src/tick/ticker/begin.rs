@@ -30,7 +30,7 @@ impl Ticker {
             self.go_on_with_detour(ends);
             return None;
         }
-        if self.course.is_paused() || !self.state.takes_calls() {
+        if self.course.is_paused() || self.has_left() || !self.state.takes_calls() {
             return None;
         }
         let stops = self.course.next(ends)?.stops;

@@ -115,14 +115,13 @@ impl Course {
         self.epoch
     }
 
-    /// Drops a segment that does not count any more, one in a tick; where nothing is under way (`stands`), a stretch too.
-    pub(super) fn drop_stale(&self, stands: bool, ends: &mut Ends<'_>) {
+    /// Drops a segment and a stretch that do not count any more, one of each in a tick.
+    pub(super) fn drop_stale(&self, ends: &mut Ends<'_>) {
         let epoch = ends.segments.head().map(|oldest| oldest.epoch);
         if epoch.is_some_and(|epoch| epoch != self.epoch) {
             ends.segments.take();
         }
-        if stands
-            && let Some(oldest) = ends.segments.stretch()
+        if let Some(oldest) = ends.segments.stretch()
             && oldest.epoch != self.epoch
         {
             ends.segments.drop_stretch();

@@ -73,6 +73,14 @@ impl Handwheel {
         self.ahead = self.ahead.saturating_sub(step);
         PathRate::from_raw(step)
     }
+
+    /// A share is rounded: what the path would have taken and does not get, it gets later. What it cannot take is dropped.
+    fn keep(&mut self, turned: PathRate, share: Rate, whole: PathRate) {
+        if share < Rate::FULL {
+            let rest = turned.raw().saturating_sub(share.of(whole).raw());
+            self.ahead = self.ahead.saturating_add(rest);
+        }
+    }
 }
 
 impl Ticker {
@@ -88,8 +96,12 @@ impl Ticker {
         let Some(timed) = task.timed().filter(|_| !runs_alone(task.segment)) else {
             return [feed, rapid];
         };
-        let share = Rate::share(turned, programmed(timed, &self.observer));
-        match timed.scaling {
+        let stretch = self.course.stretch(ends);
+        let (nominal, scaling) = self.executor.asks_for(timed, stretch);
+        let whole = programmed(nominal, scaling, &self.observer);
+        let share = Rate::share(turned, whole);
+        self.handwheel.keep(turned, share, whole);
+        match scaling {
             Scaling::Turns(_) | Scaling::Feed => [feed.min(share), rapid],
             Scaling::Rapid => [feed, rapid.min(share).min(RAPID)],
         }

@@ -207,7 +207,7 @@ impl Ticker {
             return emit(&mut ends.events, Event::Warning(alarm));
         }
         if self.spindle.go_on(self.operator.spindle_percent()) {
-            self.resuming = Some(0);
+            self.resuming = self.resuming.or(Some(0));
             return;
         }
         self.go_on_after_hold();
@@ -239,6 +239,7 @@ impl Ticker {
             .saturating_mul(self.given.arrival.tolerance_percent.into())
             .max(100);
         if off <= allowed {
+            self.spindle.arrive();
             self.go_on_after_hold();
         } else if late {
             let figures = [self.observer.speed().rpm(), self.spindle.commanded()].map(Arg::Rpm);

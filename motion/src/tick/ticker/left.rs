@@ -66,6 +66,8 @@ impl Ticker {
                         back: None,
                     });
                     self.operator.hold = false;
+                    // The spindle is waited for when the program goes on.
+                    self.resuming = None;
                 }
             }
             _ => self.operator.leaves(),

@@ -47,6 +47,8 @@ pub(super) struct SpindleMode {
     waited: u32,
     /// The door has stopped the spindle, and the program has not been resumed.
     suspended: bool,
+    /// The program has been resumed since, and the spindle has not been at its speed yet.
+    arriving: bool,
 }
 
 impl SpindleMode {
@@ -61,6 +63,7 @@ impl SpindleMode {
             by_hand: Rpm::STOPPED,
             waited: 0,
             suspended: false,
+            arriving: false,
         }
     }
 
@@ -116,7 +119,7 @@ impl SpindleMode {
         self.speed = Rpm::STOPPED;
         self.surface = None;
         self.by_hand = Rpm::STOPPED;
-        self.suspended = false;
+        (self.suspended, self.arriving) = (false, false);
     }
 
     /// A press turns the spindle so from now on, or no longer: then it stops.
@@ -137,13 +140,19 @@ impl SpindleMode {
         self.suspended
     }
 
-    /// The program goes on, with this override. True where the spindle has to come to its speed first.
+    /// The program goes on, with this override. True where the spindle has to come to its speed first, however often the
+    /// program was held and resumed meanwhile.
     pub(super) const fn go_on(&mut self, percent: u8) -> bool {
-        let was = core::mem::replace(&mut self.suspended, false);
-        if was {
+        if core::mem::replace(&mut self.suspended, false) {
             self.percent = percent;
+            self.arriving = self.speed.get() != 0;
         }
-        was && self.speed.get() != 0
+        self.arriving
+    }
+
+    /// The spindle is at its speed.
+    pub(super) const fn arrive(&mut self) {
+        self.arriving = false;
     }
 
     /// The spindle turns, or is to turn when the program goes on.
@@ -161,7 +170,7 @@ impl SpindleMode {
         };
         self.surface = law.map(|law| Surface::new(&law, present));
         self.speed = speed;
-        self.suspended = false;
+        (self.suspended, self.arriving) = (false, false);
         self.rigid = match self.rigid {
             Rigid::On | Rigid::Leaving | Rigid::Turning(_) | Rigid::Oriented => Rigid::Leaving,
             Rigid::Off | Rigid::Entering { .. } => Rigid::Off,

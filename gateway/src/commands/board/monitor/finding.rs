@@ -13,7 +13,6 @@ use std::panic::resume_unwind;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{Event as Input, KeyCode, KeyEventKind};
 
 use super::super::heard;
@@ -38,7 +37,7 @@ pub struct Screen<'a> {
     /// The terminal tells when a key is let go.
     pub tells_release: bool,
     /// The terminal.
-    pub drawn: DefaultTerminal,
+    pub drawn: terminal::Drawn,
     /// What it shows.
     pub view: View,
     /// The line that is being carried out: it has a link of its own.

@@ -1,18 +1,24 @@
 //! The terminal that the panel is drawn on: taken, asked whether it tells when a key is let go, and given back as it was.
 
 use std::io::{Error, IsTerminal as _, Result, stdin, stdout};
+use std::mem::ManuallyDrop;
 use std::os::fd::AsFd as _;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::Duration;
 
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use ratatui::DefaultTerminal;
+use ratatui::crossterm::cursor;
 use ratatui::crossterm::event::{
     self, DisableBracketedPaste, DisableFocusChange, EnableBracketedPaste, EnableFocusChange,
     Event, KeyboardEnhancementFlags, PopKeyboardEnhancementFlags, PushKeyboardEnhancementFlags,
 };
 use ratatui::crossterm::execute;
 use ratatui::crossterm::terminal::supports_keyboard_enhancement;
+
+/// Between two looks for a terminal that has been asked.
+const LOOK: Duration = Duration::from_millis(5);
 
 /// The whole terminal is drawn on.
 static DRAWING: AtomicBool = AtomicBool::new(false);
@@ -26,18 +32,27 @@ pub fn has_keys() -> bool {
     stdin().is_terminal()
 }
 
+/// A terminal that is drawn on. It is [given back](give_back) by hand: dropped where it is gone, it would complain on
+/// standard error, which is gone too.
+pub type Drawn = ManuallyDrop<DefaultTerminal>;
+
 /// Takes it.
-pub fn take() -> Result<DefaultTerminal> {
+pub fn take() -> Result<Drawn> {
     DRAWING.store(true, Ordering::Relaxed);
-    ratatui::try_init()
+    ratatui::try_init().map(ManuallyDrop::new)
 }
 
 /// Has it tell what the panel goes by: pastes as such, focus, and, where it can, when a key is let go. True where it can.
 pub fn listen() -> Result<bool> {
     TELLING.store(true, Ordering::Relaxed);
     execute!(stdout(), EnableBracketedPaste, EnableFocusChange)?;
-    // One that does not answer cannot.
-    let tells = supports_keyboard_enhancement().unwrap_or(false);
+    // One that does not answer cannot. It is given two seconds, and may be gone meanwhile.
+    let question = thread::spawn(supports_keyboard_enhancement);
+    while !question.is_finished() {
+        look_for_it()?;
+        thread::sleep(LOOK);
+    }
+    let tells = matches!(question.join(), Ok(Ok(true)));
     if tells {
         TELLS_RELEASE.store(true, Ordering::Relaxed);
         let flags = KeyboardEnhancementFlags::DISAMBIGUATE_ESCAPE_CODES
@@ -58,6 +73,7 @@ pub fn give_back() {
     }
     if DRAWING.swap(false, Ordering::Relaxed) {
         let _ = ratatui::try_restore();
+        let _ = execute!(stdout(), cursor::Show);
     }
 }
 

@@ -28,7 +28,7 @@ use crate::origin::Origin;
 use crate::setup::{Answer, Setup, alone_in};
 use crate::source::SourceFile;
 use crate::start;
-use crate::words::both;
+use crate::words::{Both, both};
 
 /// Refuses an option that only a simulated machine can do.
 fn refuse(global: &Global, args: &Run) -> Outcome {
@@ -59,6 +59,8 @@ pub struct Done<'a> {
     pub ran: Ran,
     origin: Origin,
     pub verdict: Outcome,
+    /// Whether what the program has changed is kept: offsets by the board, variables by a file. It has run all the same.
+    pub kept: Outcome,
 }
 
 /// Runs a program on a board.
@@ -67,12 +69,12 @@ pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let (setup, ran) = (&done.setup, &done.ran);
     let judge = Judge::new(&setup.params, args.tolerance);
     if global.json {
-        let ok = done.verdict.is_ok();
+        let ok = done.verdict.is_ok() && done.kept.is_ok();
         tell::result(setup, &done.report, ran, &done.origin, ok, &judge)?;
     } else {
         tell::summary(setup, source, ran, &done.origin, &done.verdict, &judge)?;
     }
-    done.verdict
+    done.verdict.and(done.kept)
 }
 
 /// Checks a program and carries it out on a board. `begin` sees what the check goes by, and may add to it.
@@ -187,8 +189,12 @@ pub fn perform_on<'a>(
         .transpose();
     let values = ran.variables.as_ref();
     let saved = values.map_or(Ok(None), |values| setup.variables.save(values, setup.lang));
-    ran.revision = kept?;
-    saved?;
+    let (revision, kept) = match kept {
+        Ok(revision) => (revision, Ok(())),
+        Err(trouble) => (None, Err(Failure::from(trouble))),
+    };
+    ran.revision = revision;
+    let kept = kept.and(saved.map(drop).map_err(not_kept));
     let verdict = tell::verdict(&setup, &ran, args.tolerance);
     Ok(Done {
         setup,
@@ -197,7 +203,20 @@ pub fn perform_on<'a>(
         ran,
         origin,
         verdict,
+        kept,
     })
+}
+
+/// No command line is wrong where a program has run and its variables could not be written.
+fn not_kept(failure: Failure) -> Failure {
+    // It may have told its reason elsewhere.
+    let Some(Both { en, zh }) = failure.words() else {
+        return Failure::Wrong;
+    };
+    Failure::WrongBecause(both!(
+        "the program has run, and its variables are not kept: {en}",
+        "程序已执行，但变量未能保存：{zh}"
+    ))
 }
 
 /// What a board is to do, for the mode that it has to be in.
