@@ -149,7 +149,8 @@ function move(way, fast) {
     return give("step", { axis, by: step });
   }
   tell({ ok: true });
-  press.down(way, fast, (answer) => {
+  // A spindle has one speed by hand, whatever the axes have.
+  press.down(way, fast && !way.spindle, (answer) => {
     if (answer?.pressed === "limit") tell(words("limit"));
     else if (!answer || answer.en) tell(answer);
   });
@@ -323,6 +324,7 @@ try {
       if (fresh) say(one.end ?? words("sending"));
     },
     line: (end) => { if (fresh) say(end.ok ? words("done") : end); },
+    press: (why) => { if (fresh && owns()) say(why); },
   }, (why) => { refused = () => why[isChinese() ? "zh" : "en"]; grow(); });
 } catch (error) {
   refused = () => (error.refused ? error[isChinese() ? "zh" : "en"] : word("lost"));

@@ -36,6 +36,7 @@ export function state(s) {
   put("feed", fixed(s.feed, 0));
   put("rapid", fixed(s.rapid, 0));
   put("turn", fixed(s.turn, 0));
+  put("by_hand_rpm", s.by_hand_rpm === null ? "–" : `${s.by_hand_rpm} rpm × ${fixed(s.turn, 0)} %`);
   put("line", s.line === null ? word("no_line") : `N ${s.line} · ${s.move}`);
   put("modal", s.modal === null ? word("not_said") : s.modal);
   put("sync", s.sync_um === null ? "–" : `${fixed(s.sync_um, 3)} µm`);

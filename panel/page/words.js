@@ -42,7 +42,7 @@ const WORDS = {
   home: ["Home all", "全部回零"],
   by_hand: ["By hand", "手动"],
   rapid_too: ["Rapid", "快速"],
-  spindle_by_hand: ["Spindle, while held", "主轴，按住转动"],
+  spindle_by_hand: ["Spindle, while held (9049):", "主轴，按住转动（9049）："],
   step_mm: ["Step, mm (X: of the diameter)", "步距 (mm，X 为直径)"],
   mdi: ["Type a line", "输入程序行"],
   do_line: ["Carry out", "执行"],

@@ -53,7 +53,7 @@ struct Taker {
 pub struct Lease {
     holder: Option<Holder>,
     taker: Option<Taker>,
-    /// The holder moves axes by hand, at least until then.
+    /// The holder moves axes or turns the spindle by hand, at least until then.
     pressed: Option<Instant>,
     /// Leases that were given.
     count: u64,

@@ -13,7 +13,7 @@ pub struct Jog {
     pub axes: [i8; 2],
     /// Which way the spindle is to turn, alone: above 0 as M03, below as M04.
     pub spindle: i8,
-    /// At the rapid of moving by hand.
+    /// At the rapid of moving by hand; not of the spindle.
     pub rapid: bool,
     /// Speed of the slide in mm/min, of the spindle in rpm; 0: the machine's own.
     pub speed: u16,

@@ -227,8 +227,8 @@ fn jog_of(body: &Value) -> Option<Jog> {
         speed: body["speed"].as_u64()?.try_into().ok()?,
         echo: echo_of(body)?,
     };
-    // A frame on the bus has one speed.
-    (jog.axes == [0; 2] || jog.spindle == 0).then_some(jog)
+    // A frame on the bus has one speed, and a spindle has no rapid: the board would drop it without a word.
+    (jog.spindle == 0 || jog.axes == [0; 2] && !jog.rapid).then_some(jog)
 }
 
 #[cfg(test)]

@@ -119,11 +119,12 @@ fn the_same_order_has_the_same_answer_and_acts_once_also_while_it_is_done() {
 #[test]
 fn a_press_is_passed_on_frame_by_frame_for_who_operates() {
     let bench = Bench::new();
-    let turn = |client: &str, axes: Value, spindle: Value| {
-        let body = json!({"c": client, "press": 3, "axes": axes, "spindle": spindle, "rapid": true, "speed": 0, "echo": 9});
+    let sent = |client: &str, axes: Value, spindle: Value, rapid: bool| {
+        let body = json!({"c": client, "press": 3, "axes": axes, "spindle": spindle, "rapid": rapid, "speed": 0, "echo": 9});
         bench.posted.jog("cookie", body.to_string().as_bytes())
     };
-    let jog = |client: &str, axes: Value| turn(client, axes, json!(0));
+    let jog = |client: &str, axes: Value| sent(client, axes, json!(0), true);
+    let turn = |client: &str, axes: Value, spindle: Value| sent(client, axes, spindle, false);
     assert_eq!(jog("a", json!([0, 1])), Err(Refusal::NotOperating));
     bench.lease("a", "take");
     let frame = Jog {
@@ -138,6 +139,7 @@ fn a_press_is_passed_on_frame_by_frame_for_who_operates() {
     let turned = Jog {
         axes: [0, 0],
         spindle: 1,
+        rapid: false,
         ..frame
     };
     assert_eq!(
@@ -146,6 +148,9 @@ fn a_press_is_passed_on_frame_by_frame_for_who_operates() {
     );
     assert!(bench.lease("b", "take").contains("notice_ms"));
     assert_eq!(turn("a", json!([1, 0]), json!(1)), Err(Refusal::Malformed));
+    // The board has no such frame, and would say nothing.
+    let fast = sent("a", json!([0, 0]), json!(1), true);
+    assert_eq!(fast, Err(Refusal::Malformed));
     for wrong in [json!(2), json!("S+"), Value::Null] {
         assert_eq!(turn("a", json!([0, 0]), wrong), Err(Refusal::Malformed));
     }

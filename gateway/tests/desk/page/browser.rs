@@ -15,6 +15,7 @@ mod shown;
 mod start;
 mod tables;
 mod touch;
+mod turn;
 mod typed;
 mod waits;
 

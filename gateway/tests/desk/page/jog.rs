@@ -14,10 +14,11 @@ const DEAD_MAN: f64 = 100.0;
 /// From that speed an axis comes to rest within this many mm.
 const BRAKES: f64 = 1.0;
 
-/// A press of Z.
-struct Press {
+/// A press of Z, or of the spindle.
+pub(super) struct Press {
     number: u64,
     way: i8,
+    of_spindle: bool,
     /// The beats of its first and its last frame.
     echoes: [u64; 2],
 }
@@ -31,19 +32,41 @@ impl Press {
         let press = Self {
             number,
             way,
+            of_spindle: false,
             echoes: [echo; 2],
         };
         (press, s["mz"].as_f64().unwrap())
     }
 
+    /// The first frame of one that turns the spindle.
+    pub(super) fn of_spindle(client: &Client<'_>, way: i8) -> Self {
+        let (press, _) = Self::begin(client, way);
+        Self {
+            of_spindle: true,
+            ..press
+        }
+    }
+
     fn body(&self, client: &Client<'_>, released: bool) -> Value {
         let way = if released { 0 } else { self.way };
-        json!({"c": client.name, "press": self.number, "axes": [0, way], "spindle": 0, "rapid": false, "speed": 0,
+        let (z, spindle) = if self.of_spindle { (0, way) } else { (way, 0) };
+        json!({"c": client.name, "press": self.number, "axes": [0, z], "spindle": spindle, "rapid": false, "speed": 0,
             "echo": self.echoes[1]})
     }
 
+    /// Its next frame carries the beat that its page has now.
+    pub(super) fn newest(&mut self, client: &Client<'_>) {
+        self.echoes[1] = client.state()["beat"].as_u64().unwrap();
+    }
+
+    /// One frame, whoever sends it.
+    pub(super) fn sent_by(&self, client: &Client<'_>) -> (u16, Value) {
+        let body = self.body(client, false);
+        client.page.post(&client.cookie, "/jog", &body)
+    }
+
     /// One frame with the newest beat that is known.
-    fn frame(&mut self, client: &Client<'_>, released: bool) -> Value {
+    pub(super) fn frame(&mut self, client: &Client<'_>, released: bool) -> Value {
         let body = self.body(client, released);
         let mut sent = client.page.post(&client.cookie, "/jog", &body);
         if sent.0 == 409 {

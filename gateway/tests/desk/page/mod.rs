@@ -8,6 +8,7 @@ mod orders;
 mod programs;
 mod retract;
 mod shown;
+mod spindle;
 mod tables;
 mod touch;
 

@@ -60,6 +60,8 @@ struct Shared {
     ordered: Option<(Order, Vec<u64>, Option<Beat>)>,
     hand: Hand,
     step: Option<u64>,
+    /// The press of which a page has sent frames last.
+    pressed: Option<u8>,
     homing: Homing,
     presses: VecDeque<Frame>,
     asks: Asks,
@@ -122,6 +124,7 @@ impl Desk {
                 ordered: None,
                 hand: Hand::new(node, session),
                 step: None,
+                pressed: None,
                 homing: Homing::default(),
                 presses: VecDeque::new(),
                 asks: Asks::default(),
@@ -194,6 +197,7 @@ impl Desk {
         shared.ordered = None;
         shared.hand.forget();
         shared.step = None;
+        shared.pressed = None;
         shared.homing = Homing::default();
         shared.presses.clear();
         shared.asks = Asks::default();
@@ -339,7 +343,12 @@ impl Shared {
             self.told.beat = Some(told.beat);
             self.told.mode = Some(told.mode);
             let own = told.session == session;
+            let before = self.told.press;
             self.told.press = own.then_some((told.press, told.state));
+            // What a board has refused it does not take up again, so its page is told once.
+            let refused = self.pressed.map(|press| (press, PressState::Refused));
+            self.asks.press |=
+                self.told.press != before && refused.is_some() && self.told.press == refused;
         }
     }
 
@@ -438,6 +447,8 @@ impl Shared {
                 }
                 Ok(slide) => {
                     self.hand.step(way.on_z, slide, seen, now);
+                    // Its own order is answered.
+                    self.pressed = None;
                     self.step = Some(ticket);
                 }
                 Err(mistake) => {
@@ -655,6 +666,7 @@ impl Desk {
                 speed: jog.speed,
                 echo: Beat::new(jog.echo),
             };
+            shared.pressed = Some(jog.press);
             shared.presses.push_back(frame.frame(self.node));
         }
         let told = shared.told;

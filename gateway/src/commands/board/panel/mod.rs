@@ -273,6 +273,14 @@ impl<'a, 'b> Side<'a, 'b> {
             };
             self.begun.desk.answer(ticket, done);
         }
+        if asks.press {
+            let read = self.link.refusal();
+            if let Some(Some(reason)) = self.tolerate(read)? {
+                let why = Err(alarm_words(&reason));
+                let text = object(|json| desk::fields(json, &why));
+                self.begun.feed.tell("press", text);
+            }
+        }
         for line in asks.lines {
             self.begun.begin_line(line, halts);
         }
@@ -308,6 +316,12 @@ impl<'a, 'b> Side<'a, 'b> {
             }
             self.begun.desk.beat(json);
             levels(json, &record, &status);
+            match self.watch.zeros.read() {
+                Some((params, _)) => {
+                    json.integer("by_hand_rpm", i64::from(params.spindle_jog_rpm()))
+                }
+                None => json.null("by_hand_rpm"),
+            }
             match zero {
                 Some(zero) => {
                     json.text("zero", &format!("G{} T{:02}", zero.system, zero.tool));

@@ -338,12 +338,107 @@ fn the_spindle_turns_while_its_key_is_held_and_not_in_steps() {
     assert!(bench.panel.prompt().text.starts_with("4501 "));
 }
 
+/// The spindle as M03 turns it, by a key that is held.
+fn turning() -> Bench {
+    let mut bench = Bench::in_mode(OperatingMode::Manual, true);
+    bench.hold(KeyCode::Char('f'), 700);
+    assert_eq!(bench.seen.beat.unwrap().state, PressState::Runs);
+    assert_eq!(bench.sim.spindle_command().get(), 50);
+    bench
+}
+
 #[test]
-fn without_a_release_arrows_are_steps_one_at_a_time() {
+fn whatever_else_happens_ends_a_press_of_the_spindle() {
+    let key = |code| Input::Key(KeyEvent::new(code, KeyModifiers::NONE));
+    let letter = |letter| key(KeyCode::Char(letter));
+    for (input, orders) in [
+        (Input::FocusLost, &[][..]),
+        (Input::Resize(100, 30), &[]),
+        (Input::Paste("v\n".to_owned()), &[]),
+        // The other way, and an axis: the first press ends, and no other begins.
+        (letter('v'), &[]),
+        (key(KeyCode::Up), &[]),
+        (letter('q'), &[]),
+        (letter(' '), &[Order::Hold]),
+        (letter('s'), &[Order::Stop]),
+    ] {
+        let mut bench = turning();
+        let place = bench.at();
+        bench.input(&input);
+        // The key is still down, and goes on repeating.
+        for _ in 0..20 {
+            bench.pass(30);
+            bench.key(KeyCode::Char('f'), KeyEventKind::Repeat);
+            assert_eq!(bench.sim.spindle_command().get(), 0, "{input:?}");
+        }
+        assert_eq!(bench.at(), place, "{input:?}");
+        assert_eq!(bench.orders(), orders, "{input:?}");
+        assert!(!bench.panel.is_over());
+    }
+}
+
+#[test]
+fn a_panel_or_a_terminal_that_is_gone_lets_the_spindle_rest() {
+    // The board's dead man: the last beat that it was shown is 30 ms old at most.
+    let mut bench = turning();
+    bench.connected = false;
+    bench.pass(WINDOW - 35);
+    assert_eq!(bench.sim.spindle_command().get(), 50);
+    bench.pass(37);
+    assert_eq!(bench.sim.spindle_command().get(), 0);
+    assert_eq!(bench.seen.beat.unwrap().state, PressState::Ended);
+    // The keyboard has repeated the key, and does not any more.
+    let mut bench = turning();
+    bench.pass(200);
+    assert_eq!(bench.sim.spindle_command().get(), 50);
+    bench.pass(60);
+    assert_eq!(bench.sim.spindle_command().get(), 0);
+    let told = bench.panel.prompt().text;
+    assert!(told.contains("told no more that the key is held"), "{told}");
+}
+
+#[test]
+fn a_spindle_that_the_board_stops_is_told_and_not_begun_again() {
+    let mut bench = turning();
+    // Somebody else holds.
+    let count = bench.seen.status.unwrap().count;
+    let hold = BoardCommand::order(Order::Hold, count).frame(NODE);
+    bench.sim.receive(&hold);
+    bench.sim.settle();
+    for _ in 0..20 {
+        bench.pass(30);
+        bench.key(KeyCode::Char('f'), KeyEventKind::Repeat);
+        assert_eq!(bench.sim.spindle_command().get(), 0);
+    }
+    assert_eq!(bench.panel.asks(), [Ask::NoPress]);
+    // Pressed anew it is refused before anything is sent.
+    bench.key(KeyCode::Char('f'), KeyEventKind::Release);
+    bench.sent.clear();
+    bench.hold(KeyCode::Char('f'), 600);
+    assert_eq!(bench.sent, []);
+    assert!(bench.panel.prompt().text.starts_with("4506 "));
+    // Nor does the key that is still down begin anything when the hold is taken away.
+    bench.types("r\n");
+    for _ in 0..20 {
+        bench.pass(30);
+        bench.key(KeyCode::Char('f'), KeyEventKind::Repeat);
+        assert_eq!(bench.sim.spindle_command().get(), 0);
+    }
+    assert!(!bench.seen.status.unwrap().flags.hold);
+}
+
+#[test]
+fn without_a_release_arrows_are_steps_one_at_a_time_and_the_spindle_does_not_turn() {
     let mut bench = Bench::in_mode(OperatingMode::Manual, false);
     bench.hold(KeyCode::Up, 300);
     assert_eq!(bench.sent, []);
     assert!(bench.panel.prompt().text.contains("m i"));
+    for key in ['f', 'v'] {
+        bench.hold(KeyCode::Char(key), 300);
+        assert_eq!(bench.sent, []);
+        let told = bench.panel.prompt().text;
+        assert!(told.contains("leadscrew jog S+ --hold"), "{told}");
+    }
 
     let mut bench = Bench::in_mode(OperatingMode::Step, false);
     let begun = bench.at();

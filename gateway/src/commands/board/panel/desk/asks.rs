@@ -54,6 +54,8 @@ pub struct Program {
 pub struct Asks {
     /// Orders of which the board has to say whether it has refused them.
     pub reasons: Vec<u64>,
+    /// A press of a page was refused, and its page is told why.
+    pub press: bool,
     /// Lines.
     pub lines: Vec<Line>,
     /// Programs.
