@@ -9,7 +9,7 @@ use leadscrew_core::moves::Move;
 use leadscrew_core::program::Event;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_language::behind::not_carried_out;
-use leadscrew_language::dialect::{Control, Looks, Written, lengths};
+use leadscrew_language::dialect::{Looks, Written, lengths};
 use leadscrew_language::flow::Passes;
 use leadscrew_language::heading::Allowed;
 use leadscrew_language::lines::Lines;
@@ -170,9 +170,7 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         checker.mind_end()?;
     }
     checker.points()?;
-    if let Some(control) = checker.program.assumed() {
-        checker.look(control)?;
-    }
+    checker.look()?;
     Ok(Report {
         moves: verifier.moves(),
         path_nm: verifier.path_nm(),
@@ -358,19 +356,20 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Warns of a program without an end, and of one behind the end that somebody may expect to run. A line that goes on
-    /// behind others is no program [D444].
+    /// Warns of a program without an end, and of one behind the end, or behind blocks that have none, that somebody may
+    /// expect to run. A line that goes on behind others is no program [D444].
     fn mind_end(&mut self) -> Outcome {
-        let Some(end) = self.end else {
-            if self.last.line > 0 && !self.again && self.setup.carried.is_none() {
-                self.tell(&Alarm::new(Code::EndMissing, self.last));
-            }
+        if self.end.is_none() && (self.again || self.setup.carried.is_some()) {
             return Ok(());
-        };
-        if let Whose::Program = Whose::line(end.line) {
+        }
+        if self.end.is_none() && self.last.line > 0 {
+            self.tell(&Alarm::new(Code::EndMissing, self.last));
+        }
+        let line = self.end.unwrap_or(self.last).line;
+        if let Whose::Program = Whose::line(line) {
             let unreadable = |error| Failure::file(Doing::Read, self.source.name(), &error);
             let text = self.front()?;
-            let told = not_carried_out(&mut Lines::new(&text[..]), end.line).map_err(unreadable)?;
+            let told = not_carried_out(&mut Lines::new(&text[..]), line).map_err(unreadable)?;
             if let Some(told) = told {
                 self.tell(&told);
             }
@@ -393,15 +392,31 @@ impl Checker<'_> {
         Ok(text)
     }
 
-    /// Warns where the text looks as if it was written for another control.
-    fn look(&mut self, set: Control) -> Outcome {
+    /// Warns where the text looks as if it was written for another control; the remedy of what is refused first says so
+    /// where it is for none that is read here.
+    fn look(&mut self) -> Outcome {
+        let assumed = self.program.assumed();
+        if assumed.is_none() && self.report.alarms.is_empty() {
+            return Ok(());
+        }
         let text = self.front()?;
         let lines = || text.split(|byte| *byte == b'\n');
         let mut looks = Looks::default();
         for (number, line) in (1..).zip(lines()) {
             looks.line(number, line);
         }
-        let Some((like, line)) = looks.like(set) else {
+        if looks.is_foreign()
+            && let Some(first) = self.report.alarms.first_mut()
+        {
+            let words = both!(
+                "this program is for Mach or LinuxCNC, and no dialect here reads it: let the post write it for a FANUC, a Haas or \
+                 a GSK, and choose that with `--dialect`",
+                "此程序用于 Mach 或 LinuxCNC，本系统的任何方言都不读取：请用后处理改为 FANUC、Haas 或 GSK 程序，并用 `--dialect` 选择"
+            );
+            first.help = words.get(self.setup.lang).to_owned();
+        }
+        let Some((set, (like, line))) = assumed.and_then(|set| Some((set, looks.like(set)?)))
+        else {
             return Ok(());
         };
         let shown = lines().nth(line as usize - 1).unwrap_or_default();

@@ -86,7 +86,7 @@ impl Allowed {
     const fn bit(number: u16) -> Option<u32> {
         match number {
             4800..=4811 => Some(1 << (number - 4800)),
-            4976..=4977 => Some(1 << (number - 4976 + 24)),
+            4976..=4978 => Some(1 << (number - 4976 + 24)),
             4980..=4991 => Some(1 << (number - 4980 + 12)),
             _ => None,
         }
@@ -153,7 +153,7 @@ mod tests {
         let may: Vec<u16> = (0..=u16::MAX)
             .filter(|number| Allowed::may_have(*number))
             .collect();
-        let numbers = (4800..=4811).chain(4976..=4977).chain(4980..=4991);
+        let numbers = (4800..=4811).chain(4976..=4978).chain(4980..=4991);
         assert_eq!(may, numbers.collect::<Vec<_>>());
         let mut all = Allowed::default();
         for number in &may {

@@ -680,6 +680,7 @@ impl Machine for Acting<'_, '_> {
         self.modes = modes;
         let interpreter = &mut self.core.interpreter;
         interpreter.run_out_by_words_alone(modes.without_run_out);
+        interpreter.taps_end_at_r(modes.returns_to_r);
     }
 
     fn heard(&mut self, code: u16) {
@@ -750,6 +751,7 @@ impl Machine for Acting<'_, '_> {
         if let Some(told) = collected.leave_out_way_back() {
             self.note(told);
         }
+        collected.refuse_depth()?;
         for doubt in collected.doubts(stock.as_ref()) {
             self.note(doubt);
         }

@@ -516,6 +516,36 @@ impl Collected {
         doubts
     }
 
+    /// Refuses a depth that takes everything in one stroke and is a number in another unit: far more than there is to cut,
+    /// and more than tools take [D572].
+    ///
+    /// # Errors
+    /// [`Code::ContourDepth`] with the depth.
+    pub fn refuse_depth(&self) -> Result<(), Alarm> {
+        const TIMES: i64 = 10;
+        let Figures::Rough(along, words) = &self.figures else {
+            return Ok(());
+        };
+        let way = match along {
+            Along::X => Reach::of(self.start.z, self.elements.iter().map(|cut| cut.end.z)),
+            Along::Z => Reach::of(self.start.x, self.elements.iter().map(|cut| cut.end.x)),
+        };
+        let depth = words.depth.value;
+        if depth.nm() <= way.longest().saturating_mul(TIMES).max(DEEPEST_NM) {
+            return Ok(());
+        }
+        let span = match words.depth.span {
+            span if span == Span::default() => self.span(),
+            span => span,
+        };
+        let letter = match along {
+            Along::X => b'W',
+            Along::Z => b'U',
+        };
+        let alarm = Alarm::new(Code::ContourDepth, span).word(letter);
+        Err(alarm.with([Arg::Length(depth)]))
+    }
+
     /// The strokes of G71 or G72 whose allowance leads into a wall of a pocket: the last pass would cut that too deep.
     fn wall_that_is_cut(&self) -> Option<Along> {
         let Figures::Rough(along, words) = &self.figures else {

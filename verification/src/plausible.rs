@@ -27,6 +27,9 @@ const ALL_PECKS: u64 = 5_000;
 const FIRST_PASS_NM: i64 = 5_000;
 /// Pitches in nanometres.
 const PITCH: core::ops::RangeInclusive<i64> = 50_000..=50_000_000;
+/// Turns a minute from which on a cut is meant: on a bar of 300 mm they are 9 m/min. A single digit selects a gear on a
+/// control whose spindle is switched (S1 to S4 of a GSK).
+const TURNS: i64 = 10;
 /// The most different threads that are kept for their further starts.
 const THREADS: usize = 256;
 
@@ -34,6 +37,8 @@ const THREADS: usize = 256;
 #[derive(Debug, Default)]
 pub struct Plausible {
     rpm: i64,
+    /// The block whose speed is below [`TURNS`], until a cut with it is told.
+    slow: Option<Span>,
     /// Its speed follows the diameter.
     surface: bool,
     /// The highest cutting feeds of X and Z, in nanometres a minute; 0 where nothing is known of them.
@@ -155,6 +160,7 @@ impl Plausible {
 
     /// Looks at the next call, for a tool at `at`.
     pub fn call(&mut self, call: &Call, at: Position, tell: &mut dyn FnMut(Alarm)) {
+        self.mind_speed(call, at, tell);
         match &call.kind {
             CallKind::Spindle(spindle) => {
                 self.surface = spindle.law().is_some();
@@ -163,6 +169,7 @@ impl Plausible {
                 } else {
                     0
                 };
+                self.slow = (!self.surface && (1..TURNS).contains(&self.rpm)).then_some(call.span);
             }
             CallKind::Rapid(to) => self.turned_to(at, *to, call.span, tell),
             CallKind::Line(to, feed) => {
@@ -198,6 +205,19 @@ impl Plausible {
             CallKind::Thread(thread) => self.thread(thread, call.span, tell),
             CallKind::Tap(tap) => lead(tap.lead.value.rounded(), tap.lead.span, tell),
             _ => {}
+        }
+    }
+
+    /// A cut or a thread at a few turns a minute, told once at the block of its speed [D571].
+    fn mind_speed(&mut self, call: &Call, at: Position, tell: &mut dyn FnMut(Alarm)) {
+        let cuts = match call.kind {
+            CallKind::Line(to, _) => to.c == at.c && to != at,
+            CallKind::Arc(_) | CallKind::Groove(_) | CallKind::Thread(_) | CallKind::Tap(_) => true,
+            _ => false,
+        };
+        if cuts && let Some(span) = self.slow.take() {
+            let told = Alarm::new(Code::SpeedOdd, span).word(b'S');
+            tell(told.with([Arg::Int(self.rpm)]));
         }
     }
 

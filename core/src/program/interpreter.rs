@@ -290,6 +290,11 @@ impl<'p> Interpreter<'p> {
         self.state.modal.without_run_out = alone;
     }
 
+    /// Taps of the lines that follow end at R, or at the initial level.
+    pub const fn taps_end_at_r(&mut self, at_r: bool) {
+        self.state.modal.taps_end_at_r = at_r;
+    }
+
     /// The latest M code is one that was taken out of the text.
     pub const fn heard(&mut self, code: u16) {
         self.state.m = Some(code);

@@ -57,6 +57,8 @@ pub(crate) struct Modal<'p> {
     pub(crate) gear: u8,
     /// M24 of a Haas: threads have no run-out that their words do not ask for.
     pub(crate) without_run_out: bool,
+    /// G99 of the FANUC systems B and C: a tap ends at R.
+    pub(crate) taps_end_at_r: bool,
 }
 
 impl<'p> Modal<'p> {
@@ -81,6 +83,7 @@ impl<'p> Modal<'p> {
             speed_limit: None,
             gear,
             without_run_out: false,
+            taps_end_at_r: false,
         };
         modal.place_origin();
         modal

@@ -77,6 +77,32 @@ fn a_program_of_another_control_is_told_so_and_codes_are_named_as_written() {
 }
 
 #[test]
+fn a_program_for_no_control_that_is_read_is_told_so_where_it_is_refused() {
+    let folder = Folder::new("foreign");
+    let program = folder.file("p.nc");
+    for text in [
+        "G40 G90 G94\nG7\nM3 S500\nM2\n",
+        "o100 sub\nG0 X5\no100 endsub\nM2\n",
+        "#<dia>=20\nG0 X#<dia>\nM2\n",
+    ] {
+        std::fs::write(&program, text).unwrap();
+        for more in [&[][..], &["--dialect", "haas"]] {
+            let output = leadscrew(&[&["check", &program], more].concat());
+            let told = stderr(&output);
+            assert_eq!(code(&output), 1, "{told}");
+            assert!(told.contains("for Mach or LinuxCNC"), "{told}");
+            assert!(!told.contains("4994"), "{told}");
+        }
+        let told = stderr(&leadscrew(&["--lang", "zh", "check", &program]));
+        assert!(told.contains("用于 Mach 或 LinuxCNC"), "{told}");
+    }
+    // One without an alarm of its own keeps its other remedies.
+    std::fs::write(&program, "G21\nG0 X5 R3\nM2\n").unwrap();
+    let told = stderr(&leadscrew(&["check", &program]));
+    assert!(!told.contains("LinuxCNC"), "{told}");
+}
+
+#[test]
 fn a_name_that_is_none_is_an_alarm_with_its_place() {
     let folder = Folder::new("no-dialect");
     let program = folder.file("p.nc");

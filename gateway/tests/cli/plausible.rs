@@ -161,6 +161,32 @@ fn cases() -> Vec<(u64, String, String)> {
             stock("G1 X52 Z2 F200\nZ-30\nG0 X62\nZ2\nX52\nZ-30.2"),
             stock("G1 X52 Z2 F200\nZ-30\nG0 X62\nZ2\nX52\nZ-30"),
         ),
+        // A gear of a switched spindle, under each kind of cut. Speeds of G96 are no turns a minute.
+        (
+            4978,
+            lines("G98 S9 G1 Z-20 F100"),
+            lines("G98 S10 G1 Z-20 F100"),
+        ),
+        (
+            4978,
+            lines("G98 S4 G2 X54 Z-2 R4 F100"),
+            lines("G98 S4\nG0 Z5\nS600 G2 X54 Z-2 R4 F100"),
+        ),
+        (
+            4978,
+            lines("G99 S01 G75 X40 P1000 F0.1"),
+            lines("G99 S10 G75 X40 P1000 F0.1"),
+        ),
+        (
+            4978,
+            lines("S9 G92 X49 Z-20 F2"),
+            lines("G98 G96 S3 G1 Z-20 F100\nG97 S30"),
+        ),
+        (
+            4978,
+            lines("G0 X0\nS9 G84 Z-20 R-3 F2"),
+            lines("G0 X0\nS20 G84 Z-20 R-3 F2"),
+        ),
         // Half of a thin bar.
         (
             4989,
@@ -204,6 +230,65 @@ fn each_doubt_is_told_at_its_line_and_what_was_meant_is_not() {
         std::fs::write(&program, &right).unwrap();
         assert_eq!(found(&program), [], "{number}\n{right}");
     }
+}
+
+/// A head in front of the first O number is a program of its own, and ends where that stands.
+#[test]
+fn a_program_behind_blocks_without_an_end_is_told() {
+    let folder = shop("head");
+    let program = folder.file("p.nc");
+    for (text, told) in [
+        (
+            "G21 G40\nO1\nM3 S500\nG98 G0 X50 Z2\nM30\n",
+            &[(4977, 2)][..],
+        ),
+        ("G0 X50 Z2\nO1\nG0 X60\nM30\n", &[(4976, 1), (4977, 2)]),
+        ("G0 X50 Z2\nM98 P2\nO2\nU1\nM99\n", &[(4976, 4)]),
+        ("(HEAD)\nO1\nG0 X50 Z2\nM30\n", &[]),
+        ("G21\n", &[]),
+        ("(ALLOW 4977)\nG21\nO1\nG0 X60\nM30\n", &[]),
+    ] {
+        std::fs::write(&program, text).unwrap();
+        assert_eq!(found(&program), told, "{text}");
+    }
+}
+
+/// D1000 of an older Haas is 0.1 inch, and one stroke of 1000 inches here.
+#[test]
+fn a_depth_far_beyond_all_that_is_there_is_refused() {
+    let folder = shop("far");
+    let program = folder.file("p.nc");
+    let one_block = |units: &str, x: &str, depth: &str| {
+        format!(
+            "(DIALECT HAAS)\n{units} G97 M3 S500\nG99\nG0 X{x} Z.1\nG71 P1 Q2 U.02 W.005 {depth} F.01\nN1 G0 X1.\nG1 Z-.5\nN2 X{x}\nM5\nM30\n"
+        )
+    };
+    // The way is 12.7 and 10 mm.
+    for (text, told) in [
+        (one_block("G20", "2.", "D1000"), &[(62, 5)][..]),
+        (one_block("G20", "2.", "D5.01"), &[(62, 5)]),
+        (one_block("G20", "2.", "D4.99"), &[(4989, 5)]),
+        (one_block("G21", "21.", "D101"), &[(62, 5)]),
+        (one_block("G21", "21.", "D99"), &[(4989, 5)]),
+        (one_block("G20", "2.", "D.1"), &[]),
+        // A little is left, and the depth is one that tools take.
+        (one_block("G20", "1.02", "D.2"), &[]),
+    ] {
+        std::fs::write(&program, &text).unwrap();
+        assert_eq!(found(&program), told, "{text}");
+    }
+    std::fs::write(&program, one_block("G20", "2.", "D1000")).unwrap();
+    let told = stderr(&leadscrew(&["check", &program]));
+    assert!(
+        told.contains("D of this cycle") && told.contains("D.08"),
+        "{told}"
+    );
+    // Along Z, in two lines.
+    let face = "G97 M3 S500\nG99\nG0 X60 Z1\nG72 W61 R0.5\nG72 P1 Q2 U0 W0.1 F0.2\nN1 G0 Z-5\nG1 X40\nN2 Z1\nM5\nM30\n";
+    std::fs::write(&program, face).unwrap();
+    assert_eq!(found(&program), [(62, 4)]);
+    std::fs::write(&program, face.replace("W61", "W60")).unwrap();
+    assert_eq!(found(&program), [(4989, 4)]);
 }
 
 #[test]

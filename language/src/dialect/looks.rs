@@ -16,6 +16,8 @@ pub struct Looks {
     seen: [(u32, u32); Control::ALL.len()],
     /// A T of three digits was there. Each program with one has several, and other controls read them too: one counts.
     short_tool: bool,
+    /// A line that Mach and LinuxCNC alone read.
+    foreign: bool,
 }
 
 /// A word: its letter, its number, and how that is written.
@@ -90,11 +92,40 @@ impl Words {
     }
 }
 
+/// True for a line that Mach or LinuxCNC alone read: X as a diameter by G7, a thread by their G76, a named variable, a flow
+/// of O words.
+fn is_foreign(text: &[u8], words: &Words) -> bool {
+    const FLOW: [&[u8]; 6] = [
+        b"endsub",
+        b"endwhile",
+        b"endif",
+        b"endrepeat",
+        b"call",
+        b"while",
+    ];
+    let thread = b"PZIJRK".iter().all(|letter| words.has(&[*letter]));
+    if words.g(&[7]) || words.g(&[76]) && thread {
+        return true;
+    }
+    let code = text.split(|byte| matches!(byte, b'(' | b';')).next();
+    let code = code.unwrap_or_default();
+    let plain = code.iter().filter(|byte| !byte.is_ascii_whitespace());
+    let plain: Vec<u8> = plain.map(u8::to_ascii_lowercase).collect();
+    let number = |byte: &u8| byte.is_ascii_digit();
+    let behind_number = match plain.strip_prefix(b"o") {
+        Some(rest) => &rest[rest.iter().take_while(|byte| number(byte)).count()..],
+        None => &[],
+    };
+    plain.windows(2).any(|pair| pair == b"#<")
+        || FLOW.iter().any(|word| behind_number.starts_with(word))
+}
+
 impl Looks {
     /// Looks at a line.
     pub fn line(&mut self, number: u32, text: &[u8]) {
         use Control::{FanucA, FanucB, FanucC, Gsk980td, Gsk988, Haas};
         let words = Words::of(text);
+        self.foreign |= is_foreign(text, &words);
         let axes = words.has(b"XUZW");
         let pq = words.has(b"P") && words.has(b"Q");
         let first_short_tool = words.short_tool() && !self.short_tool;
@@ -167,11 +198,20 @@ impl Looks {
         }
     }
 
+    /// The text is clearly for Mach or LinuxCNC, which none of the controls is.
+    #[must_use]
+    pub const fn is_foreign(&self) -> bool {
+        self.foreign
+    }
+
     /// The control that the text looks like, where it is another than the one that was set; with the first line that says
     /// so.
     #[must_use]
     pub fn like(&self, set: Control) -> Option<(Control, u32)> {
         let all = || Control::ALL.into_iter().zip(self.seen);
+        if self.foreign {
+            return None;
+        }
         let own = all().find(|(control, _)| *control == set);
         let own = own.map_or(0, |(_, seen)| seen.0);
         let best = all().map(|(_, seen)| seen.0).max()?;
@@ -190,6 +230,42 @@ mod tests {
             looks.line(number, line.as_bytes());
         }
         looks.like(set)
+    }
+
+    #[test]
+    fn a_text_for_none_of_the_controls_shows_it() {
+        let is = |text: &str| {
+            let mut looks = Looks::default();
+            for (number, line) in (1..).zip(text.split(';')) {
+                looks.line(number, line.as_bytes());
+            }
+            assert!(!looks.is_foreign() || looks.like(Control::Haas).is_none());
+            looks.is_foreign()
+        };
+        for text in [
+            "G40 G90 G94;G7",
+            "G21;G07 G90",
+            "G76 P1.5 Z-20 I-1 J0.2 R1.5 K0.92 Q29.5 H2 E1 L2",
+            "o100 sub;G0 X5;o100 endsub",
+            "O100 call [5]",
+            "o101 while [#1 LT 3]",
+            "#<dia> = 20",
+            "G0 X[#<_dia>+2]",
+        ] {
+            assert!(is(text), "{text}");
+        }
+        for text in [
+            "G8 P1",
+            "G76 X17.5 Z-25 I-1 K1.2 D0.4 F2 A60 P2",
+            "G76 P010060 Q100 R0.05",
+            "O100 SUB",
+            "O0100;WHILE[#1LT3]DO1",
+            "O1 (O2 CALL #<X>)",
+            "IF[#1<2]GOTO3",
+            "G71 P1 Q2 U.4 W.1 D1.5 F.2 I.1 K.1",
+        ] {
+            assert!(!is(text), "{text}");
+        }
     }
 
     #[test]

@@ -98,6 +98,12 @@ pub fn help(alarm: &Alarm, lang: Lang) -> Option<String> {
             "it stands behind the `%` that ends the program: take that `%` out",
             "该程序位于结束程序的 `%` 之后：请去掉该 `%`",
         ),
+        (Code::ContourDepth, [Arg::Length(_), ..]) => both(
+            "it is more than ten times what there is to cut: write a length on the radius with a point (D2., in inches D.08); \
+             where the whole program counts increments, read it with `--set 3401.0=0`",
+            "它超过待切除量的十倍：请写半径方向的长度并带小数点（D2.，英制 D.08）；若整个程序都以最小增量为单位，请用 \
+             `--set 3401.0=0` 读取",
+        ),
         (Code::ContourWord, _) if matches!(alarm.word, Some(b'C' | b'H')) => both(
             "turn C before or after the cycle; for a chamfer write `,C` (L on a GSK), or, on a FANUC and a Haas, C beside one of \
              X and Z",

@@ -4,6 +4,7 @@ mod haas;
 mod readings;
 mod remedies;
 mod system_variables;
+mod taps;
 
 use leadscrew_core::alarm::{Alarm, Arg};
 use leadscrew_core::call::{CallKind, CutIn, Infeed, ThreadCall};

@@ -47,12 +47,16 @@ fn pecks_of_a_face_hole() {
     assert_eq!(moves(&[("182.7", 1)], Control::Gsk980td, &in_mm), shallow);
     // R of a Haas is a coordinate.
     let haas = in_mm.replace("R-3", "R2.");
-    assert_eq!(moves(&[], Control::Haas, &haas), shallow);
+    let cleared = "R0,5 R0,2 F0,-3 R0,2 R0,-2 F0,-8 R0,2 R0,-7 F0,-12 D R0,5";
     let deep = [("5101.2", 1)];
-    assert_eq!(
-        moves(&deep, Control::FanucA, text),
-        "R0,5 R0,2 F0,-3 R0,2 R0,-2 F0,-8 R0,2 R0,-7 F0,-12 D R0,5"
-    );
+    assert_eq!(moves(&deep, Control::FanucA, text), cleared);
+    for set in [0, 1] {
+        assert_eq!(
+            moves(&[("5101.2", set)], Control::Haas, &haas),
+            cleared,
+            "{set}"
+        );
+    }
     // The clearance is not more than the depth so far.
     let wide = [("5114", 8_000_000)];
     let wide = moves(&wide, Control::FanucA, text);

@@ -216,7 +216,8 @@ impl Acting<'_, '_> {
                 .peck
                 .filter(|_| drill.kind.pecks())
                 .map(|peck| peck.value),
-            deep: self.core.params.drill_deep_peck(),
+            // A Haas goes back to R whatever its parameters [D572].
+            deep: self.core.control == Control::Haas || self.core.params.drill_deep_peck(),
             clearance: self.core.params.drill_clearance(),
             dwell: drill.dwell(),
             feeds_out: drill.kind.feeds_out(),

@@ -1007,8 +1007,8 @@ codes! {
     ParamDialect = 4416, "there is no dialect {0}", "write one of {1}, as a text: `dialect = \"fanuc-b\"`",
         "没有方言 {0}", "请写下列之一（文本）：{1}，如 `dialect = \"fanuc-b\"`";
     /// `allow` in a file that is no list of numbers which can be silenced.
-    ParamAllow = 4417, "`allow` is a list of numbers of what looks wrong: 4800 to 4811, 4980 to 4991", "write `allow = [4800, 4985]`",
-        "`allow` 是可疑之处的编号列表：4800 至 4811、4980 至 4991", "请写如 `allow = [4800, 4985]`";
+    ParamAllow = 4417, "`allow` is a list of numbers of what looks wrong: 4800 to 4811, 4976 to 4978, 4980 to 4991", "write `allow = [4800, 4985]`",
+        "`allow` 是可疑之处的编号列表：4800 至 4811、4976 至 4978、4980 至 4991", "请写如 `allow = [4800, 4985]`";
     /// A ramp does not fit a profile: axis with the longest part of it, ticks, most ticks.
     RampTooLong = 4420, "speeding up takes {1} ticks, {0} most of them, and a profile holds {2}",
         "raise 1620.{0} or 1622.{0}, lower 1420.{0}, or make the tick (9000) longer",
@@ -1593,16 +1593,19 @@ codes! {
     /// The comment that declares the stock, and says it in another way.
     StockUnreadable = 4995, "this comment does not declare the stock: X (diameter) and L (length) in millimetres, perhaps X0= (bore) and Z (face)", "write `(STOCK X60 L100)` or `(STOCK X60 L100 X0=20 Z1)`",
         "此注释未能说明毛坯：应为 X（直径）和 L（长度），可加 X0=（孔径）和 Z（端面），单位 mm", "请写 `(STOCK X60 L100)` 或 `(STOCK X60 L100 X0=20 Z1)`";
-    // -- 4975–4977 warnings: what a program hardly means, `language`; 4976 and 4977 may be allowed ------------------------
+    // -- 4975–4978 warnings: what a program hardly means, `language`; 4976 to 4978 may be allowed -------------------------
     /// A comment with ALLOW names what is no number that may be allowed.
-    AllowUnknown = 4975, "this comment silences nothing here: there is no such number, or it may not be silenced", "write numbers from 4800 to 4811, 4976, 4977 or 4980 to 4991, as `(ALLOW 4800 4985)`",
-        "此处的 ALLOW 无效：没有该编号，或该编号不能屏蔽", "请写 4800 至 4811、4976、4977 或 4980 至 4991，如 `(ALLOW 4800 4985)`";
+    AllowUnknown = 4975, "this comment silences nothing here: there is no such number, or it may not be silenced", "write numbers from 4800 to 4811, 4976 to 4978 or 4980 to 4991, as `(ALLOW 4800 4985)`",
+        "此处的 ALLOW 无效：没有该编号，或该编号不能屏蔽", "请写 4800 至 4811、4976 至 4978 或 4980 至 4991，如 `(ALLOW 4800 4985)`";
     /// The text is over, and the program has not ended itself.
     EndMissing = 4976, "the program ends without M30, M02 or M99", "write M30 in its last block; on many controls the spindle and the coolant go on without it",
         "程序末尾没有 M30、M02 或 M99", "请在最后一段写 M30；许多系统若无此代码，主轴和冷却液不会停止";
     /// A program with an end of its own stands behind the one that runs, which does not call it; {0} its number.
-    ProgramBehind = 4977, "O{0} stands behind the end of the program, and is not carried out", "write it to a file of its own, or call it with M98 and end it with M99",
-        "O{0} 位于程序结束之后，不会执行", "请将其存为单独的文件，或用 M98 调用并以 M99 结束";
+    ProgramBehind = 4977, "O{0} stands behind the end of the program, and is not carried out", "write it to a file of its own, or call it with M98 and end it with M99; where blocks in front of its O number are its head, write them behind it",
+        "O{0} 位于程序结束之后，不会执行", "请将其存为单独的文件，或用 M98 调用并以 M99 结束；若 O 号之前的程序段是其开头，请移到 O 号之后";
+    /// A cut at a few turns a minute; {0} their number.
+    SpeedOdd = 4978, "the spindle cuts at {0} turns a minute from here on", "write the speed itself, as S600; where S1 to S4 is a gear of the spindle on another control, its speed there; a gear here is M41 to M44; `(ALLOW 4978)` if it is meant",
+        "从此处起主轴以 {0} r/min 进行切削", "请直接写转速，如 S600；若 S1 至 S4 在其他系统上表示主轴换挡，请写该挡的转速；此处换挡用 M41 至 M44；确实如此请写 `(ALLOW 4978)`";
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.
     TapSpeedAboveSpindle = 4960, "the highest tapping speed {0} (5241) is above that of the spindle, {1} (3772)",

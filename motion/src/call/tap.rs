@@ -128,7 +128,7 @@ pub struct TapCall {
     pub axis: TapAxis,
     /// Where the tool stands: at the initial level, or in the hole where the call goes on after K198.
     pub start: Position,
-    /// The first hole, its tap axis at the initial level.
+    /// The first hole, its tap axis where the tool leaves it: at the initial level, or at R.
     pub hole: Position,
     /// From hole to hole: what was written as increments, zero for the rest and for the tap axis.
     pub step: Position,

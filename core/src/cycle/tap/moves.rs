@@ -11,7 +11,8 @@ use crate::units::{CentiRpm, Length, TurnRatio};
 
 /// The moves of a tapping cycle, hole by hole.
 ///
-/// Rapid to the hole, clamp, rapid to R; the strokes of the form; dwell; out to R; rapid to the initial level, unclamp.
+/// Rapid to the hole, clamp, rapid to R; the strokes of the form; dwell; out to R; rapid to where the hole ends (the
+/// initial level, or R), unclamp.
 /// Targets are absolute, R ± n·q, clipped at the bottom. Moves of zero length are left out. A hole with K198 ends at its
 /// bottom; the call that continues the hole begins with the infeed. Nothing can fail after the value is made.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +30,7 @@ pub struct TapMoves {
     depth: Length,
     /// How far below R the hole is cut.
     cut: Length,
-    /// The hole, its tap axis at the initial level.
+    /// The hole, its tap axis where the tool leaves it.
     place: Position,
     hole: u8,
     infeeds: u32,
@@ -258,7 +259,10 @@ impl TapMoves {
             let made = match self.next {
                 Next::Approach => {
                     self.next = Next::Clamp;
-                    self.rapid(self.place, Stage::Approach)
+                    // The way in begins where the tool is.
+                    let axis = self.call.axis;
+                    let over = axis.with(self.place, axis.of(self.made.to));
+                    self.rapid(over, Stage::Approach)
                 }
                 Next::Clamp => {
                     self.next = Next::RPlane;

@@ -13,6 +13,7 @@ use crate::call::{
     CallKind, Hand, HandChoice, Plane, Position, TapAxis, TapCall, TapCycle, TapForm, TapMode,
     TapNotes, TapPeck, TapRepeat, TapSpindle,
 };
+use crate::cycle::check::blame;
 use crate::text::{
     AXES, Block, Known, Letters, MGroup, Modal, Plan, Range, Word, g_arg, m_code, out_of_range,
 };
@@ -57,6 +58,8 @@ pub(super) struct Kept {
     pub(super) spindle: Option<TapSpindle>,
     /// M.
     clamp: Option<u16>,
+    /// The initial level, once a hole has ended at R and the tool does not tell it any more.
+    initial: Option<Length>,
 }
 
 impl Kept {
@@ -86,6 +89,7 @@ impl Kept {
             extract: None,
             spindle: None,
             clamp: None,
+            initial: None,
         }
     }
 
@@ -145,6 +149,9 @@ impl Tapping {
                 None => Ok(()),
             };
         }
+        if modal.taps_end_at_r && self.locked.is_none() {
+            kept.initial.get_or_insert(kept.axis.of(modal.position));
+        }
         let call = self.hole(modal, block, &kept, &turning, span, repeat)?;
         let (extract, asked) = extraction(modal, &call);
         let call = TapCall { extract, ..call };
@@ -203,10 +210,18 @@ impl Tapping {
         repeat: Option<(TapRepeat, Word)>,
     ) -> Result<TapCall, Alarm> {
         let axis = kept.axis;
-        let initial = axis.of(modal.position);
+        let initial = kept.initial.unwrap_or(axis.of(modal.position));
         let (hole, step) = places(modal, block, axis)?;
         let level = At::new(initial + kept.rise.value, kept.rise.span);
         let call = self.resolve(modal, kept, turning, span, level)?;
+        // An end at R would hide that R lies on the wrong side.
+        let at_r = modal.taps_end_at_r;
+        let inward = (call.bottom.value - level.value).signum();
+        if at_r && kept.rise.value.times(inward) < Length::ZERO {
+            let (letter, _) = letters_of(axis);
+            return Err(blame(Code::TapDepth, span, &call.bottom.span, letter));
+        }
+        let hole = axis.with(hole, if at_r { level.value } else { initial });
         let call = TapCall {
             start: modal.position,
             hole,
@@ -352,7 +367,7 @@ impl Tapping {
     }
 }
 
-/// Hole number `n` of a call, its tap axis at the initial level.
+/// Hole number `n` of a call, its tap axis where the tool leaves it.
 fn nth(call: &TapCall, n: NonZeroU8) -> Position {
     let steps = i64::from(n.get()).saturating_sub(1);
     Position {
