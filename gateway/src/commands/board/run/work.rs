@@ -288,8 +288,11 @@ impl Runner<'_> {
             // In virtual time the board waits from here on before it overwrites a certificate.
             self.link.take_threads(self.ran.threads.whole())?;
             self.link.set_by_wheel(self.by_wheel)?;
+            // *Run* names no program: it begins the one that was loaded last.
+            self.still_loaded(feed)?;
             self.link.order(Order::Run)?;
             *started = true;
+            self.still_loaded(feed)?;
         }
         if !fed {
             self.link.idle(LOOK)?;
@@ -375,6 +378,20 @@ impl Runner<'_> {
         self.link.ready_to_run()?;
         (self.last_event, self.late) = (now.newest_event, now.late);
         Ok(())
+    }
+
+    /// Another command may have loaded a program at the same moment: then that one runs, or is about to, and this one
+    /// does not.
+    fn still_loaded(&mut self, feed: &Feed) -> Outcome {
+        if self.link.status()?.program == feed.program() {
+            return Ok(());
+        }
+        let node = self.link.node().get();
+        Err(Failure::Bus(both!(
+            "node {node} was given another program at the same moment, and this one is not run: look at the machine before \
+             you run it again",
+            "节点 {node} 同时收到了另一个程序，本程序未执行：重新运行前请查看机床"
+        )))
     }
 
     /// Reports that this side has taken another node number.
