@@ -1,7 +1,7 @@
 //! The path of a program for the page: the moves that are made of it, in the coordinates of their own work zero.
 //!
 //! ```text
-//! walk ─► moves ─► segments in 0.1 µm, each with its line, its move and its kind; where the zero changes, the pen is lifted
+//! walk ─► moves ─► segments in 0.1 µm, each with line, move and kind; where the zero changes, the pen is lifted
 //! ```
 //!
 //! It must not know a canvas. What moves are made of a program is not decided here.
