@@ -52,7 +52,7 @@ pub struct Report {
     pub marks: Vec<Mark>,
 }
 
-/// The place of a warning: machine coordinates, Z and radius in millimetres.
+/// The place of a warning in the coordinates of its work zero: Z and radius in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
     /// Number of the warning.
@@ -268,15 +268,16 @@ impl Findings for Checker<'_> {
         if self.report.marks.len() == MARKS || self.program.allows(alarm) {
             return;
         }
-        let place =
-            |position: Position| (position.z.nm() as f64 / 1e6, position.x.nm() as f64 / 1e6);
-        let zero = place(call.origin);
+        let place = |position: Position| {
+            let (z, x) = (position.z - call.origin.z, position.x - call.origin.x);
+            (z.nm() as f64 / 1e6, x.nm() as f64 / 1e6)
+        };
         self.report.marks.push(Mark {
             number: alarm.number(),
             line: alarm.span.line,
             from: place(at),
             to: place(step.to),
-            at: (zero.0 + z, zero.1 + x),
+            at: (z, x),
         });
     }
 

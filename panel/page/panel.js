@@ -79,6 +79,7 @@ const owns = () => holds.own !== null && holds.own === holds.now;
 function whose() {
   const who = owns() ? "own" : holds.now === null ? "nobody" : "other";
   show.lease(who, holds.looks, who === "own" || holds.takes ? holds.notice : null);
+  programs.note();
 }
 
 function say(what) {

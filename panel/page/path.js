@@ -5,7 +5,7 @@
 import { View, colour, grid, tip } from "./view.js";
 
 // A millimetre, in the units of the path.
-const UNIT = 1000;
+const UNIT = 10000;
 const KINDS = [["r", "rapid", 1, [5, 4]], ["f", "feed", 1.6, []], ["t", "thread", 1.6, []], ["p", "tap", 2.4, []]];
 // Pieces of a path that are shorter on the screen are not drawn one by one.
 const SHORT = 0.5;
@@ -39,8 +39,8 @@ export class Path {
       ...path,
       kinds: new TextEncoder().encode(path.kinds),
       numbers: sums(path.numbers, Uint32Array),
-      z: sums(path.z, Float32Array),
-      x: sums(path.x, Float32Array),
+      z: sums(path.z, Int32Array),
+      x: sums(path.x, Int32Array),
     };
     this.under_way = false;
     this.done = 0;

@@ -21,6 +21,8 @@ let looking = new AbortController();
 let starting = new AbortController();
 // A change that is not saved is given up by asking twice.
 let doomed = null;
+// A text is on its way to the folder.
+let saving = false;
 let tell = () => {};
 // The start at a line that was shown, and may be ordered.
 let start = null;
@@ -43,7 +45,8 @@ function changed() {
   note();
 }
 
-function note() {
+// What is open, and whether it may be changed and written.
+export function note() {
   const parts = [open?.name, open?.changed && word("unsaved"), open?.bare && word("other_letters"),
     open && text.is_long && word("too_long")];
   if (runs) parts.push(`▶ ${runs.name}`);
@@ -180,28 +183,41 @@ function found(check) {
   text.mark(rows.toReversed().filter(({ line }) => line).map(({ line, tone }) => [line, tone]));
 }
 
+// An answer that comes late changes what it is about, and nothing else.
 async function save() {
+  if (open?.bare || text.is_long) return tell(both(open?.bare ? "other_letters" : "too_long"));
+  if (saving) return;
+  drop();
   const name = at("name").value.trim();
   const own = open?.name === name ? open : null;
-  const sent = ended(text.value, own?.end ?? "\n");
-  const answer = await asked(write(name, sent, own?.tag ?? null));
+  const end = own?.end ?? "\n";
+  const [typed, before] = [text.value, turn];
+  saving = true;
+  const answer = await asked(write(name, ended(typed, end), own?.tag ?? null));
+  saving = false;
   if (!answer) return;
+  tell(both("saved"));
+  const changed = () => text.value !== typed;
+  if (before !== turn) {
+    // Another one is opened meanwhile. Until it is there, this one is.
+    if (own && open === own) Object.assign(own, { tag: answer.tag, changed: changed() });
+    return list();
+  }
   turn += 1;
   const now = turn;
-  open = { name, tag: answer.tag, end: own?.end ?? "\n", bare: false, changed: false };
-  tell(both("saved"));
+  open = { name, tag: answer.tag, end, bare: false, changed: changed() };
   await list();
-  // Another one was opened meanwhile: what is found is its own.
+  // What is found is of the text that is shown.
   if (now !== turn) return;
   note();
-  await look();
+  if (!open.changed) await look();
 }
 
 // What would happen is shown before anything can be ordered: the order names it, and is refused where it is not so any more.
 async function look_at_start() {
   drop();
   if (!open) return tell(both("none_open"));
-  if (open.changed) return tell(both("save_first"));
+  if (open.changed || saving) return tell(both("save_first"));
   const [own, one, line] = [turn, open, text.cursor];
   starting = new AbortController();
   const answer = await asked(view(one.name, `start/${line}`, isChinese(), starting.signal));
@@ -232,7 +248,7 @@ export function begin({ order, said: told, held, has_folder }) {
   at("save").onclick = save;
   held(at("run"), () => {
     if (!open) return tell(both("none_open"));
-    if (open.changed) return tell(both("save_first"));
+    if (open.changed || saving) return tell(both("save_first"));
     order("program", { name: open.name, tag: open.tag, wheel: by_wheel(), zh: isChinese() });
   });
   at("by_wheel").onclick = () => at("by_wheel").setAttribute("aria-pressed", !by_wheel());

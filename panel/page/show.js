@@ -101,8 +101,8 @@ export function lease(who, looks, notice) {
   document.body.classList.toggle("operates", who === "own");
   document.body.classList.toggle("looks", looks);
   at("take").hidden = looks;
-  // A button that would be refused is none, HOLD and STOP above all.
-  for (const one of document.querySelectorAll("nav button, main button, main input, #touch select")) {
+  // A button that would be refused is none, HOLD and STOP above all. Whether a text may be saved is no matter of the lease alone.
+  for (const one of document.querySelectorAll("nav button, main button:not(#save), main input, #touch select")) {
     one.disabled = looks && !["fit", "nearer", "farther", "reload", "search", "differ"].includes(one.id);
   }
   put("take", who === "own" ? word("give") : word("take"));

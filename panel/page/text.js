@@ -38,7 +38,7 @@ export class Text {
   }
 
   get value() {
-    return this.area.value;
+    return this.is_long ? this.lines.join("\n") : this.area.value;
   }
 
   set value(text) {

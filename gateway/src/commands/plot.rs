@@ -8,7 +8,7 @@ use super::picture::{self, PictureFormat};
 use crate::checking::{self, Report};
 use crate::cli::Plot;
 use crate::diagnostics;
-use crate::drawing::{Drawing, Drawn};
+use crate::drawing::{Drawing, Drawn, Zeros};
 use crate::execution::{self, Execution};
 use crate::failure::{Failure, Outcome};
 use crate::features::{self, Tools};
@@ -53,6 +53,7 @@ pub(super) fn run(setup: &Setup, args: &Plot, format: PictureFormat) -> Outcome 
         summary: Summary::new(&setup.params),
         series: Envelope::new(tick_us / 1e6),
         way: Way::new(tick_us / 1e6),
+        zeros: drawn.zeros,
         spindle: None,
         step: 0,
         locked: 0,
@@ -75,10 +76,9 @@ pub(super) fn run(setup: &Setup, args: &Plot, format: PictureFormat) -> Outcome 
             ideal: args.drive.spindle_ripple.is_none(),
             features: features.list,
             stock: features.stock,
-            marks: marks(&execution.report, drawn.origin),
+            marks: marks(&execution.report),
             series: Some(series),
         };
-        let way = way.at(drawn.origin);
         write(setup, &source, args, format, &picture, Some(way))?;
     }
     execution.conclude(&summary, None)
@@ -162,15 +162,14 @@ fn listing(source: &SourceFile) -> Vec<String> {
     source.lines(MOST).into_iter().map(text).collect()
 }
 
-/// Where warnings of moves are, from the picture's zero.
-fn marks(report: &Report, zero: (f64, f64)) -> Vec<Mark> {
-    let of_work = |(z, x): (f64, f64)| (z - zero.0, x - zero.1);
+/// Where warnings of moves are.
+fn marks(report: &Report) -> Vec<Mark> {
     let mark = |mark: &checking::Mark| Mark {
         number: mark.number,
         line: SourceLine(mark.line).to_string(),
         is_rapid: mark.number == Code::RapidInStock.number(),
-        way: [mark.from, mark.to].map(of_work),
-        at: of_work(mark.at),
+        way: [mark.from, mark.to],
+        at: mark.at,
     };
     report.marks.iter().map(mark).collect()
 }
@@ -183,7 +182,7 @@ pub(super) fn title(program: &Path) -> String {
 
 /// The tool path of a program that has been checked.
 fn drawn(setup: &Setup, source: &SourceFile) -> Outcome<Drawn> {
-    let mut drawing = Drawing::new(&setup.options().position);
+    let mut drawing = Drawing::new(setup.options().position);
     let mut walk = Walk::open(setup, source)?;
     while walk
         .next_call(|call, step| drawing.push(step, &call.origin))?
@@ -207,6 +206,7 @@ struct Watcher<'a> {
     summary: Summary,
     series: Envelope,
     way: Way,
+    zeros: Zeros,
     /// The spindle in the picture and its angle in the tick before.
     spindle: Option<(u8, i64)>,
     /// The move of the tick before.
@@ -217,19 +217,14 @@ struct Watcher<'a> {
 }
 
 impl Watcher<'_> {
-    /// The distance from the helix belongs to the thread of its line, or to the tap.
+    /// The distance from the helix belongs to the thread whose move it is of, or to the tap.
     fn phase(&mut self, point: &Setpoint) {
         let micrometres = point.error_nm.map(|nm| nm as f64 / 1e3);
         let urev = point.turning_spindle().1;
         let step = std::mem::replace(&mut self.step, point.step);
-        for Feature {
-            lines,
-            shape,
-            phase,
-            ..
-        } in self.features.iter_mut()
-        {
-            let is_here = (lines.0..=lines.1).contains(&point.line);
+        for feature in self.features.iter_mut() {
+            let is_here = feature.is_of(point.step);
+            let Feature { shape, phase, .. } = feature;
             let off = match shape {
                 Shape::Thread(_) => {
                     if !is_here || micrometres.is_none() || point.tap.is_some() {
@@ -286,7 +281,9 @@ impl Observer for Watcher<'_> {
         };
         // Nanometres a tick to millimetres a minute, millionths of a turn a tick to turns a minute.
         let minute = 60e6 / self.tick_us;
-        self.way.push(point.line, point.x_nm, point.z_nm);
+        let zero = self.zeros.at(point.step);
+        self.way
+            .push(point.line, point.x_nm - zero.0, point.z_nm - zero.1);
         self.phase(point);
         self.series.push(&Sample {
             x: x as f64 * minute / 1e6,

@@ -9,6 +9,8 @@ mod thread;
 mod typed;
 mod width;
 
+use std::ops::RangeInclusive;
+
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Aux, Call, Position};
 use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
@@ -65,6 +67,8 @@ pub struct Features {
 struct Found {
     /// First and last line as the machine counts them.
     lines: (u32, u32),
+    /// The moves of a tapped hole, by their numbers.
+    steps: Vec<RangeInclusive<u64>>,
     tool: u32,
     cycle: Option<Cycle>,
     shape: Kind,
@@ -183,6 +187,12 @@ impl Finder<'_> {
                     holes.rapid(&step.to);
                 }
             }
+            // At the bottom of a hole the tap is held to its spindle.
+            MoveKind::Dwell(_) if step.tag.is_some() => {
+                if let Some(found) = self.found.last_mut() {
+                    join(&mut found.steps, self.step);
+                }
+            }
             MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => {}
         }
     }
@@ -201,6 +211,7 @@ impl Finder<'_> {
         }
         self.found.push(Found {
             lines: (line, line),
+            steps: Vec::new(),
             tool: self.tool,
             cycle,
             shape,
@@ -224,16 +235,21 @@ impl Finder<'_> {
             let holes = Holes::new(tap, zero, self.stock.as_ref());
             self.begin(cycle, line, Kind::Tap(Box::new(holes)));
         }
+        let number = self.step;
         let last = self.last(cycle).filter(|last| is_alike(last));
         let Some(Found {
             shape: Kind::Tap(holes),
             lines,
+            steps,
             ..
         }) = last
         else {
             return;
         };
         lines.1 = line;
+        if !join(steps, number) && steps.len() < PIECES {
+            steps.push(number..=number);
+        }
         if !holes.push(tap, step.tag, line, way) {
             self.left_out += 1;
         }
@@ -347,8 +363,12 @@ impl Finder<'_> {
             // One of many lines is told once.
             warnings.dedup();
             let name = name(&found, lang);
+            let mut steps = found.steps;
             let (figures, shape) = match found.shape {
-                Kind::Thread(number) => threads.feature(number, lang),
+                Kind::Thread(number) => {
+                    steps = threads.steps(number);
+                    threads.feature(number, lang)
+                }
                 Kind::Groove(groove) => (columns(&groove, found.tool, lang), Shape::Groove(groove)),
                 Kind::Contour(contour) => (Vec::new(), Shape::Contour(contour)),
                 Kind::Tap(holes) => {
@@ -362,7 +382,7 @@ impl Finder<'_> {
             };
             Feature {
                 name,
-                lines: found.lines,
+                steps,
                 phase: None,
                 figures,
                 warnings,
@@ -375,6 +395,13 @@ impl Finder<'_> {
             left_out,
         }
     }
+}
+
+/// Adds a move to the last of these, where it is the next one.
+fn join(steps: &mut [RangeInclusive<u64>], number: u64) -> bool {
+    let last = steps.last_mut();
+    let last = last.filter(|last| *last.end() + 1 == number);
+    last.map(|last| *last = *last.start()..=number).is_some()
 }
 
 /// `line 43-44 · T3 · G76`.

@@ -1,5 +1,7 @@
 //! The passes of a program's threads, with what a picture says of each thread.
 
+use std::ops::RangeInclusive;
+
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::call::{Call, CallKind, ChainPart};
 use leadscrew_core::cycle;
@@ -194,6 +196,17 @@ impl Threads {
         }
     }
 
+    /// The moves of a thread by their numbers, in their order.
+    pub(super) fn steps(&self, number: usize) -> Vec<RangeInclusive<u64>> {
+        let moves = &self.list[number].known.moves;
+        let mut steps: Vec<_> = moves
+            .iter()
+            .map(|(first, last, _)| *first..=*last)
+            .collect();
+        steps.sort_unstable_by_key(|steps| *steps.start());
+        steps
+    }
+
     /// The figures of a thread, and its geometry.
     pub(super) fn feature(&self, number: usize, lang: Lang) -> (Vec<String>, Shape) {
         let one = &self.list[number];
@@ -205,6 +218,7 @@ impl Threads {
             tool: known.tool,
             lead: one.lead,
             face: known.face,
+            face_is_assumed: known.assumed.face,
             surface: known.surface,
             level: match known.across {
                 Across::X => known.face.unwrap_or(0.0),

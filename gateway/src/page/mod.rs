@@ -178,7 +178,7 @@ mod tests {
     fn page() -> String {
         let mut way = Way::new(0.001);
         for n in 0..50_000_u32 {
-            way.push(n, 1_000_000, i64::from(n) * -1_000);
+            way.push(n, 500_000, i64::from(n) * -1_000);
         }
         Page {
             title: "a<b>.nc",
@@ -190,7 +190,7 @@ mod tests {
                 points: vec![(0.0, 20.0), (-30.000_05, 20.0)],
             }],
             program: vec!["O1 (</script><script>alert(1))".into(), "G32 Z-30".into()],
-            way: Some(way.at((0.0, 0.5))),
+            way: Some(way),
             cuts: None,
             over_time: Some("<svg></svg>".into()),
         }

@@ -6,7 +6,7 @@ use crate::number;
 /// The most samples. A run of twenty minutes has one for every tenth of a second then.
 const MOST: usize = 20_000;
 
-/// Positions at equal times, in nanometres of the machine.
+/// Positions at equal times, in nanometres of the work.
 #[derive(Debug)]
 pub struct Way {
     samples: Vec<(u32, i64, i64)>,
@@ -15,8 +15,6 @@ pub struct Way {
     /// Ticks from one sample to the next: a power of two.
     every: u64,
     ticks: u64,
-    /// Work zero, in millimetres: Z, radius.
-    origin: (f64, f64),
 }
 
 impl Way {
@@ -27,7 +25,6 @@ impl Way {
             tick,
             every: 1,
             ticks: 0,
-            origin: (0.0, 0.0),
         }
     }
 
@@ -49,26 +46,19 @@ impl Way {
         self.ticks += 1;
     }
 
-    /// The same, counted from a work zero in millimetres: Z, radius.
-    #[must_use]
-    pub fn at(self, origin: (f64, f64)) -> Self {
-        Self { origin, ..self }
-    }
-
     /// The fields of the page's data.
     pub(super) fn fields(&self, json: &mut Json) {
         let seconds = self.tick * self.every as f64;
         json.decimal::<6>("every", (seconds * 1e6).round() as i64);
-        let length =
-            |nm: i64, zero: f64| number::text::<4>((nm - (zero * 1e6).round() as i64) / 100);
+        let length = |nm: i64| number::text::<4>(nm / 100);
         json.array_at("z", |json| {
             for (_, _, z) in &self.samples {
-                json.item(&length(*z, self.origin.0));
+                json.item(&length(*z));
             }
         });
         json.array_at("x", |json| {
             for (_, x, _) in &self.samples {
-                json.item(&length(*x, self.origin.1));
+                json.item(&length(*x));
             }
         });
         json.array_at("l", |json| {

@@ -186,6 +186,9 @@ pub(super) fn draw(document: &mut Group, top: f64, picture: &Picture) -> f64 {
     bottom + 18.0
 }
 
+/// The most lines that are told of rapids: more would lie upon the path.
+const LISTED: usize = 4;
+
 /// Rapids through the material, and the places of all warnings.
 fn warnings(
     document: &mut Group,
@@ -194,6 +197,7 @@ fn warnings(
     place: impl Fn((f64, f64)) -> (f64, f64),
 ) {
     let mut told: Vec<&Mark> = Vec::new();
+    let mut numbers: Vec<(f64, f64)> = Vec::new();
     for mark in &picture.marks {
         if mark.is_rapid {
             frame::line(document, "missing", mark.way.map(&place));
@@ -203,18 +207,40 @@ fn warnings(
         let is_same = |known: &&Mark| (known.number, &known.line) == (mark.number, &mark.line);
         if !told.iter().any(is_same) {
             told.push(mark);
-            document.append(text(x + 7.0, y - 5.0, "warn", &mark.line));
+            // One upon the other they cannot be read.
+            let at = (x + 7.0, y - 5.0);
+            let is_near =
+                |other: &(f64, f64)| (other.0 - at.0).abs() < 32.0 && (other.1 - at.1).abs() < 14.0;
+            if !numbers.iter().any(is_near) {
+                numbers.push(at);
+                document.append(text(at.0, at.1, "warn", &mark.line));
+            }
         }
     }
-    let rapids = told.iter().filter(|mark| mark.is_rapid);
-    for (n, mark) in rapids.enumerate() {
+    let rapids: Vec<_> = told.iter().filter(|mark| mark.is_rapid).collect();
+    let shown = if rapids.len() > LISTED {
+        LISTED - 1
+    } else {
+        rapids.len()
+    };
+    let mut lines: Vec<String> = Vec::new();
+    for mark in &rapids[..shown] {
         let line = &mark.line;
-        let words = match picture.lang {
+        lines.push(match picture.lang {
             Lang::En => format!("⚠ line {line}: rapid through the material"),
             Lang::Zh => format!("⚠ 第 {line} 行：快速移动穿过毛坯"),
-        };
+        });
+    }
+    if let [first, .., last] = &rapids[shown..] {
+        let (more, from, to) = (rapids.len() - shown, &first.line, &last.line);
+        lines.push(match picture.lang {
+            Lang::En => format!("⚠ and on {more} further lines, {from} to {to}"),
+            Lang::Zh => format!("⚠ 另有 {more} 行，第 {from} 至 {to} 行"),
+        });
+    }
+    for (n, words) in lines.iter().enumerate() {
         let y = top + 18.0 * (n as f64 + 1.0);
-        document.append(text(LEFT + 10.0, y, "warn", &words));
+        document.append(text(LEFT + 10.0, y, "warn", words));
     }
 }
 

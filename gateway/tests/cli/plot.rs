@@ -13,7 +13,8 @@ fn texts(folder: &Folder, program: &str, more: &[&str]) -> Vec<String> {
     let output = leadscrew(&args);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let svg = std::fs::read_to_string(&picture).unwrap();
-    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    let numbers = svg.replace("infeed", "");
+    assert!(!numbers.contains("NaN") && !numbers.contains("inf"));
     let texts = svg.split("<text").skip(1);
     let content = |text: &str| {
         let (_, rest) = text.split_once('>').unwrap();
@@ -394,4 +395,142 @@ fn z_over_the_spindle_angle_is_told_to_be_ideal_where_it_is() {
     assert!(told.contains(ideal) && told.contains(over), "{told}");
     let told = texts(&folder, program, &["--spindle-ripple=10@5"]).join("\n");
     assert!(!told.contains(ideal) && told.contains(over), "{told}");
+}
+
+/// The data of a page: its strokes, and its way over time.
+fn page_data(folder: &Folder, program: &str) -> Value {
+    let page = folder.file("data.html");
+    let output = leadscrew(&["plot", program, "-o", &page]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = std::fs::read_to_string(&page).unwrap();
+    let (_, data) = page.split_once("id=\"data\">").unwrap();
+    serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap()
+}
+
+#[test]
+fn each_move_is_drawn_by_the_zero_of_its_own_tool() {
+    let folder = Folder::new("plot-tools");
+    let program = "G10 P1 X0 Z0\nG10 P3 X-20. Z-15.\nG97 G98 M3 S300\nT0101\nG0 X42. Z2.\nX30.\nG1 Z-30. F500\n\
+        G0 X42.\nX100. Z50.\nT0303\nG0 X42. Z2.\nX30.\nG1 Z-30. F500\nG0 X42.\nT0300\nM30\n";
+    let program = write(&folder, "tools.nc", program);
+    let data = page_data(&folder, &program);
+    let numbers = |list: &Value| -> Vec<f64> {
+        let list = list.as_array().unwrap().iter();
+        list.map(|value| value.as_f64().unwrap()).collect()
+    };
+    let strokes = data["strokes"].as_array().unwrap().iter();
+    let cuts: Vec<_> = strokes
+        .filter(|stroke| stroke["k"] == "feed")
+        .map(|stroke| (stroke["l"].as_u64().unwrap(), numbers(&stroke["p"])))
+        .collect();
+    let cut = vec![2.0, 15.0, -30.0, 15.0];
+    assert_eq!(cuts, [(7, cut.clone()), (13, cut)]);
+    // The way of the played tool lies on them.
+    let run = &data["run"];
+    let way = numbers(&run["l"])
+        .into_iter()
+        .zip(numbers(&run["x"]))
+        .zip(numbers(&run["z"]));
+    for line in [7.0, 13.0] {
+        let on: Vec<_> = way.clone().filter(|((at, _), _)| *at == line).collect();
+        assert!(on.len() > 100);
+        for ((_, x), z) in on {
+            assert!(x == 15.0 && (-30.0..=2.0).contains(&z), "{line}: {x} {z}");
+        }
+    }
+}
+
+#[test]
+fn the_place_of_a_warning_is_by_the_zero_of_its_own_tool() {
+    let folder = Folder::new("plot-marks");
+    let cut = "G0 X50. Z5.\nX20. Z-10.\nX50.\nX100. Z50.\n";
+    let program = format!(
+        "O1\n(STOCK X40 L60)\nG10 P1 X0 Z0\nG10 P3 X-20. Z-15.\nG97 G98 M3 S300\nT0101\n{cut}T0303\n{cut}T0300\nM30\n"
+    );
+    let program = write(&folder, "marks.nc", &program);
+    let picture = folder.file("marks.svg");
+    let output = leadscrew(&["plot", &program, "-o", &picture]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let svg = std::fs::read_to_string(&picture).unwrap();
+    let spots = svg.split("<circle").filter(|one| one.contains("\"spot\""));
+    let spots: Vec<_> = spots
+        .map(|one| {
+            let value = |key: &str| {
+                let (_, rest) = one.split_once(&format!(" {key}=\"")).unwrap();
+                rest.split_once('"').unwrap().0.to_owned()
+            };
+            (value("cx"), value("cy"))
+        })
+        .collect();
+    let (first, second) = spots.split_at(spots.len() / 2);
+    assert!(!first.is_empty());
+    assert_eq!(first, second);
+}
+
+#[test]
+fn what_was_measured_is_of_the_moves_of_a_feature_and_not_of_its_lines() {
+    let folder = Folder::new("plot-loop");
+    let taps = "O1\nG98 G97 M3 S300\n#1=20\nWHILE[#1LE40]DO1\nG0 X0 Z5.\nM29 S300\nG84 Z[-#1] R-2. P500 F525\nG80\n\
+        #1=#1+10\nEND1\nG0 Z60.\nM30\n";
+    let taps = write(&folder, "taps.nc", taps);
+    let told = texts(&folder, &taps, &[]).join("\n");
+    assert_eq!(told.matches("overshoot 0 µm").count(), 3, "{told}");
+    assert_eq!(told.matches("all 2 strokes").count(), 3, "{told}");
+    let threads = "O1\nG97 M3 S300\nT0303\nG0 X40. Z10.\nM98 P20002\nG0 X60. Z50.\nM30\nO2\nG92 X29.2 W-20. F2.\nX28.6\n\
+        X28.2\nX27.6\nG0 W-40.\nM99\n";
+    let threads = write(&folder, "threads.nc", threads);
+    let told = texts(&folder, &threads, &[]).join("\n");
+    assert_eq!(told.matches("all 4 passes").count(), 2, "{told}");
+    // Nobody has said where the face is.
+    assert!(!told.contains("missing"), "{told}");
+    assert!(told.contains("the face is not known"), "{told}");
+}
+
+#[test]
+fn of_a_thread_that_begins_behind_the_face_no_lead_in_is_missing() {
+    let folder = Folder::new("plot-behind");
+    let program = "O1\n(STOCK X40 L120)\nG97 M3 S300\nT0303\nG0 X45. Z5.\nG92 X39.2 Z-20. F2.\nX38.6\nG0 X45. Z-30.\n\
+        G92 X35.2 Z-60. F3.\nX34.6\nG0 X60. Z50.\nM30\n";
+    let program = write(&folder, "behind.nc", program);
+    let told = texts(&folder, &program, &[]);
+    let count = |part: &str| told.iter().filter(|text| text.contains(part)).count();
+    assert_eq!(count("missing before"), 0, "{told:?}");
+    assert_eq!(count("begins behind the face: lead-in"), 1, "{told:?}");
+    assert_eq!(count("mm to spare"), 1, "{told:?}");
+    assert_eq!(
+        told.iter().filter(|text| *text == "face Z0").count(),
+        1,
+        "{told:?}"
+    );
+}
+
+#[test]
+fn of_many_rapids_through_the_material_a_few_lines_are_told() {
+    let folder = Folder::new("plot-rapids");
+    let rapids = "G0 X30. Z-10.\nX50. Z-20.\n".repeat(30);
+    let program = format!("O1\n(STOCK X40 L60)\nG97 M3 S300\nG0 X50. Z5.\n{rapids}M30\n");
+    let program = write(&folder, "many.nc", &program);
+    let told = texts(&folder, &program, &[]);
+    let of: Vec<_> = told.iter().filter(|text| text.starts_with('⚠')).collect();
+    assert_eq!(of[..3].len() + 1, of.len(), "{of:?}");
+    assert!(of[2].contains("line 7: rapid"), "{of:?}");
+    assert!(of[3].contains("further lines, 8 to "), "{of:?}");
+}
+
+#[test]
+fn the_words_of_the_marks_of_a_thread_do_not_meet() {
+    let folder = Folder::new("plot-plus");
+    let program = "O1\n(STOCK X40 L60)\nG97 M4 S300\nG0 X45. Z-45.\nG92 X39.2 Z5. F2.\nX38.6\nG0 X60. Z50.\nM30\n";
+    let program = write(&folder, "plus.nc", program);
+    let picture = folder.file("plus.svg");
+    let output = leadscrew(&["plot", &program, "-o", &picture]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let svg = std::fs::read_to_string(&picture).unwrap();
+    let height = |words: &str| {
+        let (before, _) = svg.split_once(words).unwrap();
+        let (_, tag) = before.rsplit_once("<text").unwrap();
+        let (_, rest) = tag.split_once(" y=\"").unwrap();
+        rest.split_once('"').unwrap().0.to_owned()
+    };
+    assert_ne!(height("face Z0"), height("run-out from Z4 to Z5"));
 }

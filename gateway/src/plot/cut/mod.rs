@@ -18,6 +18,8 @@ pub use phase::Phase;
 pub use tap::{Reversal, Stroke as TapStroke, Tap};
 pub use thread::{Pass, Thread};
 
+use std::ops::RangeInclusive;
+
 use leadscrew_core::alarm::Lang;
 use svg::Node as _;
 use svg::node::element::{Group, Path};
@@ -35,14 +37,24 @@ pub struct Feature {
     pub name: String,
     /// Further lines: its figures.
     pub figures: Vec<String>,
-    /// First and last line of the program, as the machine counts them.
-    pub lines: (u32, u32),
+    /// The moves that a spindle is locked in, by their numbers, in their order.
+    pub steps: Vec<RangeInclusive<u64>>,
     /// How far Z was from the helix over the spindle's angle, where it ran.
     pub phase: Option<Phase>,
     /// What the check warns of in its lines.
     pub warnings: Vec<String>,
     /// Its geometry.
     pub shape: Shape,
+}
+
+impl Feature {
+    /// The move with this number is one of `steps`.
+    pub fn is_of(&self, step: u64) -> bool {
+        let next = self.steps.partition_point(|steps| *steps.end() < step);
+        self.steps
+            .get(next)
+            .is_some_and(|steps| *steps.start() <= step)
+    }
 }
 
 /// The geometry of a feature.

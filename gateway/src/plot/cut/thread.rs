@@ -70,6 +70,8 @@ pub struct Thread {
     pub lead: f64,
     /// Where the part begins along it, where that is known.
     pub face: Option<f64>,
+    /// It is assumed.
+    pub face_is_assumed: bool,
     /// The surface across it at `level` along it, and its change per millimetre along it.
     pub surface: (f64, f64),
     /// Where along it the surface is known.
@@ -79,15 +81,43 @@ pub struct Thread {
 }
 
 impl Thread {
-    /// The pass that gets onto the lead last, and how much of the lead-in lies in the material (negative: before it).
-    pub fn lead_in_left(&self) -> Option<(&Pass, f64)> {
+    /// The pass that gets onto the lead last, and how much of the lead-in lies in the material (negative: before it);
+    /// `None` where there is no face to tell it by.
+    pub fn lead_in_left(&self) -> Option<(&Pass, Option<f64>)> {
         let lead_in = self.lead_in?;
+        let last = self.latest()?;
+        // Where the tool comes from the other end, that end is not known.
+        let face = self.face.filter(|_| self.toward() < 0.0)?;
+        let missing = (face - (last.begin() - lead_in)).min(lead_in);
+        let tells = !self.begins_behind() && !self.face_is_begin();
+        Some((last, tells.then_some(missing)))
+    }
+
+    /// The pass that begins last.
+    fn latest(&self) -> Option<&Pass> {
         let toward = self.toward();
         let late = |pass: &&Pass| (pass.begin() * toward * 1e6) as i64;
-        let last = self.passes.iter().max_by_key(late)?;
-        // Where the tool comes from the other end, that end is not known.
-        let face = self.face.filter(|_| toward < 0.0)?;
-        Some((last, face - (last.begin() - lead_in)))
+        self.passes.iter().max_by_key(late)
+    }
+
+    /// It begins behind the face by more than the lead-in: in an undercut, or behind another thread.
+    fn begins_behind(&self) -> bool {
+        let (face, last) = (self.face, self.latest());
+        let behind = face.zip(last).map(|(face, last)| face - last.begin());
+        self.toward() < 0.0 && behind.is_some_and(|behind| behind > self.lead_in.unwrap_or(0.0))
+    }
+
+    /// The face is not known, and was taken to be where the passes begin.
+    fn face_is_begin(&self) -> bool {
+        let mut begins = self.passes.iter().map(Pass::begin);
+        let is_there = |face: f64| begins.any(|begin| (begin - face).abs() < 1e-6);
+        self.face_is_assumed && self.face.is_some_and(is_there)
+    }
+
+    /// The face, where the thread begins there.
+    fn own_face(&self) -> Option<f64> {
+        let is_own = !self.begins_behind() && !self.face_is_begin();
+        self.face.filter(|_| is_own)
     }
 
     /// +1 where it is cut toward plus.
@@ -231,7 +261,7 @@ fn draw_length(document: &mut Group, area: Area, thread: &Thread, n: usize, lang
         .iter()
         .flat_map(|pass| pass.points.iter().copied());
     let begins = thread.passes.iter().map(Pass::begin);
-    let near = thread.face.unwrap_or(begins.fold(f64::MIN, f64::max));
+    let near = thread.own_face().unwrap_or(begins.fold(f64::MIN, f64::max));
     let face = (near, thread.surface_at(near));
     let Some(range) = Range::of(ends.chain([face])) else {
         return;
@@ -286,8 +316,10 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
     let Some(last) = thread.passes.last() else {
         return;
     };
-    let mut upright = |z: f64, class: &str, words: String, row: f64| {
+    let mut written: Vec<(f64, f64, u32)> = Vec::new();
+    let mut upright = |z: f64, words: String| {
         let at = pane.place((z, 0.0)).0;
+        let class = "mark";
         frame::line(document, class, [(at, area.top), (at, area.bottom)]);
         // Words stay inside the view.
         let room = frame::width(&words);
@@ -296,15 +328,23 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
         } else {
             at + 6.0
         };
-        document.append(text(left, area.top + 16.0 * row, "key", &words));
+        // The first row in which they meet no others.
+        let meets = |row: u32| {
+            let mut others = written.iter().filter(|(_, _, other)| *other == row);
+            others.any(|(from, to, _)| left < to + 8.0 && from - 8.0 < left + room)
+        };
+        let row = (1..).find(|row| !meets(*row)).unwrap_or(1);
+        written.push((left, left + room, row));
+        let y = area.top + 16.0 * f64::from(row);
+        document.append(text(left, y, "key", &words));
     };
     let place = |mm: f64| thread.across.right(mm);
-    if let Some(at) = thread.face {
+    if let Some(at) = thread.own_face() {
         let face = match thread.across {
             Across::X => pick(lang, "face", "端面"),
             Across::Z => pick(lang, "rim", "外缘"),
         };
-        upright(at, "mark", format!("{face} {}", place(at)), 1.0);
+        upright(at, format!("{face} {}", place(at)));
     }
     if last.run_in > 0 {
         let within = last.points[last.run_in].0;
@@ -312,7 +352,7 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
             Lang::En => format!("run-in to {}", place(within)),
             Lang::Zh => format!("切入段至 {}", place(within)),
         };
-        upright(within, "mark", words, 2.0);
+        upright(within, words);
     }
     let (out, end) = (last.leaves().0, last.end().0);
     if last.run_out + 1 < last.points.len() {
@@ -320,10 +360,10 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
             Lang::En => format!("run-out from {} to {}", place(out), place(end)),
             Lang::Zh => format!("退尾 {} 至 {}", place(out), place(end)),
         };
-        upright(out, "mark", words, 1.0);
+        upright(out, words);
     } else {
         let words = pick(lang, "no run-out: ends at", "无退尾，终点");
-        upright(end, "mark", format!("{words} {}", place(end)), 1.0);
+        upright(end, format!("{words} {}", place(end)));
     }
     let Some((late, missing)) = thread.lead_in_left() else {
         return;
@@ -331,43 +371,49 @@ fn marks(document: &mut Group, pane: &Pane, thread: &Thread, lang: Lang) {
     let lead_in = thread.lead_in.unwrap_or(0.0);
     let (begin, y) = (late.begin(), area.bottom - 10.0);
     let bar = [begin, begin - lead_in].map(|z| (pane.place((z, 0.0)).0, y));
-    let (class, words) = match (missing > 0.0, lang) {
-        (true, Lang::En) => (
-            "missing",
-            format!(
-                "⚠ lead-in {} mm: {} mm of it are missing before the face",
-                micrometres(lead_in),
-                micrometres(missing)
-            ),
-        ),
-        (true, Lang::Zh) => (
-            "missing",
-            format!(
-                "⚠ 升速段 {} mm：端面前缺 {} mm",
-                micrometres(lead_in),
-                micrometres(missing)
-            ),
-        ),
-        (false, Lang::En) => (
-            "enough",
-            format!(
-                "lead-in {} mm, {} mm to spare",
-                micrometres(lead_in),
-                micrometres(-missing)
-            ),
-        ),
-        (false, Lang::Zh) => (
-            "enough",
-            format!(
-                "升速段 {} mm，余量 {} mm",
-                micrometres(lead_in),
-                micrometres(-missing)
-            ),
-        ),
+    let long = micrometres(lead_in);
+    let (class, words) = match missing {
+        Some(missing) if missing > 0.0 => {
+            let missing = micrometres(missing);
+            let words = match lang {
+                Lang::En => {
+                    format!("⚠ lead-in {long} mm: {missing} mm of it are missing before the face")
+                }
+                Lang::Zh => format!("⚠ 升速段 {long} mm：端面前缺 {missing} mm"),
+            };
+            ("missing", words)
+        }
+        Some(left) => {
+            let left = micrometres(-left);
+            let words = match lang {
+                Lang::En => format!("lead-in {long} mm, {left} mm to spare"),
+                Lang::Zh => format!("升速段 {long} mm，余量 {left} mm"),
+            };
+            ("enough", words)
+        }
+        None if thread.begins_behind() => {
+            let words = match lang {
+                Lang::En => format!("begins behind the face: lead-in {long} mm"),
+                Lang::Zh => format!("起点在端面之后：升速段 {long} mm"),
+            };
+            ("enough", words)
+        }
+        None => {
+            let words = match lang {
+                Lang::En => format!("lead-in {long} mm, the face is not known"),
+                Lang::Zh => format!("升速段 {long} mm，端面位置未知"),
+            };
+            ("enough", words)
+        }
     };
     frame::line(document, class, bar);
-    let left = (bar[0].0.max(bar[1].0) - frame::width(&words)).max(area.left + 4.0);
-    let class = if missing > 0.0 { "warn" } else { "key" };
+    // Bold letters are wider.
+    let (class, wider) = match class {
+        "missing" => ("warn", 1.12),
+        _ => ("key", 1.0),
+    };
+    let room = frame::width(&words) * wider;
+    let left = (bar[0].0.max(bar[1].0) - room).max(area.left + 4.0);
     document.append(text(left, y - 8.0, class, &words));
 }
 

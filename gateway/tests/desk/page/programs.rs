@@ -48,7 +48,7 @@ fn what_is_said_of_a_program_is_by_what_the_board_has() {
         &[
             (
                 "a.nc",
-                "(STOCK X60 L100)\nG50 X0 Z0\nM3 S600\nG0 X10 Z2\nG98 G1 Z-3 F100\nG2 X14 Z-5 R2\nM30\n",
+                "(STOCK X60 L100)\nG50 X0 Z0\nM3 S600\nG0 X10 Z2\nG98 G1 Z-3 F100\nG2 X14 Z-5 R2\nG1 X14.877\nM30\n",
             ),
             ("wrong.nc", "G98 G1 X1 F100\nG1 Q\nM30\n"),
         ],
@@ -75,9 +75,9 @@ fn what_is_said_of_a_program_is_by_what_the_board_has() {
         assert_eq!(list.len(), kinds.len());
         list.iter().map(|value| value.as_i64().unwrap()).sum()
     };
-    // The end: X14 Z-5 in micrometres of the radius, on line 6, by the sixth move.
+    // The end: X14.877 Z-5 in tenths of a micrometre of the radius, on line 7.
     let ends = ["x", "z", "lines", "numbers"].map(sum);
-    assert_eq!(ends, [7_000, -5_000, 6, 4]);
+    assert_eq!(ends, [74_385, -50_000, 7, 5]);
     assert_eq!(
         path["stock"],
         json!({"x0": 0, "x1": 30, "z0": -100, "z1": 0})

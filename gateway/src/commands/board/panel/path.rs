@@ -1,7 +1,7 @@
 //! The path of a program for the page: the moves that are made of it, in the coordinates of their own work zero.
 //!
 //! ```text
-//! walk ─► moves ─► segments in µm, each with its line, its move and its kind; where the zero changes, the pen is lifted
+//! walk ─► moves ─► segments in 0.1 µm, each with line, move and kind; where the zero changes, the pen is lifted
 //! ```
 //!
 //! It must not know a canvas. What moves are made of a program is not decided here.
@@ -32,7 +32,7 @@ struct Segment {
     kind: char,
     line: u32,
     number: u32,
-    /// Its end: Z, radius, in µm.
+    /// Its end: Z, radius, in tenths of µm: half a thousandth of a diameter is told by five.
     to: (i64, i64),
 }
 
@@ -97,12 +97,12 @@ impl Path {
             Whose::Program => step.span.line,
             Whose::Subprogram(_) => 0,
         };
-        let um = |mm: f64| (mm * 1e3).round() as i64;
+        let tenths = |mm: f64| (mm * 1e4).round() as i64;
         self.segments.push(Segment {
             kind,
             line,
             number: self.number,
-            to: (um(z), um(x)),
+            to: (tenths(z), tenths(x)),
         });
     }
 }
