@@ -307,11 +307,11 @@ impl Bench {
         self.sim.board().ticker().executor().position()
     }
 
-    /// The spindle is within 10 % of the speed that is commanded.
+    /// The spindle is within 15 % of the speed that is commanded (9007).
     fn is_at_speed(&self) -> bool {
         let speed = self.sim.board().ticker().observer().speed().rpm().get();
         let wanted = self.sim.spindle_command().get();
-        wanted != 0 && (speed - wanted).abs() * 10 <= wanted.abs()
+        wanted != 0 && (speed - wanted).abs() * 100 <= wanted.abs() * 15
     }
 
     /// Z towards the chuck at rapid: a press, or its renewal.

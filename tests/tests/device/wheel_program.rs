@@ -150,9 +150,10 @@ fn the_tool_goes_no_farther_than_the_wheel_where_the_feed_changes() {
         path.factor = WheelFactor::One;
         path.turn(0, 1);
         let mut way = 0;
-        for _ in 0..200 {
-            path.turn(3, 1);
-            way += 3_000;
+        // 6 mm/min, which each of the feeds can take.
+        for _ in 0..250 {
+            path.turn(2, 1);
+            way += 2_000;
             assert!(-path.z() <= way, "{text} {} of {way}", -path.z());
         }
         path.turn(0, 60);
