@@ -1,7 +1,7 @@
 //! Verifies a program without a machine: text, geometry, physics. `check` reports the result; `simulate` and `run` need it
 //! before any motion.
 
-use std::io::Read as _;
+use std::io::{BufReader, Read as _};
 
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 use leadscrew_core::call::{Call, CallKind, Position};
@@ -383,7 +383,8 @@ impl Checker<'_> {
         let unreadable = |error| Failure::file(Doing::Read, self.source.name(), &error);
         let mut text = Vec::new();
         let opened = self.source.open().map_err(unreadable)?;
-        let mut front = opened.take(LOOKED_AT as u64);
+        // A text is not read byte by byte.
+        let mut front = BufReader::new(opened).take(LOOKED_AT as u64);
         front.read_to_end(&mut text).map_err(unreadable)?;
         // The line at its end may go on.
         if text.len() == LOOKED_AT {

@@ -97,7 +97,8 @@ fn a_spindle_that_stands_in_a_feed_per_turn() {
     }
 }
 
-/// The same where a feed by time goes over into it without a stop: the tool stands at the end of a cut that asks for no turns.
+/// The same where a feed by time goes over into it without a stop: the tool stands at the end of a cut that asks for no
+/// turns.
 #[test]
 fn a_spindle_that_stands_before_a_feed_per_turn_of_joined_cuts() {
     const JOINED: &str =
