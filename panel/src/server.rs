@@ -28,6 +28,8 @@ use crate::texts::{self, Sent};
 
 /// Connections at a time. Beyond them hold and stop still come through.
 pub const CONNECTIONS: usize = 32;
+/// For each: as much as a command has, because an order does what a command does.
+const STACK: usize = 8 << 20;
 /// Those of them that watch. Others always find room.
 pub const STREAMS: usize = 16;
 /// A stream with no news says so often that it is there, and so finds out who has gone. A page waits
@@ -145,7 +147,7 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
         };
         let own = Arc::clone(shared);
         // Where no thread is to be had, connection and seat go with what it would have done.
-        let _ = thread::Builder::new().spawn(move || {
+        let _ = thread::Builder::new().stack_size(STACK).spawn(move || {
             serve(stream, &own);
             drop(seat);
         });

@@ -232,7 +232,7 @@ fn keys_change_the_mode_run_a_line_jog_hold_and_leave() {
     assert_eq!(code, Some(0));
     // The flags of the keyboard are set on the picture's screen and taken back before it is left.
     assert!(drawn.contains("\x1b[>3u"), "{drawn:?}");
-    let behind = "\x1b[<1u\x1b[?1004l\x1b[?2004l\x1b[?1049l";
+    let behind = "\x1b[<1u\x1b[?1004l\x1b[?2004l\x1b[?25h\x1b[?1049l";
     assert!(drawn.ends_with(behind), "{drawn:?}");
 }
 

@@ -34,13 +34,16 @@ pub enum Table {
     Board(Option<Box<Offsets>>),
 }
 
+/// A machine inside the command, the file of its flash, and what that held.
+type Kept = (Inside, StateFile, Flash);
+
 /// A board that has been greeted. Nothing is known of it but that it is one, with this program's parameter table.
 #[derive(Debug)]
 pub struct Greeted {
     /// The link to it.
     pub link: Link,
     /// The simulated machine behind the link, the file of its flash, and what was in that.
-    inside: Option<(Inside, StateFile, Flash)>,
+    inside: Option<Box<Kept>>,
 }
 
 /// The same, and its parameter set.
@@ -51,7 +54,7 @@ pub struct Machine {
     /// Its parameter set.
     pub params: Params,
     identity: u32,
-    inside: Option<(Inside, StateFile, Flash)>,
+    inside: Option<Box<Kept>>,
 }
 
 impl Greeted {
@@ -66,7 +69,7 @@ impl Greeted {
                 let flash = state.load_or_new()?;
                 let inside = simulated(global, flash.clone())?;
                 let link = Link::on(Box::new(inside.clone()), global.board()?);
-                (link, Some((inside, state, flash)))
+                (link, Some(Box::new((inside, state, flash))))
             }
             _ => (open(global)?, None),
         };
@@ -104,7 +107,7 @@ impl Greeted {
     /// # Errors
     /// A file that cannot be written.
     pub fn keep(&self) -> Outcome {
-        keep(self.inside.as_ref())
+        keep(self.inside.as_deref())
     }
 }
 
@@ -132,7 +135,7 @@ impl Machine {
     /// # Errors
     /// A file that cannot be written.
     pub fn keep(&self) -> Outcome {
-        keep(self.inside.as_ref())
+        keep(self.inside.as_deref())
     }
 
     /// Refuses options that say otherwise than the board: it would be another machine that is checked than the one that
@@ -153,7 +156,7 @@ impl Machine {
     }
 }
 
-fn keep(inside: Option<&(Inside, StateFile, Flash)>) -> Outcome {
+fn keep(inside: Option<&Kept>) -> Outcome {
     let Some((inside, state, before)) = inside else {
         return Ok(());
     };

@@ -72,8 +72,8 @@ pub fn give_back() {
         let _ = execute!(stdout(), DisableFocusChange, DisableBracketedPaste);
     }
     if DRAWING.swap(false, Ordering::Relaxed) {
-        let _ = ratatui::try_restore();
         let _ = execute!(stdout(), cursor::Show);
+        let _ = ratatui::try_restore();
     }
 }
 
