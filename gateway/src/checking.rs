@@ -407,7 +407,9 @@ impl Checker<'_> {
         for (number, line) in (1..).zip(lines()) {
             looks.line(number, line);
         }
-        if looks.is_foreign()
+        // A line that was typed comes from no post.
+        if self.setup.carried.is_none()
+            && looks.is_foreign()
             && let Some(first) = self.report.alarms.first_mut()
         {
             let words = both!(

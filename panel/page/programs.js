@@ -191,14 +191,14 @@ async function save() {
   const name = at("name").value.trim();
   const own = open?.name === name ? open : null;
   const end = own?.end ?? "\n";
-  const [typed, before] = [text.value, turn];
+  const [typed, before, was] = [text.value, turn, open];
   saving = true;
   const answer = await asked(write(name, ended(typed, end), own?.tag ?? null));
   saving = false;
   if (!answer) return;
   tell(both("saved"));
   const changed = () => text.value !== typed;
-  if (before !== turn) {
+  if (before !== turn || open !== was) {
     // Another one is opened meanwhile. Until it is there, this one is.
     if (own && open === own) Object.assign(own, { tag: answer.tag, changed: changed() });
     return list();

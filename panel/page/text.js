@@ -26,6 +26,8 @@ export const ended = (text, end) => text.replaceAll("\n", end).replaceAll(RETURN
 export class Text {
   constructor({ area, numbers, bar, changed }) {
     Object.assign(this, { area, numbers, bar, found: new Map(), line: null, scrolled: -Infinity, lines: [""], base: 0 });
+    // It came longer than what can be changed here. What is typed may be, and is whole in the field.
+    this.is_long = false;
     area.addEventListener("input", () => {
       this.#measure();
       changed();
@@ -43,16 +45,12 @@ export class Text {
 
   set value(text) {
     this.lines = text.split("\n");
+    this.is_long = this.lines.length > SHOWN;
     this.line = null;
     this.found = new Map();
     this.#part(0);
     this.area.scrollTop = 0;
     this.#follow();
-  }
-
-  // It is longer than what can be changed here.
-  get is_long() {
-    return this.lines.length > SHOWN;
   }
 
   #part(first) {
@@ -89,7 +87,7 @@ export class Text {
   }
 
   #show(line) {
-    if (line <= this.base || line > this.base + SHOWN) this.#part(line - SHOWN / 2);
+    if (this.is_long && (line <= this.base || line > this.base + SHOWN)) this.#part(line - SHOWN / 2);
     const [top, room] = [(line - 1 - this.base) * HIGH, this.area.clientHeight];
     const { scrollTop } = this.area;
     if (top < scrollTop + HIGH || top > scrollTop + room - 3 * HIGH) this.area.scrollTop = Math.max(top - room / 3, 0);
@@ -102,6 +100,7 @@ export class Text {
 
   // At the end of a part the next one begins.
   #go_on() {
+    if (!this.is_long) return;
     const { scrollTop, scrollHeight, clientHeight } = this.area;
     const line = this.base + Math.floor(scrollTop / HIGH);
     const over = scrollTop + clientHeight >= scrollHeight - HIGH && this.base + SHOWN < this.lines.length;

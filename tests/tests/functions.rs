@@ -664,7 +664,7 @@ fn a_rapid_override_of_0_leaves_no_tool_in_a_groove() {
     for tick in (first..last + 600).step_by(leadscrew_seed::amount(487, 97)) {
         let mut sim = machine(&params, &PlantOptions::default());
         let mut calls = calls(text, &params).into_iter().peekable();
-        let mut deepest = None;
+        let mut stands = None;
         for now in 0..tick + 20_000 {
             while calls.peek().is_some_and(|call| sim.offer(call)) {
                 calls.next();
@@ -673,34 +673,108 @@ fn a_rapid_override_of_0_leaves_no_tool_in_a_groove() {
                 sim.command(Command::RapidOverride(0));
             }
             if now == tick + 15_000 {
-                // It stands outside of the groove, and waits there.
-                deepest = Some(sim.board().ticker().executor().position().x);
+                stands = Some(sim.board().ticker().executor().position());
                 sim.command(Command::Reset);
                 calls = Vec::new().into_iter().peekable();
             }
             sim.step();
         }
-        let x = deepest.expect("it was looked at").nm();
-        assert!(x > -30_000_000, "{tick}: {x}");
+        // Outside of the groove, or in front of it on the way to its depth.
+        let at = stands.expect("it was looked at");
+        let is_out = at.x.nm() > -30_000_000 || at.z.nm() == -20_000_000;
+        assert!(is_out, "{tick}: {at:?}");
         assert_eq!(sim.board().ticker().state(), State::Idle, "{tick}");
     }
     // And where the reset comes within it.
     for tick in (first..last + 100).step_by(leadscrew_seed::amount(487, 97)) {
-        let mut sim = machine(&params, &PlantOptions::default());
-        let mut calls = calls(text, &params).into_iter().peekable();
-        for now in 0..tick + 6_000 {
-            while calls.peek().is_some_and(|call| sim.offer(call)) {
-                calls.next();
+        for percent in [0, 1] {
+            let mut sim = machine(&params, &PlantOptions::default());
+            let mut calls = calls(text, &params).into_iter().peekable();
+            for now in 0..tick + 6_000 {
+                while calls.peek().is_some_and(|call| sim.offer(call)) {
+                    calls.next();
+                }
+                if now == tick {
+                    sim.command(Command::RapidOverride(percent));
+                    sim.command(Command::Reset);
+                    calls = Vec::new().into_iter().peekable();
+                }
+                sim.step();
             }
-            if now == tick {
-                sim.command(Command::RapidOverride(0));
-                sim.command(Command::Reset);
-                calls = Vec::new().into_iter().peekable();
-            }
-            sim.step();
+            assert_eq!(sim.board().ticker().state(), State::Idle, "{tick}");
         }
-        assert_eq!(sim.board().ticker().state(), State::Idle, "{tick}");
     }
+}
+
+/// A thread that the door has left, closed again: the tool is at the start of its cycle, and the spindle stands.
+fn left_by_the_door(params: &Params) -> Bench {
+    let mut bench = Bench::new(params, WELL);
+    assert_eq!(bench.order(Order::Mode(OperatingMode::Automatic)), 0);
+    let text = "G97 M3 S600\nG0 X-10 Z-2\nG92 X-21 Z-40 F1.5\nX-22\nM30\n";
+    for call in &calls(text, params) {
+        assert!(bench.sim.offer(call));
+    }
+    while bench.place().z.nm() > -12_000_000 {
+        bench.run(1);
+    }
+    bench.sim.set_pins(inputs(WELL & !(1 << 4)));
+    bench.run(4_000);
+    bench.sim.set_pins(inputs(WELL));
+    bench.run(100);
+    assert_eq!(bench.place().z.nm(), -2_000_000);
+    bench
+}
+
+/// No hold acts on the way back into the thread: the override does.
+#[test]
+fn a_rapid_override_of_0_stops_the_way_back_into_a_thread() {
+    let params = guarded();
+    let mut bench = left_by_the_door(&params);
+    let here = bench.place();
+    bench.sim.command(Command::RapidOverride(0));
+    assert_eq!(bench.order(Order::Resume), 0);
+    bench.run(6_000);
+    assert_eq!((bench.place(), bench.is_at_speed()), (here, true));
+    bench.sim.command(Command::RapidOverride(100));
+    bench.run(15_000);
+    assert_eq!(bench.sim.board().ticker().state(), State::Idle);
+    assert_eq!(bench.codes, []);
+}
+
+/// Left in whichever tick, also in that in which the spindle is at its speed.
+#[test]
+fn a_thread_that_is_left_while_its_spindle_comes_to_its_speed_is_not_cut() {
+    let params = guarded();
+    let arrival = {
+        let mut bench = left_by_the_door(&params);
+        assert_eq!(bench.order(Order::Resume), 0);
+        let (here, mut ticks) = (bench.place(), 0);
+        while bench.place() == here {
+            bench.run(1);
+            ticks += 1;
+        }
+        ticks
+    };
+    // An order acts a tick or two after it was sent.
+    let mut left = 0;
+    for wait in arrival - 25..=arrival {
+        let mut bench = left_by_the_door(&params);
+        assert_eq!(bench.order(Order::Resume), 0);
+        bench.run(wait);
+        match bench.order(Order::Mode(OperatingMode::Manual)) {
+            0 => left += 1,
+            // It has gone on before.
+            refused => assert_eq!((refused, wait >= arrival - 2), (4502, true), "{wait}"),
+        }
+        if bench.gateway.beat.refused != 0 {
+            continue;
+        }
+        for _ in 0..6_500 {
+            bench.run(1);
+            assert_eq!(bench.place().z.nm(), -2_000_000, "{wait} of {arrival}");
+        }
+    }
+    assert!(left > 20, "{left} were left");
 }
 
 #[test]

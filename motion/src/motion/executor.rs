@@ -26,7 +26,7 @@ use crate::units::{Divisor, Length, Rpm, Ticks, TurnRate, Turns};
 pub use aside::Aside;
 use pass::{Followers, Stroke, Waited};
 
-/// A rapid that no hold stops, at an override of 0.
+/// A rapid that leads out of a groove, at the lowest override.
 const LEAST_RAPID: Rate = Rate::percent(25);
 
 /// The inputs of one tick of motion.
@@ -53,6 +53,8 @@ pub struct Conditions<'a> {
     pub single: bool,
     /// The next stretch of joined cuts. Once it [was taken](Executor::has_taken), the caller removes it from its queue.
     pub stretch: Option<&'a Stretch>,
+    /// What no hold stops leads out of the work: it is not the way back into a thread.
+    pub leads_out: bool,
 }
 
 impl Conditions<'_> {
@@ -590,10 +592,10 @@ impl Executor {
         } else {
             now.rate(timed.scaling)
         };
-        // An override of 0 is a hold too: the way out of a groove is made all the same [D575].
+        // A low override would leave the tool in a groove: the way out is made all the same [D575].
         let goes_on = self.stops.hold_not_inside && timed.scaling == Scaling::Rapid;
-        let rate = if goes_on && rate == Rate::HOLD {
-            LEAST_RAPID
+        let rate = if goes_on && now.leads_out {
+            rate.max(LEAST_RAPID)
         } else {
             rate
         };

@@ -347,6 +347,7 @@ impl Ticker {
                 && self.course.is_in_program_segment()
                 && ends.segments.has_second(),
             single: self.operator.single_block,
+            leads_out: self.away.stage() != Detour::Back,
             stretch: if is_joined {
                 self.course.stretch(ends)
             } else {

@@ -204,6 +204,7 @@ impl<'a> Driven<'a> {
             }
             let rate = operator.rate(random, self.tick);
             let conditions = Conditions {
+                leads_out: true,
                 observer: &self.observer,
                 learner: None,
                 ahead_x: Ticks::whole(0),

@@ -17,7 +17,7 @@ use rustyline::DefaultEditor;
 use rustyline::error::ReadlineError;
 use serde_json::{Value, json};
 
-use super::run::{Work, perform};
+use super::run::{Work, end, perform};
 use crate::cli::{Global, Run};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::json::Json;
@@ -130,7 +130,10 @@ fn carry_out(global: &Global, line: &str) -> Outcome {
     let after = Place::at_start(&done.setup, left, &status)?;
     if global.json {
         output::json(|json| {
-            json.flag("ok", done.verdict.is_ok() && done.kept.is_ok());
+            match &done.kept {
+                Err(lost) if done.verdict.is_ok() => lost.fields(global.lang(), json),
+                _ => json.flag("ok", done.verdict.is_ok()),
+            }
             json.number("moves", done.ran.moves);
             if let Some(before) = &before {
                 json.object_at("before", |json| before.fields(json));
@@ -154,7 +157,7 @@ fn carry_out(global: &Global, line: &str) -> Outcome {
                 .as_bytes(),
         )?;
     }
-    done.verdict.and(done.kept)
+    end(done.verdict, done.kept, global.lang())
 }
 
 /// What is in force, and where the machine stands.

@@ -27,7 +27,9 @@ impl Ticker {
             return self.enter_rigid(ends);
         }
         if self.away.is_under_way() {
-            self.go_on_with_detour(ends);
+            if !self.has_left() {
+                self.go_on_with_detour(ends);
+            }
             return None;
         }
         if self.course.is_paused() || self.has_left() || !self.state.takes_calls() {

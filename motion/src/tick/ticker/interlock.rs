@@ -240,7 +240,10 @@ impl Ticker {
             .max(100);
         if off <= allowed {
             self.spindle.arrive();
-            self.go_on_after_hold();
+            // Whoever leaves the program in this very tick does not want it to go on.
+            if !self.operator.is_to_leave() {
+                self.go_on_after_hold();
+            }
         } else if late {
             let figures = [self.observer.speed().rpm(), self.spindle.commanded()].map(Arg::Rpm);
             self.raise(&Alarm::of(Code::SpindleNotArrived, &figures), ends);

@@ -3,10 +3,12 @@
 use std::io::{Error, IsTerminal as _, Result, stdin, stdout};
 use std::mem::ManuallyDrop;
 use std::os::fd::AsFd as _;
+use std::panic::{set_hook, take_hook};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::cursor;
@@ -39,7 +41,13 @@ pub type Drawn = ManuallyDrop<DefaultTerminal>;
 /// Takes it.
 pub fn take() -> Result<Drawn> {
     DRAWING.store(true, Ordering::Relaxed);
-    ratatui::try_init().map(ManuallyDrop::new)
+    let drawn = ratatui::try_init().map(ManuallyDrop::new);
+    let told = take_hook();
+    set_hook(Box::new(move |panic| {
+        give_back();
+        told(panic);
+    }));
+    drawn
 }
 
 /// Has it tell what the panel goes by: pastes as such, focus, and, where it can, when a key is let go. True where it can.
@@ -95,7 +103,11 @@ pub fn said() -> Result<Vec<Event>> {
 fn look_for_it() -> Result<()> {
     let screen = stdout();
     let mut ends = [PollFd::new(screen.as_fd(), PollFlags::empty())];
-    poll(&mut ends, PollTimeout::ZERO)?;
+    match poll(&mut ends, PollTimeout::ZERO) {
+        // A signal, as of a window that changes its size: it is there.
+        Err(Errno::EINTR) => return Ok(()),
+        looked => looked?,
+    };
     let gone = PollFlags::POLLHUP | PollFlags::POLLERR | PollFlags::POLLNVAL;
     match ends[0].revents() {
         Some(told) if told.intersects(gone) => Err(Error::other("the terminal is gone")),

@@ -78,15 +78,16 @@ fn read(stdout: &[u8]) -> Answer {
 }
 
 /// Why a line or a program was not carried out, as its result says: its alarms where it is wrong, else what has kept it
-/// from being begun.
+/// from being begun, or what is not kept of it; else what was warned of.
 pub fn why(value: &Value) -> Option<Both> {
     let text = |value: &Value, key: &str| value[key].as_str().map(str::to_owned);
-    let alarm = value["alarms"].get(0).or_else(|| value["warnings"].get(0));
-    let told = alarm.and_then(|alarm| {
+    let first = |key: &str| {
+        let alarm = value[key].get(0)?;
         let (message, help) = (text(alarm, "message")?, text(alarm, "help")?);
         Some(format!("{:04} {message}; {help}", alarm["no"].as_u64()?))
-    });
-    told.or_else(|| text(value, "error")).map(Both::same)
+    };
+    let told = first("alarms").or_else(|| text(value, "error"));
+    told.or_else(|| first("warnings")).map(Both::same)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ mod work;
 
 use std::time::SystemTime;
 
+use leadscrew_core::alarm::Lang;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
 use leadscrew_core::operating::OperatingMode;
@@ -63,18 +64,28 @@ pub struct Done<'a> {
     pub kept: Outcome,
 }
 
+/// The verdict; what is not kept is told beside one that is no better.
+pub fn end(verdict: Outcome, kept: Outcome, lang: Lang) -> Outcome {
+    if verdict.is_err()
+        && let Err(lost) = &kept
+    {
+        let _ = lost.report(lang, false);
+    }
+    verdict.and(kept)
+}
+
 /// Runs a program on a board.
 pub fn run(global: &Global, source: &SourceFile, args: &Run) -> Outcome {
     let done = perform(global, source, args, Work::Program, &mut |_, _| Ok(()))?;
     let (setup, ran) = (&done.setup, &done.ran);
     let judge = Judge::new(&setup.params, args.tolerance);
     if global.json {
-        let ok = done.verdict.is_ok() && done.kept.is_ok();
-        tell::result(setup, &done.report, ran, &done.origin, ok, &judge)?;
+        let ended = (done.verdict.is_ok(), &done.kept);
+        tell::result(setup, &done.report, ran, &done.origin, ended, &judge)?;
     } else {
         tell::summary(setup, source, ran, &done.origin, &done.verdict, &judge)?;
     }
-    done.verdict.and(done.kept)
+    end(done.verdict, done.kept, global.lang())
 }
 
 /// Checks a program and carries it out on a board. `begin` sees what the check goes by, and may add to it.
@@ -152,7 +163,7 @@ pub fn perform_on<'a>(
                 &report,
                 &Ran::default(),
                 &origin,
-                false,
+                (false, &Ok(())),
                 &Judge::new(&setup.params, None),
             )?;
         }

@@ -214,13 +214,16 @@ pub fn result(
     report: &Report,
     ran: &Ran,
     origin: &Origin,
-    ok: bool,
+    (ok, kept): (bool, &Outcome),
     judge: &Judge,
 ) -> Outcome {
     let figures = Figures::of(ran, setup);
     let path_nm = ok.then(|| report.path_nm.round() as i64);
     output::json(|json| {
-        json.flag("ok", ok);
+        match kept {
+            Err(lost) if ok => lost.fields(setup.lang, json),
+            _ => json.flag("ok", ok),
+        }
         figures.fields(&setup.global.bus, ran, path_nm, judge, json);
         for (key, first, then) in [
             ("alarms", &report.alarms, &ran.alarms),

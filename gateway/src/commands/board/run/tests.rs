@@ -56,7 +56,7 @@ fn runs(variables: &str, behind: fn(&mut Link)) -> (Result<Option<Revision>, Str
         &mut |_| Greeted::on(own.take().unwrap())?.read(),
         &mut |_, _| Ok(()),
     );
-    let done = done.map(|done| done.ran.revision);
+    let done = done.and_then(|done| done.kept.map(|()| done.ran.revision));
     let told = done.map_err(|failure| failure.words().unwrap().en);
     (told, other.offsets().unwrap().table)
 }

@@ -281,6 +281,10 @@ impl Runner<'_> {
             return self.conclude(feed);
         }
         let fed = self.feed(feeder, feed)?;
+        // A pass that the text refuses at its first block has nothing to begin.
+        if !*started && !fed && feed.taken() == 0 && !self.ran.alarms.is_empty() {
+            return self.conclude(feed);
+        }
         if !*started && (!fed || feeder.is_over() && feed.is_empty()) {
             if feeder.awaits_spindle() && !self.spindle_has_arrived()? {
                 return Ok(false);
