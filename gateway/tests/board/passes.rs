@@ -47,3 +47,24 @@ fn a_board_carries_out_pass_after_pass_and_tells_the_files_of_its_lines() {
     assert_eq!(ran["moves"], json(&simulated)["moves"]);
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+/// A bar is counted by the program, which ends itself at the first block of a pass: nothing of that pass is loaded.
+#[test]
+fn a_program_that_ends_a_pass_at_its_first_block_keeps_what_it_has_counted() {
+    let folder = std::env::temp_dir().join(format!("leadscrew-bar-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (program, kept) = (file("p.nc"), file("kept"));
+    let main = "O1\nIF[#500LT3]GOTO10\n#3000=1(BAR IS DONE)\nN10 G0 X50\nX40\n#500=#500+1\nM99\n";
+    std::fs::write(&program, main).unwrap();
+    let server = Server::start(&Options::default());
+    let args = ["run", &program, "--json", "--variables", &kept];
+    let output = leadscrew(&args, &server.bus());
+    assert_eq!(output.status.code(), Some(4));
+    let ran = json(&output);
+    let alarm = ran["alarms"][0].to_string();
+    assert!(alarm.contains("alarm 3001"), "{ran}");
+    let values = std::fs::read_to_string(&kept).unwrap();
+    assert!(values.ends_with("#500 = 3.0\n"), "{values}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
