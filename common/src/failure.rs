@@ -241,6 +241,10 @@ fn reason(error: &io::Error, doing: Doing) -> Both {
                 "路径中有一段不是文件夹"
             )
         }
+        (io::ErrorKind::FileTooLarge, Doing::Read) => both!(
+            "64 MB without the end of a line are no program",
+            "64 MB 内没有换行，这不是程序"
+        ),
         (io::ErrorKind::StorageFull, _) => both!("no space is left there", "存储空间已满"),
         (io::ErrorKind::ReadOnlyFilesystem, _) => {
             both!("nothing can be written there", "该处只读，不能写入")

@@ -1,4 +1,4 @@
-//! Ctrl-C, and signals that end a program from elsewhere (SIGTERM, a terminal that closes).
+//! Ctrl-C, and signals that end a program from elsewhere (SIGTERM, a terminal that closes; not that one under `nohup`).
 //!
 //! A command that only reads and computes ends at once at any place: in a loop, in a read without data, before a file that
 //! nobody opens. Work that must be finished first calls [`defer`]: a moving machine, a transaction with a board, a terminal
@@ -11,6 +11,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::Lang;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 
 use crate::failure::Failure;
 
@@ -75,8 +77,21 @@ pub fn watch(lang: Lang, json: bool) {
             });
         }
     };
-    // Where no handler can be set, Ctrl-C keeps its usual meaning.
-    let _ = ctrlc::set_handler(hear);
+    drop(state);
+    let closes = [SIGHUP].into_iter().filter(|&signal| !ignores(signal));
+    // Where none can be listened to, Ctrl-C keeps its usual meaning.
+    let Ok(mut signals) = Signals::new(closes.chain([SIGINT, SIGTERM])) else {
+        return;
+    };
+    std::thread::spawn(move || signals.forever().for_each(|_| hear()));
+}
+
+/// True where this process was begun with a signal that does nothing. Under `nohup`, a terminal that closes ends no command.
+fn ignores(signal: i32) -> bool {
+    let told = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = told.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// Ends the process. The state stays locked until then, so that no work begins that would be left half done.

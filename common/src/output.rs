@@ -13,11 +13,23 @@ static WRITTEN: AtomicBool = AtomicBool::new(false);
 /// The holder of the lock writes.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// Writes to standard output.
+/// Writes a result to standard output. Where its reader is gone (`| head`), nothing is written: the exit code still tells
+/// how the command ends.
+///
+/// # Errors
+/// Standard output that cannot be written.
+pub fn write(bytes: &[u8]) -> Outcome {
+    match part(bytes) {
+        Err(Failure::ReaderGone) => Ok(()),
+        written => written,
+    }
+}
+
+/// Writes a part of what has no end, or a far one, to standard output: nobody needs the rest where its reader is gone.
 ///
 /// # Errors
 /// Standard output that cannot be written, or whose reader is gone.
-pub fn write(bytes: &[u8]) -> Outcome {
+pub fn part(bytes: &[u8]) -> Outcome {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     put(bytes)
 }

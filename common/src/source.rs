@@ -19,6 +19,8 @@ const FIRST: (u32, u64, LineEnds) = (1, 0, LineEnds::Unknown);
 
 /// Longest line in a message.
 const SHOWN: u64 = 4096;
+/// Bytes of a line behind those, up to which its end is looked for where lines are to be shown.
+const SKIPPED: u64 = 1 << 20;
 
 /// The most bytes of a pipe that are kept.
 const KEPT: usize = 1 << 24;
@@ -287,7 +289,9 @@ impl SourceFile {
             && let Ok(Some((line, is_whole))) = shown(&mut reader)
         {
             lines.push(line);
-            if !is_whole && reader.skip_until(b'\n').is_err() {
+            // What has no end for so long has no lines.
+            let mut rest = reader.by_ref().take(SKIPPED);
+            if !is_whole && (rest.skip_until(b'\n').is_err() || rest.limit() == 0) {
                 break;
             }
         }

@@ -103,6 +103,9 @@ pub struct Line<'t> {
 /// The mark some editors put at the front of a text.
 const MARK: &[u8] = "\u{feff}".as_bytes();
 
+/// Bytes of a line up to which its end is looked for: whatever is longer is no program, and may have no end at all.
+const LONGEST: u64 = 64 << 20;
+
 /// Bytes of the window.
 const WINDOW: usize = 1 << 16;
 
@@ -153,7 +156,7 @@ impl<S: Source> Lines<S> {
     /// The line at a place, from its front; `None` at the end of the text.
     ///
     /// # Errors
-    /// The text cannot be read.
+    /// The text cannot be read, or has a line that is no line of a program: of more than 64 MB.
     pub fn line(&mut self, at: Place) -> io::Result<Option<Line<'_>>> {
         if !self.has(at.file())? {
             return Err(io::ErrorKind::NotFound.into());
@@ -230,14 +233,21 @@ impl<S: Source> Lines<S> {
     }
 
     /// The byte after the first line feed from `byte` on, or the end of the text.
+    ///
+    /// # Errors
+    /// [`io::ErrorKind::FileTooLarge`] where there is none in [`LONGEST`] bytes.
     fn after_feed(&mut self, byte: u64) -> io::Result<u64> {
         let mut begin = (byte - self.first) as usize;
         loop {
             if let Some(feed) = self.feed(begin) {
                 return Ok(self.first + feed as u64 + 1);
             }
+            let read = self.first + self.filled as u64;
             if self.at_end {
-                return Ok(self.first + self.filled as u64);
+                return Ok(read);
+            }
+            if read - byte > LONGEST {
+                return Err(io::ErrorKind::FileTooLarge.into());
             }
             begin = self.filled;
             begin = self.refill(begin)?;
@@ -262,7 +272,11 @@ mod tests {
 
     #[test]
     fn lines_come_in_any_order() {
-        let mut random = Random(5);
+        leadscrew_seed::volume(5, lines_in_any_order);
+    }
+
+    fn lines_in_any_order(seed: u64) {
+        let mut random = Random(seed);
         let mut text = Vec::new();
         let mut lines = Vec::new();
         for number in 0..4000 {

@@ -21,12 +21,14 @@ pub fn check(filter: &str, all: bool) -> Result<u64> {
     if !filter.is_empty() {
         args.extend(["-k", &pattern]);
     }
+    let (seed, _) = leadscrew_seed::of_run();
     let mut unittest = run::command(&tests(), &python.to_string_lossy(), &args);
     unittest
         .env("CHIP_IMAGE", image)
         .env("CHIP_PLANT", built.join("examples").join("chip_plant"))
         .env("LEADSCREW", built.join("leadscrew"))
         .env("CHIP_EXAMPLES", root.join("examples"))
+        .env("CHIP_SEED", seed.to_string())
         .env_remove("CHIP_ALL");
     if all {
         unittest.env("CHIP_ALL", "1");
@@ -34,7 +36,9 @@ pub fn check(filter: &str, all: bool) -> Result<u64> {
     let output = unittest.output().context("cannot start Python")?;
     let report = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
-        bail!("the image on the model of its chip:\n{report}");
+        let again = leadscrew_seed::settings(seed, false);
+        let whole = if all { " --all" } else { "" };
+        bail!("the image on the model of its chip ({again} cargo xtask chip{whole}):\n{report}");
     }
     let passed = canopen::count(&report);
     if passed == 0 {

@@ -99,6 +99,22 @@ impl Row {
     }
 }
 
+/// The README tells what the larger of the flashed images takes, by the table, in whole KiB.
+fn untold(table: &[Row], readme: &str) -> Option<String> {
+    let row = table.iter().find(|row| row.name == "nucleo-g474re+defmt")?;
+    let kib = |bytes: u64| bytes.div_ceil(1024);
+    let said = format!(
+        "takes {} of the {} KiB that it may take of the first bank of the flash, {} of 128 KiB of the second, and {} of {} KiB of RAM",
+        kib(row.flash),
+        kib(FLASH_LIMIT),
+        kib(row.second),
+        kib(row.whole_ram()),
+        kib(RAM_LIMIT)
+    );
+    let words: Vec<_> = readme.split_whitespace().collect();
+    (!words.join(" ").contains(&said)).then(|| format!("README.md does not say: {said}"))
+}
+
 /// Builds and measures the images. Compares with the table or, with `write`, renews it.
 pub fn sizes(write: bool) -> Result<()> {
     let mut rows = Vec::new();
@@ -114,8 +130,10 @@ pub fn sizes(write: bool) -> Result<()> {
         println!("{}\nwritten to {}", complaints.join("\n"), path.display());
         return Ok(());
     }
-    let old = std::fs::read_to_string(&path).unwrap_or_default();
-    complaints.extend(compare(&parse(&old)?, &rows));
+    let old = parse(&std::fs::read_to_string(&path).unwrap_or_default())?;
+    complaints.extend(compare(&old, &rows));
+    let readme = std::fs::read_to_string(run::root().join("README.md"))?;
+    complaints.extend(untold(&old, &readme));
     if !complaints.is_empty() {
         bail!(
             "{}\nwhere that is meant, renew firmware/audit/sizes.txt with `cargo xtask sizes --write`",

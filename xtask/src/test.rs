@@ -1,5 +1,4 @@
-//! All checks that a change must pass, in the order that finds most mistakes soonest. The checks that find most take
-//! ten minutes; `--full` adds the rest.
+//! All checks that a change must pass, in the order that finds most mistakes soonest. `--full` adds the long volumes.
 
 mod clock;
 mod counts;

@@ -333,6 +333,8 @@ fn numbers(code: Code) -> &'static [u16] {
             1884, 1885, 1886, 1420,
         ],
         Code::HomeSwitchNone => &[9051, 9050],
+        Code::ZoneHalf => &[9092, 9093, 9094, 9095],
+        Code::LimitSwitchShared => &[9064, 9065],
         Code::TapSpeedAboveSpindle => &[3772, 5241],
         Code::NoPeckReturn => &[5213],
         Code::ExtractionOverrideOff => &[5200, 5201],

@@ -206,7 +206,7 @@ impl List<'_> {
     /// Writes the list so far, and what is to be said behind it.
     fn flush(&mut self) -> Outcome {
         if !self.buffer.is_empty() {
-            let written = output::write(&self.buffer);
+            let written = output::part(&self.buffer);
             self.buffer.clear();
             written?;
         }

@@ -13,7 +13,7 @@ use leadscrew_core::board::device::objects::{
     OFFSETS_STATE, STAGED_OFFSETS,
 };
 use leadscrew_core::bus::Object;
-use leadscrew_core::offsets::image::sum;
+use leadscrew_core::offsets::image::{Image, sum};
 use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::units::Axis;
 
@@ -98,23 +98,42 @@ impl Link {
             self.no_offsets(Some(Alarm::of(Code::OffsetsOutOfRange, &figures)))
         })?;
         self.leave_reference()?;
-        let staged = self.write(STAGED_OFFSETS, &image);
+        let stored = self.store_offsets(&image);
+        if !matches!(stored, Ok(()) | Err(Trouble::Offsets { .. })) {
+            return stored.map(|()| table.revision);
+        }
+        // Clients of one board hear each other's answers: the answer to another client's table may have been taken for ours.
+        // The table in force tells whose was stored.
+        let now = self.offsets()?;
+        if now.table == table {
+            return Ok(table.revision);
+        }
+        match stored {
+            Err(Trouble::Offsets { reason, .. }) if reason.is_some() || now.last == last => {
+                Err(self.no_offsets(reason))
+            }
+            _ => {
+                let figures = [last, now.last].map(|revision| Arg::Int(revision.0.into()));
+                Err(self.no_offsets(Some(Alarm::of(Code::OffsetsOtherRevision, &figures))))
+            }
+        }
+    }
+
+    /// Stages an image, commits it and waits until it is stored or refused.
+    fn store_offsets(&mut self, image: &Image) -> LinkResult {
+        let staged = self.write(STAGED_OFFSETS, image);
         self.explained_offsets(staged)?;
-        let committed = self.write(COMMIT_OFFSETS, &sum(&image).to_le_bytes());
+        let committed = self.write(COMMIT_OFFSETS, &sum(image).to_le_bytes());
         self.explained_offsets(committed)?;
         let end = Instant::now() + LONGEST;
         loop {
             match self.read_number(OFFSETS_STATE)? {
-                DONE => break,
+                DONE => return Ok(()),
                 UNDER_WAY if Instant::now() < end => self.idle(PAUSE)?,
                 REFUSED => return Err(self.refused_offsets()),
                 _ => return Err(self.strange(OFFSETS_STATE)),
             }
         }
-        if self.offsets_revision()? == table.revision {
-            return Ok(table.revision);
-        }
-        Err(self.strange(OFFSETS_REVISION))
     }
 
     /// The marked position of an axis in 0.1 µm, X in diameter; `None` where none is marked.

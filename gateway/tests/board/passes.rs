@@ -1,18 +1,40 @@
 //! Programs of several files and several passes on a board.
 
+use std::path::PathBuf;
+
 use crate::server::{Options, Server};
 use crate::{good, json, leadscrew};
 
+/// A folder that is there, and gone at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let name = format!("leadscrew-{name}-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
 #[test]
 fn a_board_carries_out_pass_after_pass_and_tells_the_files_of_its_lines() {
-    let folder = std::env::temp_dir().join(format!("leadscrew-passes-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
-    let (program, kept) = (file("p.nc"), file("kept"));
+    let folder = Folder::new("passes");
+    let (program, kept) = (folder.file("p.nc"), folder.file("kept"));
     let main = "O1\nG50 X80 Z20\nG99 M3 S800\n#500=#500+1\nM98 P20\nG0 X80 Z20\nM99\n";
     std::fs::write(&program, main).unwrap();
     std::fs::write(
-        file("O0020.nc"),
+        folder.file("O0020.nc"),
         "O20\nG0 X24 Z5\nG92 X20 Z-15 F2\nG0 X40\nM99\n",
     )
     .unwrap();
@@ -41,20 +63,17 @@ fn a_board_carries_out_pass_after_pass_and_tells_the_files_of_its_lines() {
         .collect();
     assert_eq!(places, [(Some("O0020.nc"), Some(3)); 3], "{ran}");
     let simulated = std::process::Command::new(env!("CARGO_BIN_EXE_leadscrew"))
-        .args(args(&file("other")))
+        .args(args(&folder.file("other")))
         .output()
         .unwrap();
     assert_eq!(ran["moves"], json(&simulated)["moves"]);
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 /// A bar is counted by the program, which ends itself at the first block of a pass: nothing of that pass is loaded.
 #[test]
 fn a_program_that_ends_a_pass_at_its_first_block_keeps_what_it_has_counted() {
-    let folder = std::env::temp_dir().join(format!("leadscrew-bar-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
-    let (program, kept) = (file("p.nc"), file("kept"));
+    let folder = Folder::new("bar");
+    let (program, kept) = (folder.file("p.nc"), folder.file("kept"));
     let main = "O1\nIF[#500LT3]GOTO10\n#3000=1(BAR IS DONE)\nN10 G0 X50\nX40\n#500=#500+1\nM99\n";
     std::fs::write(&program, main).unwrap();
     let server = Server::start(&Options::default());
@@ -66,5 +85,4 @@ fn a_program_that_ends_a_pass_at_its_first_block_keeps_what_it_has_counted() {
     assert!(alarm.contains("alarm 3001"), "{ran}");
     let values = std::fs::read_to_string(&kept).unwrap();
     assert!(values.ends_with("#500 = 3.0\n"), "{values}");
-    std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -14,9 +14,16 @@ use super::*;
 
 const SIGNALS: [Signal; 2] = [Signal::SIGINT, Signal::SIGTERM];
 
+const LEADSCREW: &str = env!("CARGO_BIN_EXE_leadscrew");
+
 /// A command that has begun to listen.
 fn listening(args: &[&str], stdin: Stdio) -> Child {
-    let child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+    listening_in(LEADSCREW, args, stdin)
+}
+
+/// The same of a program that begins it.
+fn listening_in(program: &str, args: &[&str], stdin: Stdio) -> Child {
+    let child = Command::new(program)
         .args(args)
         .current_dir(root())
         .stdin(stdin)
@@ -95,6 +102,27 @@ fn a_file_that_nobody_writes_is_no_trap() {
             ended(child, &format!("{args:?} {signal}"));
         }
     }
+}
+
+/// `nohup` asks that a command outlive its terminal.
+#[test]
+fn a_terminal_that_closes_ends_a_command_but_not_under_nohup() {
+    let check = ["check", "/dev/stdin", "--json"];
+    let child = listening(&check, Stdio::piped());
+    send(&child, Signal::SIGHUP);
+    ended(child, "by itself");
+
+    let mut child = listening_in(
+        "nohup",
+        &[&[LEADSCREW], &check[..]].concat(),
+        Stdio::piped(),
+    );
+    let mut stdin = child.stdin.take().unwrap();
+    send(&child, Signal::SIGHUP);
+    stdin.write_all(b"G0 X50 Z10\n").unwrap();
+    drop(stdin);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
 }
 
 #[test]

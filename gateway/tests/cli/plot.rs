@@ -6,20 +6,28 @@ use serde_json::Value;
 
 use crate::{Folder, code, leadscrew, stderr, stdout, write};
 
-/// The texts of a picture of a program.
-fn texts(folder: &Folder, program: &str, more: &[&str]) -> Vec<String> {
-    let picture = folder.file("picture.svg");
+/// A picture or a page of a program, as it was written.
+fn plotted(folder: &Folder, name: &str, program: &str, more: &[&str]) -> String {
+    let picture = folder.file(name);
     let args = [&["plot", program, "-o", &picture][..], more].concat();
     let output = leadscrew(&args);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let svg = std::fs::read_to_string(&picture).unwrap();
+    std::fs::read_to_string(&picture).unwrap()
+}
+
+/// What is between two parts of a text.
+fn between<'a>(text: &'a str, before: &str, behind: &str) -> &'a str {
+    let (_, rest) = text.split_once(before).unwrap();
+    rest.split_once(behind).unwrap().0
+}
+
+/// The texts of a picture of a program.
+fn texts(folder: &Folder, program: &str, more: &[&str]) -> Vec<String> {
+    let svg = plotted(folder, "picture.svg", program, more);
     let numbers = svg.replace("infeed", "");
     assert!(!numbers.contains("NaN") && !numbers.contains("inf"));
     let texts = svg.split("<text").skip(1);
-    let content = |text: &str| {
-        let (_, rest) = text.split_once('>').unwrap();
-        rest.split_once("</text>").unwrap().0.trim().to_owned()
-    };
+    let content = |text: &str| between(text, ">", "</text>").trim().to_owned();
     texts.map(content).collect()
 }
 
@@ -399,12 +407,8 @@ fn z_over_the_spindle_angle_is_told_to_be_ideal_where_it_is() {
 
 /// The data of a page: its strokes, and its way over time.
 fn page_data(folder: &Folder, program: &str) -> Value {
-    let page = folder.file("data.html");
-    let output = leadscrew(&["plot", program, "-o", &page]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let page = std::fs::read_to_string(&page).unwrap();
-    let (_, data) = page.split_once("id=\"data\">").unwrap();
-    serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap()
+    let page = plotted(folder, "data.html", program, &[]);
+    serde_json::from_str(between(&page, "id=\"data\">", "</script>")).unwrap()
 }
 
 #[test]
@@ -448,17 +452,11 @@ fn the_place_of_a_warning_is_by_the_zero_of_its_own_tool() {
         "O1\n(STOCK X40 L60)\nG10 P1 X0 Z0\nG10 P3 X-20. Z-15.\nG97 G98 M3 S300\nT0101\n{cut}T0303\n{cut}T0300\nM30\n"
     );
     let program = write(&folder, "marks.nc", &program);
-    let picture = folder.file("marks.svg");
-    let output = leadscrew(&["plot", &program, "-o", &picture]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let svg = std::fs::read_to_string(&picture).unwrap();
+    let svg = plotted(&folder, "marks.svg", &program, &[]);
     let spots = svg.split("<circle").filter(|one| one.contains("\"spot\""));
     let spots: Vec<_> = spots
         .map(|one| {
-            let value = |key: &str| {
-                let (_, rest) = one.split_once(&format!(" {key}=\"")).unwrap();
-                rest.split_once('"').unwrap().0.to_owned()
-            };
+            let value = |key: &str| between(one, &format!(" {key}=\""), "\"");
             (value("cx"), value("cy"))
         })
         .collect();
@@ -522,15 +520,11 @@ fn the_words_of_the_marks_of_a_thread_do_not_meet() {
     let folder = Folder::new("plot-plus");
     let program = "O1\n(STOCK X40 L60)\nG97 M4 S300\nG0 X45. Z-45.\nG92 X39.2 Z5. F2.\nX38.6\nG0 X60. Z50.\nM30\n";
     let program = write(&folder, "plus.nc", program);
-    let picture = folder.file("plus.svg");
-    let output = leadscrew(&["plot", &program, "-o", &picture]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let svg = std::fs::read_to_string(&picture).unwrap();
+    let svg = plotted(&folder, "plus.svg", &program, &[]);
     let height = |words: &str| {
         let (before, _) = svg.split_once(words).unwrap();
         let (_, tag) = before.rsplit_once("<text").unwrap();
-        let (_, rest) = tag.split_once(" y=\"").unwrap();
-        rest.split_once('"').unwrap().0.to_owned()
+        between(tag, " y=\"", "\"")
     };
     assert_ne!(height("face Z0"), height("run-out from Z4 to Z5"));
 }

@@ -142,6 +142,18 @@ fn line_ends_of_old_controls_are_line_ends() {
     assert_eq!(alarms(&output), [(4401, 3, 1)]);
 }
 
+/// What never has the end of a line never comes to an end.
+#[test]
+fn what_has_no_line_in_64_megabytes_is_no_program() {
+    for command in ["check", "expand", "run"] {
+        for (lang, word) in [("en", "end of a line"), ("zh", "换行")] {
+            let output = leadscrew(&[command, "/dev/zero", "--lang", lang]);
+            assert_eq!(code(&output), 2, "{command}: {}", stderr(&output));
+            assert!(stderr(&output).contains(word), "{}", stderr(&output));
+        }
+    }
+}
+
 #[test]
 fn a_machine_file_has_a_size() {
     let folder = Folder::new("sizes");

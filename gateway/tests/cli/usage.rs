@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::{Folder, code, leadscrew, stderr, stdout};
+use crate::{Folder, code, leadscrew, stderr, stdout, write};
 
 #[test]
 fn help_and_version_are_on_every_command() {
@@ -321,6 +321,43 @@ fn what_cannot_be_printed_is_no_success() {
         };
         assert_eq!(stderr(&output), why, "{args:?}");
         assert_eq!(code(&output), 2, "{args:?}");
+    }
+}
+
+/// As where `head` has read enough.
+#[test]
+fn the_exit_code_tells_the_verdict_where_nobody_reads_the_words() {
+    let folder = Folder::new("nobody-reads");
+    let bad = write(&folder, "bad.nc", "G1 X5\n");
+    let bad = bad.as_str();
+    let tap = "examples/g84-tap.nc";
+    for (args, exit) in [
+        (&["check", tap][..], 0),
+        (&["check", bad, "--json"], 1),
+        (&["run", bad, "--json"], 1),
+        (&["run", tap], 0),
+        (
+            &[
+                "run",
+                "examples/o0013-g76-m68x6.nc",
+                "--spindle-ripple",
+                "10@5",
+                "--tolerance",
+                "0.000001",
+            ],
+            1,
+        ),
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+            .args(args)
+            .current_dir(crate::root())
+            .stdout(writer)
+            .stderr(Stdio::piped())
+            .output()
+            .unwrap();
+        assert_eq!(code(&output), exit, "{args:?}: {}", stderr(&output));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::{LONG, User, bad, good, text};
 
@@ -84,6 +84,30 @@ fn a_door_that_is_opened_holds_the_program_until_it_is_closed_and_resumed() {
     user.wait_for("run");
     good(&user.does(&["reset"]));
     assert_eq!(run.wait_with_output().unwrap().status.code(), Some(4));
+}
+
+#[test]
+fn an_order_that_an_alarm_outlasts_is_told_as_one_that_failed() {
+    let user = guarded();
+    good(&user.does(&["sim", "estop", "press"]));
+    user.wait_for("alarm");
+    for order in ["reset", "resume"] {
+        let told = bad(&user.does(&[order]), 4);
+        assert!(told.contains("4300"), "{order}: {told}");
+        let told = user.does(&[order, "--json"]);
+        let value: Value = serde_json::from_slice(&told.stdout).unwrap();
+        assert_eq!(
+            (&value["ok"], &value["exit"], &value["alarm"]),
+            (&json!(false), &json!(4), &json!(4300)),
+            "{order}"
+        );
+    }
+    // The machine stands, which is all that these ask for.
+    for order in ["hold", "stop"] {
+        good(&user.does(&[order]));
+    }
+    good(&user.does(&["sim", "estop", "release"]));
+    good(&user.does(&["reset"]));
 }
 
 #[test]

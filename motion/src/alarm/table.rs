@@ -672,6 +672,12 @@ codes! {
     /// An input or output of a block that there is not; its number.
     BlockMissing = 4437, "input or output {0} is one of a block on the bus (17 to 32), and 9461 names none", "set 9461 to the node of the block (CiA 401), or use an input or output of the board, 1 to 16",
         "输入或输出 {0} 属于总线上的模块（17 至 32），但 9461 未指定模块", "请将 9461 设为模块（CiA 401）的节点号，或改用控制板的输入输出（1 至 16）";
+    /// A zone with one of its two sizes: parameters of the size that is 0, and of the other.
+    ZoneHalf = 4438, "a zone has a length and a diameter: {0} is 0, and {1} is not", "set both in one command (chuck: 9092 and 9093, jaws: 9094 and 9095), or both to 0 where there is no zone",
+        "禁区须同时有长度和直径：{0} 为 0，而 {1} 不为 0", "请在一条命令中设定两者（卡盘：9092 和 9093，卡爪：9094 和 9095）；没有禁区时两者都设为 0";
+    /// The two limit switches of an axis are one input.
+    LimitSwitchShared = 4439, "both hard limit switches of axis {0} (9064.{0}, 9065.{0}) are one input: where it is on, nobody can tell which way leads off it", "wire each switch to an input of its own, or set the one of 9064.{0} and 9065.{0} that has no switch to 0",
+        "{0} 轴的两个硬限位开关（9064.{0}、9065.{0}）是同一个输入：接通时无法判断应向哪个方向退出", "请把每个开关接到单独的输入；没有开关的一端（9064.{0} 或 9065.{0}）设为 0";
     /// A turret whose inputs and outputs are missing, or do not fit.
     TurretUnusable = 4433, "the turret (9451 = 2) cannot work", "set its stations (9452: 2 or more), the output that turns it (9454), the first input of its code (9455; the code needs inputs up to 32 at most) and the input of its clamp (9456)",
         "刀塔（9451 = 2）不能工作", "请设定工位数（9452，不少于 2）、转位输出（9454）、工位码的第一个输入（9455，全部码位不超过输入 32）和锁紧输入（9456）";

@@ -4,8 +4,9 @@
 use super::pitch::{LARGEST_PITCH_ERROR, Unusable};
 use super::{FunctionRow, Params};
 use crate::alarm::{Alarm, Arg, Code};
+use crate::operating::Towards;
 use crate::spindle::{Resolution, Tracker};
-use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks, signed};
+use crate::units::{Acceleration, Axis, Lead, Length, Rpm, Ticks, signed};
 
 /// Ticks that the two ramps of a motion profile may have together.
 pub const PROFILE_TICKS: i64 = 2048;
@@ -58,6 +59,7 @@ impl Params {
         self.check_nodes(&mut reasons);
         self.check_fd(&mut reasons);
         self.check_functions(&mut reasons);
+        self.check_zones(&mut reasons);
         self.check_lags(&mut reasons);
         self.check_targets(&mut reasons);
         self.check_pitch(&mut reasons);
@@ -116,6 +118,11 @@ impl Params {
         blame(
             self.home_method(axis) == BY_SWITCH && !has_switch,
             Code::HomeSwitchNone,
+        );
+        let ends = [Towards::Minus, Towards::Plus].map(|end| self.limit_switch(axis, end));
+        blame(
+            ends[0].is_some() && ends[0] == ends[1],
+            Code::LimitSwitchShared,
         );
         blame(
             numerator >= denominator.wrapping_mul(FINEST),
@@ -285,6 +292,20 @@ impl Params {
         }
         if let Some(gear) = self.unusable_gear() {
             reasons.add(Code::GearUnusable, &[Arg::Int(gear.into())]);
+        }
+    }
+
+    /// A zone that was meant and has no size would keep nothing away.
+    fn check_zones<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
+        let chuck = [self.chuck_length(), self.chuck_diameter()];
+        let jaws = [self.jaws_length(), self.jaws_diameter()];
+        for ([length, diameter], number) in [(chuck, 9092), (jaws, 9094)] {
+            let half = match (length == Length::ZERO, diameter == Length::ZERO) {
+                (true, false) => [number, number + 1],
+                (false, true) => [number + 1, number],
+                _ => continue,
+            };
+            reasons.add(Code::ZoneHalf, &half.map(count));
         }
     }
 

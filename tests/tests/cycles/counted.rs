@@ -86,7 +86,11 @@ fn narrow(r: &mut Random, call: &GrooveCall, params: &mut Params) {
 
 #[test]
 fn a_groove_counted_is_the_groove_walked() {
-    let mut r = Random(751);
+    leadscrew_seed::volume(751, counted_is_walked);
+}
+
+fn counted_is_walked(seed: u64) {
+    let mut r = Random(seed);
     let (mut inside, mut outside) = (0, 0);
     for _ in 0..cycles() / 5 {
         let call = groove(&mut r);

@@ -4,6 +4,7 @@
 mod few;
 mod forms;
 mod hole;
+mod jerk;
 mod operation;
 mod random;
 mod ripple;

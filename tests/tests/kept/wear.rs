@@ -326,35 +326,32 @@ fn a_write_looks_at_a_few_pages_however_old_what_it_moves_is() {
     );
 }
 
-/// The flash of a board that is flashed anew, whose storage was the last eight pages.
-fn flashed_over(small: &mut Flash) -> Flash {
-    let mut flash = Flash::erased();
-    let place = (Flash::SIZE - PAGES * Flash::PAGE) as u32;
-    for at in (0..(PAGES * Flash::PAGE) as u32).step_by(Flash::WORD) {
+/// Copies eight pages from one place to another, in a flash that is erased. A torn word that cannot be read stays one that
+/// nobody takes for a value.
+fn copied(from: (&mut Flash, usize), (mut to, at): (Flash, usize)) -> Flash {
+    for offset in (0..PAGES * Flash::PAGE).step_by(Flash::WORD) {
         let mut word = [0; Flash::WORD];
-        // A torn word that cannot be read stays one that nobody takes for a value.
-        if small.read(at, &mut word).is_err() {
+        if from.0.read((from.1 + offset) as u32, &mut word).is_err() {
             word = [0; Flash::WORD];
         }
         if word != [0xFF; Flash::WORD] {
-            flash.write(place + at, &word).expect("written");
+            to.write((at + offset) as u32, &word).expect("written");
         }
     }
-    flash
+    to
+}
+
+/// Where the last eight pages begin.
+const LAST: usize = Flash::SIZE - PAGES * Flash::PAGE;
+
+/// The flash of a board that is flashed anew, whose storage was the last eight pages.
+fn flashed_over(small: &mut Flash) -> Flash {
+    copied((small, 0), (Flash::erased(), LAST))
 }
 
 /// The last eight pages, for the image that has no more.
 fn flashed_back(flash: &mut Flash) -> Flash {
-    let mut small = Flash::with_pages(PAGES);
-    let place = (Flash::SIZE - PAGES * Flash::PAGE) as u32;
-    for at in (0..(PAGES * Flash::PAGE) as u32).step_by(Flash::WORD) {
-        let mut word = [0; Flash::WORD];
-        flash.read(place + at, &mut word).expect("readable");
-        if word != [0xFF; Flash::WORD] {
-            small.write(at, &word).expect("written");
-        }
-    }
-    small
+    copied((flash, LAST), (Flash::with_pages(PAGES), 0))
 }
 
 /// Starts such a board again and again, and pushes a set: it has what the old image has, or it tells the damage and keeps

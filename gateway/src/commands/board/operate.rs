@@ -1,10 +1,14 @@
 //! `hold`, `resume`, `reset`, `stop`, `override`, `signal`: what an operator does while a program runs. An order goes by
 //! process data, so it waits behind nothing.
 
+use std::time::{Duration, Instant};
+
 use leadscrew_core::bus::{BoardCommand, BoardState, Object, Order};
+use leadscrew_core::link::Status;
 
 use super::{open, state_words};
 use crate::cli::{Global, OverrideName};
+use crate::diagnostics::alarm_words;
 use crate::failure::{Failure, Outcome};
 use crate::link::Link;
 use crate::output;
@@ -16,16 +20,61 @@ use crate::words::both;
 pub fn order(global: &Global, order: Order) -> Outcome {
     let mut link = open(global)?;
     link.order(order)?;
-    tell(global, &link)
+    match order {
+        Order::Reset => tell_cleared(global, &mut link),
+        _ => tell(global, &link, &Ok(())),
+    }
 }
 
-/// The state after an order.
-pub(super) fn tell(global: &Global, link: &Link) -> Outcome {
+/// How often an alarm is looked at that should go.
+const LOOK: Duration = Duration::from_millis(20);
+/// A machine that stands leaves its alarm within this time, or not at all.
+const CLEARS: Duration = Duration::from_secs(1);
+/// The longest time for coming to rest before that.
+const BRAKES: Duration = Duration::from_secs(20);
+
+/// The status once an alarm has gone, or once the machine has stood on it for a while: a reset waits until the axes stand.
+fn cleared(link: &mut Link) -> Outcome<Status> {
+    let (begun, mut still) = (Instant::now(), Instant::now());
+    let mut status = link.status()?;
+    loop {
+        let waits = still.elapsed() < CLEARS && begun.elapsed() < BRAKES;
+        if status.state != BoardState::Alarm || !waits {
+            return Ok(status);
+        }
+        link.idle(LOOK)?;
+        let before = status.position;
+        status = link.status()?;
+        if status.position != before {
+            still = Instant::now();
+        }
+    }
+}
+
+/// The state after an order that an alarm must not outlast.
+///
+/// # Errors
+/// An alarm that stands: the order has done nothing.
+pub(super) fn tell_cleared(global: &Global, link: &mut Link) -> Outcome {
+    let status = cleared(link)?;
+    let verdict = match status.alarm.filter(|_| status.state == BoardState::Alarm) {
+        Some(alarm) => Err(Failure::MachineBecause(alarm_words(&alarm))),
+        None => Ok(()),
+    };
+    tell(global, link, &verdict)?;
+    verdict
+}
+
+/// The state after an order, and whether that is how the order ends well.
+fn tell(global: &Global, link: &Link, verdict: &Outcome) -> Outcome {
     let status = link.seen.status.unwrap_or_default();
     let line = link.seen.place.map(|place| place.line);
     if global.json {
         return output::json(|json| {
-            json.flag("ok", true);
+            match verdict {
+                Ok(()) => json.flag("ok", true),
+                Err(failure) => failure.fields(global.lang(), json),
+            }
             json.integer("node", i64::from(link.node().get()));
             json.text("state", status.state.name());
             match status.alarm {

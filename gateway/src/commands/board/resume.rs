@@ -30,7 +30,7 @@ pub fn resume(global: &Global) -> Outcome {
         Some(point) if point != status.position => go_back(global, &mut link, &status),
         _ => {
             link.order(Order::Resume)?;
-            operate::tell(global, &link)
+            operate::tell_cleared(global, &mut link)
         }
     }
 }

@@ -43,8 +43,8 @@ impl Tab<'_> {
         });
     }
 
-    /// Moves an axis by hand until this is so. On a busy computer a press may end for want of frames; then it is pressed
-    /// anew.
+    /// Moves an axis by hand until this is so, and waits until it has braked. On a busy computer a press may end for want of
+    /// frames; then it is pressed anew.
     #[track_caller]
     fn by_hand(&mut self, way: &str, so: &str) {
         let which = format!("[data-jog=\"{way}\"]");
@@ -56,6 +56,7 @@ impl Tab<'_> {
             self.mouse(&which, "mouseReleased");
             assert!(Instant::now() < end, "{way} {so}");
         }
+        self.wait(&format!("!({})", state("run")));
     }
 
     /// Touches off an axis by a tool: looks what follows, which is this, and writes it.

@@ -136,6 +136,13 @@ impl Bench {
         }
     }
 
+    fn somebody_else_holds(&mut self) {
+        let count = self.seen.status.unwrap().count;
+        let hold = BoardCommand::order(Order::Hold, count).frame(NODE);
+        self.sim.receive(&hold);
+        self.sim.settle();
+    }
+
     fn at(&self) -> Position {
         self.sim.board().ticker().executor().position()
     }
@@ -289,11 +296,7 @@ fn a_panel_that_is_gone_lets_the_axis_rest_within_the_dead_mans_time() {
 fn a_press_that_the_board_ends_is_told_and_not_begun_again() {
     let mut bench = Bench::in_mode(OperatingMode::Manual, true);
     bench.hold(KeyCode::Up, 600);
-    // Somebody else holds.
-    let count = bench.seen.status.unwrap().count;
-    let hold = BoardCommand::order(Order::Hold, count).frame(NODE);
-    bench.sim.receive(&hold);
-    bench.sim.settle();
+    bench.somebody_else_holds();
     for _ in 0..20 {
         bench.pass(30);
         bench.key(KeyCode::Up, KeyEventKind::Repeat);
@@ -400,11 +403,7 @@ fn a_panel_or_a_terminal_that_is_gone_lets_the_spindle_rest() {
 #[test]
 fn a_spindle_that_the_board_stops_is_told_and_not_begun_again() {
     let mut bench = turning();
-    // Somebody else holds.
-    let count = bench.seen.status.unwrap().count;
-    let hold = BoardCommand::order(Order::Hold, count).frame(NODE);
-    bench.sim.receive(&hold);
-    bench.sim.settle();
+    bench.somebody_else_holds();
     for _ in 0..20 {
         bench.pass(30);
         bench.key(KeyCode::Char('f'), KeyEventKind::Repeat);
