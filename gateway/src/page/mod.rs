@@ -1,5 +1,5 @@
 //! The picture of a program as a page: one file that a browser opens without a network. The path and the views of the cut
-//! can be zoomed and moved and say the line under the pointer; the path is played. Above stands what is wrong with its moves,
+//! can be zoomed and moved and say the line under the pointer; the path is played. Above stands what is wrong with moves,
 //! below what the machine did over time.
 //!
 //! Turns strokes and samples into text; knows nothing of programs or machines. What the page does with them is

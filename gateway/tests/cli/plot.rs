@@ -558,7 +558,11 @@ fn a_page_has_the_stock_and_the_warnings_of_the_picture() {
     assert_eq!(data["stock"].to_string(), "[-100,0,0,30]");
     let marks = data["marks"].as_array().unwrap();
     assert_eq!(marks[0]["p"].to_string(), "[10,32,-20,25]");
-    let row = |mark: &Value| mark["l"].as_u64().filter(|l| mark["line"] == l.to_string());
+    let row = |mark: &Value| {
+        mark["l"]
+            .as_u64()
+            .filter(|l| mark["line"].as_str() == Some(&l.to_string()))
+    };
     let rows: Vec<_> = marks.iter().map(row).collect();
     assert_eq!(rows, [5, 10, 11].map(Some));
     // Where nothing is wrong nothing is told, and what is not declared is not drawn.
