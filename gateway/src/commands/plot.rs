@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use leadscrew_core::alarm::Code;
+use leadscrew_core::alarm::{Code, Lang};
 
 use super::picture::{self, PictureFormat};
 use crate::checking::{self, Report};
 use crate::cli::Plot;
-use crate::diagnostics;
+use crate::diagnostics::{self, Diagnostic};
 use crate::drawing::{Drawing, Drawn, Zeros};
 use crate::execution::{self, Execution};
 use crate::failure::{Failure, Outcome};
@@ -22,7 +22,7 @@ use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
 use crate::walk::Walk;
-use crate::words::{self, both};
+use crate::words::{self, both, pick};
 
 /// Draws a program.
 pub(super) fn run(setup: &Setup, args: &Plot, format: PictureFormat) -> Outcome {
@@ -76,7 +76,7 @@ pub(super) fn run(setup: &Setup, args: &Plot, format: PictureFormat) -> Outcome 
             ideal: args.drive.spindle_ripple.is_none(),
             features: features.list,
             stock: features.stock,
-            marks: marks(&execution.report),
+            marks: marks(&execution.report, setup.lang),
             series: Some(series),
         };
         write(setup, &source, args, format, &picture, Some(way))?;
@@ -138,6 +138,9 @@ fn write(
                 subtitle: &picture.subtitle,
                 lang: picture.lang,
                 path: &picture.path,
+                stock: picture.stock.as_ref(),
+                marks: &picture.marks,
+                told: picture.told(),
                 program: listing(source),
                 way,
                 cuts: picture.cuts(),
@@ -163,13 +166,27 @@ fn listing(source: &SourceFile) -> Vec<String> {
 }
 
 /// Where warnings of moves are.
-fn marks(report: &Report) -> Vec<Mark> {
-    let mark = |mark: &checking::Mark| Mark {
-        number: mark.number,
-        line: SourceLine(mark.line).to_string(),
-        is_rapid: mark.number == Code::RapidInStock.number(),
-        way: [mark.from, mark.to],
-        at: mark.at,
+fn marks(report: &Report, lang: Lang) -> Vec<Mark> {
+    let mark = |mark: &checking::Mark| {
+        let line = SourceLine(mark.line);
+        let is_rapid = mark.number == Code::RapidInStock.number();
+        let words = if is_rapid {
+            pick(lang, "rapid through the material", "快速移动穿过毛坯").to_owned()
+        } else {
+            let mut warnings = report.warnings.iter();
+            let is_it = |one: &&Diagnostic| (one.number, one.counted) == (mark.number, mark.line);
+            let words = warnings.find(is_it).map(|one| one.message.as_str());
+            format!("{} {}", mark.number, words.unwrap_or_default())
+        };
+        Mark {
+            number: mark.number,
+            line: line.to_string(),
+            row: line.file().map_or(mark.line, |_| 0),
+            words,
+            is_rapid,
+            way: [mark.from, mark.to],
+            at: mark.at,
+        }
     };
     report.marks.iter().map(mark).collect()
 }

@@ -1,6 +1,6 @@
 //! The picture of a program as a page: one file that a browser opens without a network. The path and the views of the cut
-//! can be zoomed and moved and say the line under the pointer; the path is played; below stands what the machine did over
-//! time.
+//! can be zoomed and moved and say the line under the pointer; the path is played. Above stands what is wrong with moves,
+//! below what the machine did over time.
 //!
 //! Turns strokes and samples into text; knows nothing of programs or machines. What the page does with them is
 //! `page.js`.
@@ -18,7 +18,7 @@ pub use self::way::Way;
 use crate::json::Json;
 use crate::number::measured;
 use crate::output;
-use crate::plot::{Kind, Stroke};
+use crate::plot::{Kind, Mark, Stock, Stroke};
 use crate::words::pick;
 
 /// Everything that goes into a page.
@@ -32,6 +32,12 @@ pub struct Page<'a> {
     pub lang: Lang,
     /// The tool path in the order of execution.
     pub path: &'a [Stroke],
+    /// What there is before the first cut, where it is known.
+    pub stock: Option<&'a Stock>,
+    /// Where warnings of moves are.
+    pub marks: &'a [Mark],
+    /// The warnings in words, each with its line of the program's file, or 0.
+    pub told: Vec<(u32, String)>,
     /// The lines of the program's file.
     pub program: Vec<String>,
     /// Where the tool was over time; `None` where nothing ran.
@@ -53,8 +59,9 @@ impl Page<'_> {
             page,
             "<html lang=\"{language}\">\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>{title}</title>\n\
-             <style>\n{}</style>\n<header><h1>{title}</h1><p>{subtitle}</p></header>\n",
-            include_str!("page.css")
+             <style>\n{}</style>\n<header><h1>{title}</h1><p>{subtitle}</p>{}</header>\n",
+            include_str!("page.css"),
+            self.warnings(),
         );
         page.push_str(&self.view());
         if let Some(svg) = &self.cuts {
@@ -82,6 +89,19 @@ impl Page<'_> {
         page
     }
 
+    /// What is wrong with moves, in words.
+    fn warnings(&self) -> String {
+        if self.told.is_empty() {
+            return String::new();
+        }
+        let item = |(row, words): &(u32, String)| {
+            format!("<li data-line=\"{row}\">{}</li>\n", escaped(words))
+        };
+        let items: String = self.told.iter().map(item).collect();
+        let label = pick(self.lang, "warnings", "警告");
+        format!("\n<ul id=\"warnings\" aria-label=\"{label}\">\n{items}</ul>")
+    }
+
     /// The path with its controls, and the program.
     fn view(&self) -> String {
         let word = |en, zh| pick(self.lang, en, zh);
@@ -92,6 +112,7 @@ impl Page<'_> {
                 let (name, words) = (kind.class(), self.kind(kind));
                 format!("<span class=\"key\" style=\"color:var(--{name})\">{words}</span>\n")
             })
+            .chain(self.warned())
             .collect();
         format!(
             "<main>\n<section>\n<canvas id=\"path\" aria-label=\"{path}\"></canvas>\n<div class=\"bar\">\n\
@@ -117,6 +138,15 @@ impl Page<'_> {
         )
     }
 
+    /// The key of rapids through the material, where there are any.
+    fn warned(&self) -> Option<String> {
+        let mark = self.marks.iter().find(|mark| mark.is_rapid)?;
+        let words = escaped(&mark.words);
+        Some(format!(
+            "<span class=\"key\" style=\"color:var(--warn)\">{words}</span>\n"
+        ))
+    }
+
     fn kind(&self, kind: Kind) -> &'static str {
         match kind {
             Kind::Rapid => pick(self.lang, "rapid", "快速移动"),
@@ -130,7 +160,7 @@ impl Page<'_> {
     fn data(&self) -> String {
         let line = output::line(|json| {
             json.object_at("words", |json| {
-                json.text("line", pick(self.lang, "line", "第"));
+                json.text("line", pick(self.lang, ", line {}: ", "，第 {} 行："));
                 for kind in [Kind::Rapid, Kind::Feed, Kind::Thread, Kind::Tap] {
                     json.text(kind.class(), self.kind(kind));
                 }
@@ -145,6 +175,23 @@ impl Page<'_> {
                     json.object(|json| stroke_fields(json, stroke));
                 }
             });
+            if let Some(stock) = self.stock {
+                json.array_at("stock", |json| {
+                    for side in [
+                        stock.face - stock.length,
+                        stock.bore,
+                        stock.face,
+                        stock.outside,
+                    ] {
+                        json.item(&measured(side));
+                    }
+                });
+            }
+            json.array_at("marks", |json| {
+                for mark in self.marks {
+                    json.object(|json| mark_fields(json, mark));
+                }
+            });
             if let Some(way) = &self.way {
                 json.object_at("run", |json| way.fields(json));
             }
@@ -156,8 +203,22 @@ impl Page<'_> {
 fn stroke_fields(json: &mut Json, stroke: &Stroke) {
     json.text("k", stroke.kind.class());
     json.integer("l", stroke.line.into());
-    json.array_at("p", |json| {
-        for (z, x) in &stroke.points {
+    places(json, "p", &stroke.points);
+}
+
+fn mark_fields(json: &mut Json, mark: &Mark) {
+    json.text("line", &mark.line);
+    json.integer("l", mark.row.into());
+    json.text("words", &mark.words);
+    if mark.is_rapid {
+        places(json, "p", &mark.way);
+    }
+    places(json, "at", &[mark.at]);
+}
+
+fn places(json: &mut Json, key: &str, points: &[(f64, f64)]) {
+    json.array_at(key, |json| {
+        for (z, x) in points {
             json.item(&measured(*z));
             json.item(&measured(*x));
         }
@@ -189,6 +250,9 @@ mod tests {
                 line: 2,
                 points: vec![(0.0, 20.0), (-30.000_05, 20.0)],
             }],
+            stock: None,
+            marks: &[],
+            told: Vec::new(),
             program: vec!["O1 (</script><script>alert(1))".into(), "G32 Z-30".into()],
             way: Some(way),
             cuts: None,

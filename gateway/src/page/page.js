@@ -9,6 +9,7 @@ const time = document.getElementById("time");
 const clock = document.getElementById("clock");
 const play = document.getElementById("play");
 const list = document.getElementById("program");
+const warnings = document.getElementById("warnings");
 const run = data.run;
 
 // Millimetres at the middle of the canvas, pixels a millimetre along Z, and how much more X is drawn.
@@ -35,6 +36,10 @@ function fit(strokes) {
       [z0, z1] = [Math.min(z0, p[n]), Math.max(z1, p[n])];
       [x0, x1] = [Math.min(x0, p[n + 1]), Math.max(x1, p[n + 1])];
     }
+  }
+  if (data.stock) {
+    const [back, bore, face, outside] = data.stock;
+    [z0, z1, x0, x1] = [Math.min(z0, back), Math.max(z1, face), Math.min(x0, bore), Math.max(x1, outside)];
   }
   if (z0 > z1) [z0, z1, x0, x1] = [-1, 1, -1, 1];
   const [w, h] = size();
@@ -106,6 +111,46 @@ function trace(strokes, kind, width) {
   ink.setLineDash([]);
 }
 
+function stock() {
+  if (!data.stock) return;
+  const [back, bore, face, outside] = data.stock;
+  const [left, upper] = toPixel(back, outside);
+  const [right, lower] = toPixel(face, bore);
+  ink.fillStyle = ink.strokeStyle = colour("rapid");
+  ink.globalAlpha = 0.12;
+  ink.fillRect(left, upper, right - left, lower - upper);
+  ink.globalAlpha = 1;
+  ink.lineWidth = 1;
+  ink.setLineDash([8, 3]);
+  ink.strokeRect(left, upper, right - left, lower - upper);
+  ink.setLineDash([]);
+}
+
+// Rapids through the material, and where each warning is, with its line.
+function warn() {
+  trace(data.marks.filter((mark) => mark.p), "warn", 4);
+  ink.strokeStyle = ink.fillStyle = colour("warn");
+  ink.lineWidth = 1.6;
+  const spots = data.marks.map((mark) => [...toPixel(...mark.at), mark]);
+  ink.beginPath();
+  for (const [px, py] of spots) {
+    ink.moveTo(px + 5, py);
+    ink.arc(px, py, 5, 0, 2 * Math.PI);
+  }
+  ink.stroke();
+  ink.font = `600 ${ink.font}`;
+  // Upon a line they are read by their edge.
+  [ink.strokeStyle, ink.lineWidth, ink.lineJoin] = [colour("panel"), 4, "round"];
+  const taken = [];
+  for (const [px, py, { line }] of spots) {
+    // One upon the other they cannot be read.
+    if (taken.some(([x, y]) => Math.abs(x - px) < 44 && Math.abs(y - py) < 14)) continue;
+    taken.push([px, py]);
+    ink.strokeText(`⚠ ${line}`, px + 7, py - 5);
+    ink.fillText(`⚠ ${line}`, px + 7, py - 5);
+  }
+}
+
 function draw() {
   const [w, h] = size();
   const ratio = window.devicePixelRatio || 1;
@@ -117,12 +162,14 @@ function draw() {
   ink.font = "12px system-ui, sans-serif";
   ink.clearRect(0, 0, w, h);
   grid();
+  stock();
   for (const [kind, width] of [["rapid", 1], ["feed", 1.6], ["thread", 1.2], ["tap", 2.4]]) {
     trace(data.strokes.filter((stroke) => stroke.k === kind), kind, width);
   }
   if (chosen) {
     trace(data.strokes.filter((stroke) => stroke.l === chosen), "chosen", 3.5);
   }
+  warn();
   if (run) {
     const [px, py] = toPixel(run.z[now], run.x[now]);
     ink.fillStyle = colour("chosen");
@@ -170,6 +217,16 @@ function nearest(px, py) {
   return found;
 }
 
+// What is wrong with a stroke, or at a pixel.
+function wrong(stroke, px, py) {
+  const isIt = ({ p, at }) => {
+    const [x, y] = toPixel(...at);
+    return Math.hypot(x - px, y - py) < 10 || (p && stroke && p.join() === stroke.p.join());
+  };
+  const mark = data.marks.find(isIt);
+  return mark ? `⚠ ${mark.line}: ${mark.words} · ` : "";
+}
+
 let drag = null;
 canvas.addEventListener("pointerdown", (event) => {
   drag = [event.offsetX, event.offsetY];
@@ -190,9 +247,9 @@ canvas.addEventListener("pointermove", (event) => {
   const [z, x] = toPlace(px, py);
   const stroke = nearest(px, py);
   const of = stroke
-    ? `${data.words[stroke.k]}${stroke.l ? `, ${data.words.line} ${stroke.l}: ${block(stroke.l)}` : ""} · `
+    ? `${data.words[stroke.k]}${stroke.l ? data.words.line.replace("{}", stroke.l) + block(stroke.l) : ""} · `
     : "";
-  told.textContent = `${of}X ${(2 * x).toFixed(3)} · Z ${z.toFixed(3)}`;
+  told.textContent = `${wrong(stroke, px, py)}${of}X ${(2 * x).toFixed(3)} · Z ${z.toFixed(3)}`;
   choose(stroke ? stroke.l : 0);
 });
 canvas.addEventListener(
@@ -355,9 +412,14 @@ for (const line of data.program) {
   item.textContent = line;
   list.append(item);
 }
+for (const { l } of data.marks) list.children[l - 1]?.classList.add("warned");
 list.addEventListener("click", (event) => {
   const item = event.target.closest("li");
   if (item) choose([...list.children].indexOf(item) + 1);
+});
+warnings?.addEventListener("click", (event) => {
+  const item = event.target.closest("li");
+  if (item) choose(Number(item.dataset.line));
 });
 window.addEventListener("resize", draw);
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);

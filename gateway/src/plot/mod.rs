@@ -67,6 +67,12 @@ impl Picture {
         document(STYLE, &[title, subtitle], body, top + 36.0)
     }
 
+    /// The warnings of its path in words, each with its line of the program's own file, or 0. Rapids through the material
+    /// come first.
+    pub fn told(&self) -> Vec<(u32, String)> {
+        path::told(&self.marks, self.lang)
+    }
+
     /// What is cut, alone, as SVG.
     pub fn cuts(&self) -> Option<String> {
         if self.features.is_empty() {

@@ -55,6 +55,10 @@ pub struct Mark {
     pub number: u16,
     /// The line of the program, with the name of the file where that is another.
     pub line: String,
+    /// The line in the program's own file; 0 for a line of another file.
+    pub row: u32,
+    /// What is wrong.
+    pub words: String,
     /// The move goes through the material and does not cut.
     pub is_rapid: bool,
     /// From where to where the move goes.
@@ -189,6 +193,67 @@ pub(super) fn draw(document: &mut Group, top: f64, picture: &Picture) -> f64 {
 /// The most lines that are told of rapids: more would lie upon the path.
 const LISTED: usize = 4;
 
+/// The most lines of a kind beside the path: as many as a report has words for.
+const BESIDE: usize = 10;
+
+/// Warnings in the order of the program: each of a line once.
+fn once(marks: &[Mark]) -> Vec<&Mark> {
+    let mut told: Vec<&Mark> = Vec::new();
+    for mark in marks {
+        let is_same = |known: &&Mark| (known.number, &known.line) == (mark.number, &mark.line);
+        if !told.iter().any(is_same) {
+            told.push(mark);
+        }
+    }
+    told
+}
+
+/// All warnings in words, with their rows.
+pub(super) fn told(marks: &[Mark], lang: Lang) -> Vec<(u32, String)> {
+    let mut left = once(marks);
+    // Those that break a tool first.
+    left.sort_by_key(|mark| !mark.is_rapid);
+    let mut lines = Vec::new();
+    while let Some(first) = left.first() {
+        let number = first.number;
+        let (kind, others): (Vec<_>, Vec<_>) =
+            left.into_iter().partition(|mark| mark.number == number);
+        lines.extend(in_words(&kind, BESIDE, lang));
+        left = others;
+    }
+    let row = |(mark, words): (&Mark, String)| (mark.row, words);
+    lines.into_iter().map(row).collect()
+}
+
+/// A text for each of some warnings of one kind. Of more than `most` the last text tells how many are left, and where; it
+/// stands with the first of them.
+fn in_words<'a>(marks: &[&'a Mark], most: usize, lang: Lang) -> Vec<(&'a Mark, String)> {
+    let shown = if marks.len() > most {
+        most - 1
+    } else {
+        marks.len()
+    };
+    let (shown, left) = marks.split_at(shown);
+    let mut lines = Vec::new();
+    for mark in shown {
+        let Mark { line, words, .. } = mark;
+        let text = match lang {
+            Lang::En => format!("⚠ line {line}: {words}"),
+            Lang::Zh => format!("⚠ 第 {line} 行：{words}"),
+        };
+        lines.push((*mark, text));
+    }
+    if let [first, .., last] = left {
+        let (more, from, to) = (left.len(), &first.line, &last.line);
+        let text = match lang {
+            Lang::En => format!("⚠ and on {more} further lines, {from} to {to}"),
+            Lang::Zh => format!("⚠ 另有 {more} 行，第 {from} 至 {to} 行"),
+        };
+        lines.push((*first, text));
+    }
+    lines
+}
+
 /// Rapids through the material, and the places of all warnings.
 fn warnings(
     document: &mut Group,
@@ -196,17 +261,15 @@ fn warnings(
     picture: &Picture,
     place: impl Fn((f64, f64)) -> (f64, f64),
 ) {
-    let mut told: Vec<&Mark> = Vec::new();
     let mut numbers: Vec<(f64, f64)> = Vec::new();
+    let told = once(&picture.marks);
     for mark in &picture.marks {
         if mark.is_rapid {
             frame::line(document, "missing", mark.way.map(&place));
         }
         let (x, y) = place(mark.at);
         document.append(spot((x, y)));
-        let is_same = |known: &&Mark| (known.number, &known.line) == (mark.number, &mark.line);
-        if !told.iter().any(is_same) {
-            told.push(mark);
+        if told.iter().any(|first| std::ptr::eq(*first, mark)) {
             // One upon the other they cannot be read.
             let at = (x + 7.0, y - 5.0);
             let is_near =
@@ -217,28 +280,9 @@ fn warnings(
             }
         }
     }
-    let rapids: Vec<_> = told.iter().filter(|mark| mark.is_rapid).collect();
-    let shown = if rapids.len() > LISTED {
-        LISTED - 1
-    } else {
-        rapids.len()
-    };
-    let mut lines: Vec<String> = Vec::new();
-    for mark in &rapids[..shown] {
-        let line = &mark.line;
-        lines.push(match picture.lang {
-            Lang::En => format!("⚠ line {line}: rapid through the material"),
-            Lang::Zh => format!("⚠ 第 {line} 行：快速移动穿过毛坯"),
-        });
-    }
-    if let [first, .., last] = &rapids[shown..] {
-        let (more, from, to) = (rapids.len() - shown, &first.line, &last.line);
-        lines.push(match picture.lang {
-            Lang::En => format!("⚠ and on {more} further lines, {from} to {to}"),
-            Lang::Zh => format!("⚠ 另有 {more} 行，第 {from} 至 {to} 行"),
-        });
-    }
-    for (n, words) in lines.iter().enumerate() {
+    let rapids: Vec<_> = told.into_iter().filter(|mark| mark.is_rapid).collect();
+    let lines = in_words(&rapids, LISTED, picture.lang);
+    for (n, (_, words)) in lines.iter().enumerate() {
         let y = top + 18.0 * (n as f64 + 1.0);
         document.append(text(LEFT + 10.0, y, "warn", words));
     }
@@ -363,4 +407,32 @@ fn dot(document: &mut Group, (x, y): (f64, f64), class: &str) {
             .set("cy", px(y))
             .set("r", px(radius)),
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_are_told_kind_by_kind_rapids_first_and_each_line_once() {
+        let mark = |number: u16, row: u32, is_rapid: bool| Mark {
+            number,
+            line: row.to_string(),
+            row,
+            words: format!("of {number}"),
+            is_rapid,
+            way: [(0.0, 0.0), (1.0, 1.0)],
+            at: (0.5, 0.5),
+        };
+        let mut marks = vec![mark(1, 3, false), mark(2, 4, true), mark(2, 4, true)];
+        marks.extend((10..21).map(|row| mark(1, row, false)));
+        let told = told(&marks, Lang::En);
+        assert_eq!(told.len(), 1 + BESIDE);
+        assert_eq!(told[0], (4, "⚠ line 4: of 2".into()));
+        assert_eq!(told[1], (3, "⚠ line 3: of 1".into()));
+        let last = "⚠ and on 3 further lines, 18 to 20".into();
+        assert_eq!(told.last(), Some(&(18, last)));
+        let zh = super::told(&marks[..1], Lang::Zh);
+        assert_eq!(zh, [(3, "⚠ 第 3 行：of 1".into())]);
+    }
 }

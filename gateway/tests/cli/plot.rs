@@ -515,6 +515,81 @@ fn of_many_rapids_through_the_material_a_few_lines_are_told() {
     assert!(of[3].contains("further lines, 8 to "), "{of:?}");
 }
 
+/// The warnings beside the path of a page.
+fn warnings(page: &str) -> Vec<&str> {
+    let Some((_, list)) = page.split_once("<ul id=\"warnings\"") else {
+        return Vec::new();
+    };
+    let (list, _) = list.split_once("</ul>").unwrap();
+    let items = list.split("<li").skip(1);
+    items
+        .map(|item| item.trim_end().trim_end_matches("</li>"))
+        .collect()
+}
+
+#[test]
+fn a_page_has_the_stock_and_the_warnings_of_the_picture() {
+    let folder = Folder::new("plot-page");
+    let program = "(STOCK X60 L100)\nT0101\nM3 S600\nG0 X64 Z10\nG0 X50 Z-20\nG1 X40 F100\nG0 X80\nG0 X64 Z-60\nG1 X46 F100\n\
+        G0 Z-80\nG0 X80\nM30\n";
+    let program = write(&folder, "hit.nc", program);
+    let page = folder.file("hit.html");
+    for lang in ["en", "zh"] {
+        let told = texts(&folder, &program, &["--lang", lang]);
+        let output = leadscrew(&["plot", &program, "-o", &page, "--lang", lang]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let page = std::fs::read_to_string(&page).unwrap();
+        let warnings = warnings(&page);
+        let rapids = told
+            .iter()
+            .filter(|text| text.starts_with('⚠') && !text.contains("4987"));
+        let rapids: Vec<_> = [5, 10, 11].iter().zip(rapids).collect();
+        assert_eq!(rapids.len(), 3, "{told:?}");
+        let items: Vec<_> = rapids
+            .iter()
+            .map(|(row, words)| format!(" data-line=\"{row}\">{words}"))
+            .collect();
+        assert_eq!(warnings, items);
+        assert_eq!(page.matches("color:var(--warn)\">").count(), 1);
+    }
+    let data = page_data(&folder, &program);
+    assert_eq!(data["stock"].to_string(), "[-100,0,0,30]");
+    let marks = data["marks"].as_array().unwrap();
+    assert_eq!(marks[0]["p"].to_string(), "[10,32,-20,25]");
+    let row = |mark: &Value| {
+        mark["l"]
+            .as_u64()
+            .filter(|l| mark["line"].as_str() == Some(&l.to_string()))
+    };
+    let rows: Vec<_> = marks.iter().map(row).collect();
+    assert_eq!(rows, [5, 10, 11].map(Some));
+    // Where nothing is wrong nothing is told, and what is not declared is not drawn.
+    let data = page_data(&folder, "examples/o0008-g75-grooves.nc");
+    assert_eq!(
+        (&data["stock"], data["marks"].to_string()),
+        (&Value::Null, "[]".into())
+    );
+}
+
+#[test]
+fn of_many_warnings_a_page_lists_as_many_as_a_report() {
+    let folder = Folder::new("plot-listed");
+    let rapids = "G0 X30. Z-10.\nX50. Z-20.\n".repeat(30);
+    let program = format!("O1\n(STOCK X40 L60)\nG97 M3 S300\nG0 X50. Z5.\n{rapids}M30\n");
+    let program = write(&folder, "many.nc", &program);
+    let page = folder.file("many.html");
+    let output = leadscrew(&["plot", &program, "-o", &page]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let page = std::fs::read_to_string(&page).unwrap();
+    let warnings = warnings(&page);
+    assert_eq!(warnings.len(), 10, "{warnings:?}");
+    assert!(
+        warnings[8].contains(": rapid through the material"),
+        "{warnings:?}"
+    );
+    assert!(warnings[9].contains("further lines, "), "{warnings:?}");
+}
+
 #[test]
 fn the_words_of_the_marks_of_a_thread_do_not_meet() {
     let folder = Folder::new("plot-plus");

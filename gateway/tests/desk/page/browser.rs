@@ -10,6 +10,7 @@ mod keys;
 mod levels;
 mod long;
 mod lost;
+mod picture;
 mod retract;
 mod shown;
 mod start;
@@ -150,8 +151,15 @@ impl Browser {
         }
     }
 
-    /// A tab at this address.
+    /// A tab at this address, with the page at the machine in it.
     fn tab(&mut self, address: &str) -> Tab<'_> {
+        let mut tab = self.opens(address);
+        tab.wait("document.getElementById('mx')?.textContent > ''");
+        tab
+    }
+
+    /// A tab at this address.
+    fn opens(&mut self, address: &str) -> Tab<'_> {
         let target = self.asks(None, "Target.createTarget", json!({"url": address}));
         let target = target["targetId"].as_str().unwrap().to_owned();
         let params = json!({"targetId": target, "flatten": true});
@@ -166,7 +174,6 @@ impl Browser {
         for domain in ["Runtime.enable", "Log.enable"] {
             tab.asks(domain, json!({}));
         }
-        tab.wait("document.getElementById('mx')?.textContent > ''");
         tab
     }
 }
