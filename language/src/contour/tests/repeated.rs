@@ -246,7 +246,8 @@ pub fn judge(
             continue;
         }
         for (l, top, _) in &columns.all {
-            if l + back >= end {
+            // The end of a copy is a rounded place.
+            if l + back >= end - SLACK {
                 break;
             }
             let (low, high) = near(&part, l + back);
