@@ -152,6 +152,7 @@ fn check_all(seed: u64, many: usize) {
 
 #[test]
 fn random_contours_are_cut_down_to_their_allowance() {
-    let many = leadscrew_seed::amount(1_000, 40_000);
-    leadscrew_seed::volume(71, |seed| check_all(seed, many));
+    leadscrew_seed::volume(71, |seed| {
+        check_all(seed, leadscrew_seed::amount(1_000, 40_000));
+    });
 }

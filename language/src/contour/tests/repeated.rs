@@ -263,8 +263,8 @@ pub fn judge(
 
 #[test]
 fn random_contours_are_repeated_down_to_their_allowance() {
-    let many = leadscrew_seed::amount(1_000, 40_000);
     leadscrew_seed::volume(73, |seed| {
+        let many = leadscrew_seed::amount(1_000, 40_000);
         let mut random = Random(seed);
         let mut away = 0;
         for number in 0..many {
@@ -334,8 +334,8 @@ fn any_path(random: &mut Random) -> Contour {
 
 #[test]
 fn a_path_that_turns_as_it_likes_is_repeated_as_it_is() {
-    let many = leadscrew_seed::amount(1_000, 40_000);
     leadscrew_seed::volume(7_300, |seed| {
+        let many = leadscrew_seed::amount(1_000, 40_000);
         let mut random = Random(seed);
         for number in 0..many {
             let contour = any_path(&mut random);
