@@ -25,10 +25,13 @@ impl Random {
         low + (self.bits() % many) as i64
     }
 
-    fn one_in(&mut self, many: i64) -> bool {
+    pub fn one_in(&mut self, many: i64) -> bool {
         self.within(1, many) == 1
     }
 }
+
+/// A micrometre, nm.
+pub const MICROMETRE: i64 = 1_000;
 
 /// A piece of a contour from the end of the one before: how far it goes, and for an arc its centre from its beginning.
 #[derive(Clone, Copy, Debug)]
@@ -141,6 +144,112 @@ impl Case {
         piece
     }
 
+    /// A contour that a program can write: its places and its centres are whole micrometres, and no piece is without
+    /// length. The allowances leave something.
+    pub fn written(random: &mut Random) -> Self {
+        let mut case = Self {
+            two_axes: random.one_in(2),
+            depth: random.within(100, 4_000) * MICROMETRE,
+            retract: random.within(0, 600) * MICROMETRE,
+            left: (0, 0),
+            ..Self::random(random)
+        };
+        let slanted = case.two_axes && random.one_in(3);
+        case.pieces = vec![Piece {
+            h: -random.within(2_000, 15_000) * MICROMETRE,
+            l: random.within(1, 2_000) * i64::from(slanted) * MICROMETRE,
+            arc: None,
+        }];
+        let mut h = case.pieces[0].h;
+        for _ in 0..random.within(0, 8) {
+            let piece = case.written_piece(random, h);
+            h += piece.h;
+            case.pieces.push(piece);
+        }
+        case.pieces.push(case.written_line(random, 1));
+        // A wall of a pocket would be cut by what is left along the strokes.
+        let along = if case.two_axes { 0 } else { 300 };
+        let across = random.within(0, 300) * case.up * MICROMETRE;
+        let along = random.within(0, along) * -case.forward * MICROMETRE;
+        case.allowance = match case.along {
+            Along::Z => (2 * across, along),
+            Along::X => (2 * along, across),
+        };
+        case
+    }
+
+    fn written_line(&self, random: &mut Random, kind: i64) -> Piece {
+        let lowest = if self.two_axes { -3_000 } else { 1 };
+        let h = random.within(lowest, 3_000);
+        let (h, l) = match kind {
+            0 if h != 0 => (h, 0),
+            0 | 1 => (0, random.within(1, 3_000)),
+            _ => (h, random.within(1, 3_000)),
+        };
+        Piece {
+            h: h * MICROMETRE,
+            l: l * MICROMETRE,
+            arc: None,
+        }
+    }
+
+    fn written_piece(&self, random: &mut Random, height: i64) -> Piece {
+        let kind = random.within(0, 6);
+        let (mut piece, mut top) = (self.written_line(random, kind), 0);
+        if kind > 3 {
+            (piece, top) = self.written_arc(random);
+        }
+        if height + top.max(piece.h) >= 0 {
+            return self.written_line(random, 1);
+        }
+        piece
+    }
+
+    /// An arc between places that lie on its circle exactly, and how far it rises on its way.
+    fn written_arc(&self, random: &mut Random) -> (Piece, i64) {
+        // On a circle of 65: along, across.
+        const PLACES: [(i64, i64); 10] = [
+            (0, 65),
+            (16, 63),
+            (25, 60),
+            (33, 56),
+            (39, 52),
+            (52, 39),
+            (56, 33),
+            (60, 25),
+            (63, 16),
+            (65, 0),
+        ];
+        let place = |index: i64| {
+            let (l, h) = PLACES[index.unsigned_abs() as usize];
+            (l * index.signum(), h)
+        };
+        let over = random.one_in(2);
+        // The lower half does not begin at its end: there it is level with its centre, and reads as the upper one.
+        let (low, high) = match (over, self.two_axes) {
+            (true, true) => (-9, 9),
+            (true, false) => (-9, 0),
+            (false, true) => (-8, 9),
+            (false, false) => (0, 9),
+        };
+        let from = random.within(low, high - 1);
+        let to = random.within(from + 1, high);
+        let ((l0, h0), (l1, h1)) = (place(from), place(to));
+        let size = random.within(1, 60) * MICROMETRE;
+        let side = if over { 1 } else { -1 };
+        let top = if over && from < 0 && to > 0 {
+            65 - h0
+        } else {
+            0
+        };
+        let piece = Piece {
+            h: side * (h1 - h0) * size,
+            l: (l1 - l0) * size,
+            arc: Some((-side * h0 * size, -l0 * size)),
+        };
+        (piece, top * size)
+    }
+
     /// An arc that goes forward only, and up only where the contour has to.
     fn arc(&self, random: &mut Random, scale: i64) -> Piece {
         let over = random.one_in(2);
@@ -174,8 +283,34 @@ impl Case {
         }
     }
 
+    /// Cases that lack something of this one.
+    pub fn smaller(&self) -> Vec<Self> {
+        let mut smaller: Vec<Self> = (1..self.pieces.len())
+            .map(|index| {
+                let mut less = self.clone();
+                less.pieces.remove(index);
+                less
+            })
+            .collect();
+        for change in [
+            |case: &mut Self| case.allowance = (0, 0),
+            |case: &mut Self| case.left = (0, 0),
+            |case: &mut Self| case.retract = 0,
+            |case: &mut Self| case.up = 1,
+            |case: &mut Self| case.along = Along::Z,
+            |case: &mut Self| case.pieces[0].l = 0,
+        ] {
+            let mut less = self.clone();
+            change(&mut less);
+            if format!("{less:?}") != format!("{self:?}") {
+                smaller.push(less);
+            }
+        }
+        smaller
+    }
+
     /// A place on the machine.
-    fn point(&self, h: i64, l: i64) -> Point {
+    pub fn point(&self, h: i64, l: i64) -> Point {
         match self.along {
             Along::Z => Point::from_nm(h * self.up, l * self.forward),
             Along::X => Point::from_nm(l * self.forward, h * self.up),
@@ -256,6 +391,28 @@ impl Case {
             semi_finish: true,
             tolerance: Length::ZERO,
             span: span(100),
+        }
+    }
+}
+
+/// The smallest case that still fails, and why: `smaller` gives those that lack something of a case. A case that is
+/// refused is another matter.
+pub fn smallest<C>(
+    mut case: C,
+    mut why: String,
+    smaller: impl Fn(&C) -> Vec<C>,
+    check: impl Fn(&C) -> Result<(), String>,
+) -> (C, String) {
+    loop {
+        let found = smaller(&case)
+            .into_iter()
+            .find_map(|less| match check(&less) {
+                Err(why) if !why.starts_with("refused") => Some((less, why)),
+                _ => None,
+            });
+        match found {
+            Some(found) => (case, why) = found,
+            None => return (case, why),
         }
     }
 }

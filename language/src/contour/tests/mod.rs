@@ -3,5 +3,9 @@
 mod case;
 mod cases;
 mod check;
+mod columns;
 mod notation;
+mod programs;
+mod remains;
+mod repeated;
 mod vectors;
