@@ -1,5 +1,7 @@
 //! `check`: what people read when a program is wrong, and what scripts read.
 
+use std::path::{Path, PathBuf};
+
 use serde_json::Value;
 
 use crate::{Folder, cases, code, examples, golden, leadscrew, root, stderr, stdout};
@@ -59,6 +61,51 @@ fn every_other_example_is_good() {
         if name != "examples/g78-as-printed.nc" {
             let output = leadscrew(&["check", &name]);
             assert_eq!(code(&output), 0, "{name}: {}", stderr(&output));
+        }
+    }
+}
+
+/// A folder of `examples` and those below it: programs and machine files.
+fn files_of_examples(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files_of_examples(&path, files);
+        } else {
+            files.push(path);
+        }
+    }
+}
+
+/// Each program says by `(ALLOW ..)` what looks wrong in it and is meant; a machine file would say so for all of them.
+#[test]
+fn nothing_in_the_examples_looks_wrong() {
+    let mut files = Vec::new();
+    files_of_examples(&root().join("examples"), &mut files);
+    let of_kind = |end: &str| {
+        let named = files
+            .iter()
+            .filter(|path| path.to_str().unwrap().ends_with(end));
+        named.cloned().collect::<Vec<_>>()
+    };
+    for machine in of_kind("leadscrew.toml") {
+        let text = std::fs::read_to_string(&machine).unwrap();
+        let allows = text
+            .lines()
+            .any(|line| line.trim_start().starts_with("allow"));
+        assert!(!allows, "{}", machine.display());
+    }
+    let programs = of_kind(".nc");
+    let names: Vec<&str> = programs.iter().map(|path| path.to_str().unwrap()).collect();
+    // Programs of the folder itself, and of those in it.
+    assert!(names.len() > examples().len());
+    for name in names {
+        let result = checked(&[name]);
+        let file = &result["files"][0];
+        for warning in file["warnings"].as_array().unwrap() {
+            let number = warning["no"].as_u64().unwrap();
+            let is_doubt = matches!(number, 4800..=4811 | 4976..=4978 | 4980..=4991);
+            assert!(!is_doubt, "{name}: {warning}");
         }
     }
 }
