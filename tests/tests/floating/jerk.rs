@@ -15,7 +15,7 @@ use super::ripple::is_feasible;
 fn most(rows: &[Row], params: &Params) -> [f64; 2] {
     let tick = f64::from(params.tick_us()) * 1e-6;
     let acceleration = params.acceleration(Axis::Z).nm_per_s2() as f64 * tick.powi(2);
-    let jerk = params.jerk(Axis::Z).nm_per_s3() as f64 * tick.powi(3);
+    let jerk = jerk_of_a_tick(params);
     let mut most = [0.0_f64; 2];
     for rows in rows.windows(4) {
         let [a, b, c, d] = [0, 1, 2, 3].map(|row| rows[row].position.z.nm());
@@ -25,6 +25,12 @@ fn most(rows: &[Row], params: &Params) -> [f64; 2] {
         most[1] = most[1].max(beyond(d - 3 * c + 3 * b - a, 4) / jerk);
     }
     most
+}
+
+/// The limit of the third difference of positions along Z, in nanometres.
+fn jerk_of_a_tick(params: &Params) -> f64 {
+    let tick = f64::from(params.tick_us()) * 1e-6;
+    params.jerk(Axis::Z).nm_per_s3() as f64 * tick.powi(3)
 }
 
 fn tapped(text: &str, timed: bool, ripple: Option<Ripple>) -> [f64; 2] {
@@ -38,12 +44,12 @@ fn tapped(text: &str, timed: bool, ripple: Option<Ripple>) -> [f64; 2] {
     most(&ran.rows, &params)
 }
 
-/// A hole from R −3 to Z −20 in pecks, 0: in one; its lead in micrometres.
+/// A hole from R −3 to Z −20 in pecks, 0: in one; lead and peck in micrometres.
 fn hole(rpm: i64, lead: i64, peck: i64) -> String {
     let peck = if peck == 0 {
         String::new()
     } else {
-        format!(" Q{peck}")
+        format!(" Q{}.{:03}", peck / 1000, peck % 1000)
     };
     let feed = rpm * lead;
     format!(
@@ -67,28 +73,34 @@ fn taps_in_pecks_exceed_the_jerk_by_no_more_than_is_told() {
     ] {
         let text = hole(rpm, lead, peck);
         let [acceleration, jerk] = tapped(&text, timed, None);
-        println!("{acceleration:.2} {jerk:.2} {text:?}");
         assert!(acceleration <= 1.0, "{acceleration}: {text}");
         assert!((low..=high).contains(&jerk), "{jerk}: {text}");
     }
 }
 
+/// Near standstill a measured angle may be off by a part of a count, and no two of them by more than one.
 #[test]
-fn no_tap_exceeds_the_jerk_by_more_than_the_worst_that_is_told() {
+fn no_tap_exceeds_the_jerk_by_more_than_a_count() {
     leadscrew_seed::volume(204, |seed| {
         let random = &mut Random(seed);
+        let params = with(&[("9006.0", 1)]);
         let mut tried = 0;
         while tried < leadscrew_seed::amount(30, 1_500) {
             let rpm = random.within(100, 1_500);
             let lead = random.within(400, (3_500_000 / rpm).min(4_000));
             let text = hole(rpm, lead, random.within(1_000, 8_000));
-            if !is_feasible(&text, &with(&[("9006.0", 1)])) {
+            if !is_feasible(&text, &params) {
                 continue;
             }
             tried += 1;
-            let [acceleration, jerk] = tapped(&text, true, None);
-            assert!(acceleration <= 1.0, "{acceleration}: {text}");
-            assert!(jerk <= 16.0, "{jerk}: {text}");
+            // Up to 5 %, once in 500 to 50 ms.
+            let size = random.within(0, 5_000) as u32;
+            let ripple = Ripple::new(random.of(&[0, size]), random.within(2_000, 20_000) as u32);
+            let [acceleration, jerk] = tapped(&text, true, ripple);
+            assert!(acceleration <= 1.1, "{acceleration}: {text}");
+            let counts = i64::from(params.encoder_counts());
+            let count = (lead * 1_000 / counts) as f64 / jerk_of_a_tick(&params);
+            assert!(jerk <= count + 1.3, "{jerk}, a count is {count}: {text}");
         }
     });
 }
