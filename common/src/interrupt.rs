@@ -86,7 +86,7 @@ pub fn watch(lang: Lang, json: bool) {
     std::thread::spawn(move || signals.forever().for_each(|_| hear()));
 }
 
-/// True where this process was begun with a signal that does nothing. Under `nohup`, a terminal that closes ends no command.
+/// True where this process was begun with a signal that does nothing: under `nohup` a terminal may close.
 fn ignores(signal: i32) -> bool {
     let told = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = told.lines().find_map(|line| line.strip_prefix("SigIgn:"));

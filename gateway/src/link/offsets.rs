@@ -102,8 +102,8 @@ impl Link {
         if !matches!(stored, Ok(()) | Err(Trouble::Offsets { .. })) {
             return stored.map(|()| table.revision);
         }
-        // Clients of one board hear each other's answers: the answer to another client's table may have been taken for ours.
-        // The table in force tells whose was stored.
+        // Clients of one board hear each other's answers: that to another client's table may have been taken for ours. The
+        // table in force tells whose was stored.
         let now = self.offsets()?;
         if now.table == table {
             return Ok(table.revision);

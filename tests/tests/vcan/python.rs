@@ -45,11 +45,6 @@ fn a_drive_of_other_making_is_set_up_by_its_profile() {
 }
 
 #[test]
-fn doctor_names_what_is_wrong_with_a_drive_of_other_making() {
-    passes("doctor_on_a_bus", 4);
-}
-
-#[test]
 fn a_block_of_other_making_is_set_up_by_a_push() {
     passes("block_on_a_bus", 2);
 }

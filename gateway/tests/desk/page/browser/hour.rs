@@ -43,8 +43,8 @@ impl Tab<'_> {
         });
     }
 
-    /// Moves an axis by hand until this is so, and waits until it has braked. On a busy computer a press may end for want of
-    /// frames; then it is pressed anew.
+    /// Moves an axis by hand until this is so, and waits until it has braked. On a busy computer a press may end for want
+    /// of frames; then it is pressed anew.
     #[track_caller]
     fn by_hand(&mut self, way: &str, so: &str) {
         let which = format!("[data-jog=\"{way}\"]");
