@@ -15,7 +15,7 @@ Exit codes:
   1    the program or the parameters are wrong, or a check asked for has failed
   2    the command line is wrong
   3    no bus, no board, or the link was lost
-  4    the machine stopped on an alarm while running
+  4    the machine stopped on an alarm while running, or stands on it
   130  interrupted; the board was brought to a controlled stop first";
 
 pub(super) const MODE: &str = "\

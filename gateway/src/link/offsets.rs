@@ -99,9 +99,6 @@ impl Link {
         })?;
         self.leave_reference()?;
         let stored = self.store_offsets(&image);
-        if !matches!(stored, Ok(()) | Err(Trouble::Offsets { .. })) {
-            return stored.map(|()| table.revision);
-        }
         // Clients of one board hear each other's answers: that to another client's table may have been taken for ours. The
         // table in force tells whose was stored.
         let now = self.offsets()?;
@@ -109,13 +106,12 @@ impl Link {
             return Ok(table.revision);
         }
         match stored {
-            Err(Trouble::Offsets { reason, .. }) if reason.is_some() || now.last == last => {
-                Err(self.no_offsets(reason))
-            }
-            _ => {
+            Err(Trouble::Offsets { reason: None, .. }) | Ok(()) if now.last != last => {
                 let figures = [last, now.last].map(|revision| Arg::Int(revision.0.into()));
                 Err(self.no_offsets(Some(Alarm::of(Code::OffsetsOtherRevision, &figures))))
             }
+            Err(trouble) => Err(trouble),
+            Ok(()) => Err(self.strange(OFFSETS_REVISION)),
         }
     }
 

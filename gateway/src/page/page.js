@@ -128,6 +128,7 @@ function stock() {
 
 // Rapids through the material, and where each warning is, with its line.
 function warn() {
+  ink.save();
   trace(data.marks.filter((mark) => mark.p), "warn", 4);
   ink.strokeStyle = ink.fillStyle = colour("warn");
   ink.lineWidth = 1.6;
@@ -149,6 +150,7 @@ function warn() {
     ink.strokeText(`⚠ ${line}`, px + 7, py - 5);
     ink.fillText(`⚠ ${line}`, px + 7, py - 5);
   }
+  ink.restore();
 }
 
 function draw() {

@@ -120,46 +120,32 @@ fn of_two_consoles_the_one_that_has_not_seen_the_change_is_refused() {
 fn of_two_consoles_that_write_at_once_the_one_whose_table_is_lost_is_told() {
     const ROUNDS: u8 = 8;
     let server = Server::start(&Options::default());
-    let both_have_read = std::sync::Barrier::new(2);
-    let writes = |tool: usize| {
+    let open = || {
         let bus = server.bus().parse().unwrap();
-        let mut link = Link::open(&bus, NodeId::BOARD, BitRate::M1).unwrap();
-        let mut rounds = Vec::new();
-        for round in 1..=ROUNDS {
-            let old = link.offsets().unwrap();
-            both_have_read.wait();
+        Link::open(&bus, NodeId::BOARD, BitRate::M1).unwrap()
+    };
+    let mut links = [open(), open()];
+    let mut stored = 0;
+    for round in 1..=ROUNDS {
+        let old = links[0].offsets().unwrap();
+        let [one, other] = &mut links;
+        let writes = |link: &mut Link, tool: usize| {
             let mut table = old.table;
             table.tools[tool].tip = round;
-            let written = link.commit_offsets(&table, old.last);
-            both_have_read.wait();
-            let now = link.offsets().unwrap().table.tools[tool].tip;
-            assert_eq!(written.is_ok(), now == round, "{written:?}");
-            if let Err(refused) = &written {
-                let Trouble::Offsets {
-                    reason: Some(_), ..
-                } = refused
-                else {
-                    panic!("{refused:?}");
-                };
-            }
-            rounds.push(written.is_ok());
-            both_have_read.wait();
+            link.commit_offsets(&table, old.last)
+        };
+        let written = std::thread::scope(|scope| {
+            let one = scope.spawn(|| writes(one, 0));
+            [writes(other, 1), one.join().unwrap()]
+        });
+        let now = links[0].offsets().unwrap().table;
+        for (written, tool) in written.iter().rev().zip(&now.tools) {
+            assert_eq!(written.is_ok(), tool.tip == round, "{written:?}");
         }
-        rounds
-    };
-    let [one, other] = std::thread::scope(|scope| {
-        [0, 1]
-            .map(|tool| {
-                scope.spawn({
-                    let writes = &writes;
-                    move || writes(tool)
-                })
-            })
-            .map(|at| at.join().unwrap())
-    });
-    for (one, other) in one.iter().zip(&other) {
-        assert!(!(*one && *other), "{one} {other}");
+        assert!(!written.iter().all(Result::is_ok), "{written:?}");
+        stored += written.iter().filter(|written| written.is_ok()).count();
     }
+    assert!(stored > 0);
 }
 
 #[test]

@@ -100,7 +100,8 @@ fn the_emergency_stop_stops_and_waits_for_its_release_and_a_reset() {
         (&4300.into(), &true.into())
     );
     // As long as it is pressed, a reset does not help.
-    good(&user.does(&["reset"]));
+    let told = bad(&user.does(&["reset"]), 4);
+    assert!(told.contains("4300"), "{told}");
     assert_eq!(user.wait_for("alarm")["emergency_stop"], true);
     good(&user.does(&["sim", "estop", "release"]));
     good(&user.does(&["reset"]));

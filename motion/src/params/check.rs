@@ -299,13 +299,13 @@ impl Params {
     fn check_zones<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
         let chuck = [self.chuck_length(), self.chuck_diameter()];
         let jaws = [self.jaws_length(), self.jaws_diameter()];
-        for ([length, diameter], number) in [(chuck, 9092), (jaws, 9094)] {
-            let half = match (length == Length::ZERO, diameter == Length::ZERO) {
-                (true, false) => [number, number + 1],
-                (false, true) => [number + 1, number],
-                _ => continue,
-            };
-            reasons.add(Code::ZoneHalf, &half.map(count));
+        for (sizes, numbers) in [(chuck, [9092, 9093]), (jaws, [9094, 9095])] {
+            let [length, diameter] = numbers.map(count);
+            match sizes.map(|size| size == Length::ZERO) {
+                [true, false] => reasons.add(Code::ZoneHalf, &[length, diameter]),
+                [false, true] => reasons.add(Code::ZoneHalf, &[diameter, length]),
+                [true, true] | [false, false] => {}
+            }
         }
     }
 

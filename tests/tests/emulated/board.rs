@@ -129,10 +129,16 @@ impl Board {
     /// An order with what belongs to it.
     #[track_caller]
     pub fn order_with(&self, args: &[&str]) {
+        self.ordered(args, 0);
+    }
+
+    /// What it said of an order that ended with this exit code once it was confirmed.
+    #[track_caller]
+    pub fn ordered(&self, args: &[&str], code: i32) -> String {
         for _ in 0..10 {
             let output = self.leadscrew(args);
             match output.status.code() {
-                Some(0) => return,
+                Some(ended) if ended == code => return both(&output),
                 Some(3) if both(&output).contains("does not confirm") => {}
                 _ => panic!("{args:?}: {}", both(&output)),
             }

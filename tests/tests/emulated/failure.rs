@@ -108,6 +108,6 @@ fn again_and_again_until_it_stays_at_rest() {
         said.contains("3 times in a row") && said.contains("alarm 4365"),
         "{said}"
     );
-    let refused = board.bad(&["reset"], 4);
+    let refused = board.ordered(&["reset"], 4);
     assert!(refused.contains("4368"), "{refused}");
 }

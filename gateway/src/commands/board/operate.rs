@@ -16,82 +16,102 @@ use crate::place::SourceLine;
 use crate::values::{Percent, SetSignal};
 use crate::words::both;
 
+/// How the machine is after an order.
+struct After {
+    state: BoardState,
+    alarm: Option<u16>,
+    line: u32,
+    /// True where that is a good end of the order.
+    verdict: Outcome,
+}
+
 /// Gives an order and tells what the machine does then.
 pub fn order(global: &Global, order: Order) -> Outcome {
     let mut link = open(global)?;
     link.order(order)?;
-    match order {
-        Order::Reset => tell_cleared(global, &mut link),
-        _ => tell(global, &link, &Ok(())),
+    if order == Order::Reset {
+        return tell_cleared(global, &mut link);
     }
+    let status = link.seen.status.unwrap_or_default();
+    let after = After {
+        state: status.state,
+        alarm: status.alarm,
+        line: link.seen.place.map_or(0, |place| place.line),
+        verdict: Ok(()),
+    };
+    tell(global, &link, after)
 }
 
 /// How often an alarm is looked at that should go.
 const LOOK: Duration = Duration::from_millis(20);
-/// A machine that stands leaves its alarm within this time, or not at all.
-const CLEARS: Duration = Duration::from_secs(1);
-/// The longest time for coming to rest before that.
-const BRAKES: Duration = Duration::from_secs(20);
+/// A machine that stands leaves its alarm within so many ticks, or not at all. Its time need not be that of this side.
+const CLEARS: u64 = 200;
+/// The longest time for all of it.
+const LONGEST: Duration = Duration::from_secs(20);
 
 /// The status once an alarm has gone, or once the machine has stood on it for a while: a reset waits until the axes stand.
 fn cleared(link: &mut Link) -> Outcome<Status> {
-    let (begun, mut still) = (Instant::now(), Instant::now());
-    let mut status = link.status()?;
+    let end = Instant::now() + LONGEST;
+    let mut moved = link.status()?;
     loop {
-        let waits = still.elapsed() < CLEARS && begun.elapsed() < BRAKES;
-        if status.state != BoardState::Alarm || !waits {
-            return Ok(status);
+        let now = link.status()?;
+        let stands = now.position == moved.position;
+        let over = stands && now.tick >= moved.tick + CLEARS || Instant::now() >= end;
+        if now.state != BoardState::Alarm || over {
+            return Ok(now);
+        }
+        if !stands {
+            moved = now;
         }
         link.idle(LOOK)?;
-        let before = status.position;
-        status = link.status()?;
-        if status.position != before {
-            still = Instant::now();
-        }
     }
 }
 
 /// The state after an order that an alarm must not outlast.
 ///
 /// # Errors
-/// An alarm that stands: the order has done nothing.
+/// The alarm that stands.
 pub(super) fn tell_cleared(global: &Global, link: &mut Link) -> Outcome {
     let status = cleared(link)?;
     let verdict = match status.alarm.filter(|_| status.state == BoardState::Alarm) {
         Some(alarm) => Err(Failure::MachineBecause(alarm_words(&alarm))),
         None => Ok(()),
     };
-    tell(global, link, &verdict)?;
-    verdict
+    let after = After {
+        state: status.state,
+        alarm: status.alarm.map(|alarm| alarm.number()),
+        line: status.line,
+        verdict,
+    };
+    tell(global, link, after)
 }
 
-/// The state after an order, and whether that is how the order ends well.
-fn tell(global: &Global, link: &Link, verdict: &Outcome) -> Outcome {
-    let status = link.seen.status.unwrap_or_default();
-    let line = link.seen.place.map(|place| place.line);
+/// Tells it.
+fn tell(global: &Global, link: &Link, after: After) -> Outcome {
     if global.json {
-        return output::json(|json| {
-            match verdict {
+        output::json(|json| {
+            match &after.verdict {
                 Ok(()) => json.flag("ok", true),
                 Err(failure) => failure.fields(global.lang(), json),
             }
             json.integer("node", i64::from(link.node().get()));
-            json.text("state", status.state.name());
-            match status.alarm {
+            json.text("state", after.state.name());
+            match after.alarm {
                 Some(number) => json.integer("alarm", i64::from(number)),
                 None => json.null("alarm"),
             }
-            SourceLine(line.unwrap_or(0)).fields(json);
-        });
+            SourceLine(after.line).fields(json);
+        })?;
+        return after.verdict;
     }
     let lang = global.lang();
-    let state = state_words(status.state, lang);
-    let place = match line {
-        Some(line) if line > 0 => both!(", line {line}", "，第 {line} 行", line = SourceLine(line)),
-        _ => both!("", ""),
+    let state = state_words(after.state, lang);
+    let place = match after.line {
+        0 => both!("", ""),
+        line => both!(", line {line}", "，第 {line} 行", line = SourceLine(line)),
     };
-    let alarm = match status.alarm {
-        Some(number) if status.state == BoardState::Alarm => both!(" {number:04}", " {number:04}"),
+    let alarm = match after.alarm {
+        Some(number) if after.state == BoardState::Alarm => both!(" {number:04}", " {number:04}"),
         _ => both!("", ""),
     };
     let text = both!(
@@ -102,7 +122,8 @@ fn tell(global: &Global, link: &Link, verdict: &Outcome) -> Outcome {
         en = place.en,
         zh = place.zh
     );
-    output::write(text.get(lang).as_bytes())
+    output::write(text.get(lang).as_bytes())?;
+    after.verdict
 }
 
 /// Sets an override.
