@@ -55,35 +55,38 @@ fn state() -> MutexGuard<'static, State> {
 
 /// Starts to listen. `lang` and `json` are for the last report.
 pub fn watch(lang: Lang, json: bool) {
-    let mut state = state();
-    (state.lang, state.json) = (lang, json);
-    let hear = || {
-        let mut state = self::state();
-        REQUESTED.store(true, Ordering::Relaxed);
-        if state.under_way == 0 {
-            end(&state);
-        }
-        if let Some(first) = state.first {
-            if first.elapsed() < AT_ONCE {
-                return;
-            }
-            end(&state);
-        }
-        state.first = Some(Instant::now());
-        if let Some(patience) = state.patience {
-            std::thread::spawn(move || {
-                std::thread::sleep(patience);
-                end(&self::state());
-            });
-        }
-    };
-    drop(state);
+    {
+        let mut state = state();
+        (state.lang, state.json) = (lang, json);
+    }
     let closes = [SIGHUP].into_iter().filter(|&signal| !ignores(signal));
-    // Where none can be listened to, Ctrl-C keeps its usual meaning.
+    // Where it cannot listen, Ctrl-C keeps its usual meaning.
     let Ok(mut signals) = Signals::new(closes.chain([SIGINT, SIGTERM])) else {
         return;
     };
     std::thread::spawn(move || signals.forever().for_each(|_| hear()));
+}
+
+/// A signal has come.
+fn hear() {
+    let mut state = state();
+    REQUESTED.store(true, Ordering::Relaxed);
+    if state.under_way == 0 {
+        end(&state);
+    }
+    if let Some(first) = state.first {
+        if first.elapsed() < AT_ONCE {
+            return;
+        }
+        end(&state);
+    }
+    state.first = Some(Instant::now());
+    if let Some(patience) = state.patience {
+        std::thread::spawn(move || {
+            std::thread::sleep(patience);
+            end(&self::state());
+        });
+    }
 }
 
 /// True where this process was begun with a signal that does nothing: under `nohup` a terminal may close.

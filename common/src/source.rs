@@ -291,7 +291,7 @@ impl SourceFile {
             lines.push(line);
             // What has no end for so long has no lines.
             let mut rest = reader.by_ref().take(SKIPPED);
-            if !is_whole && (rest.skip_until(b'\n').is_err() || rest.limit() == 0) {
+            if !is_whole && !rest.skip_until(b'\n').is_ok_and(|count| (count as u64) < SKIPPED) {
                 break;
             }
         }

@@ -175,8 +175,11 @@ fn marks(report: &Report, lang: Lang) -> Vec<Mark> {
         } else {
             let mut warnings = report.warnings.iter();
             let is_it = |one: &&Diagnostic| (one.number, one.counted) == (mark.number, mark.line);
-            let words = warnings.find(is_it).map(|one| one.message.as_str());
-            format!("{} {}", mark.number, words.unwrap_or_default())
+            match warnings.find(is_it) {
+                Some(warning) => format!("{} {}", mark.number, warning.message),
+                // A report has words for some lines of a kind.
+                None => mark.number.to_string(),
+            }
         };
         Mark {
             number: mark.number,

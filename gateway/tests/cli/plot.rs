@@ -533,12 +533,9 @@ fn a_page_has_the_stock_and_the_warnings_of_the_picture() {
     let program = "(STOCK X60 L100)\nT0101\nM3 S600\nG0 X64 Z10\nG0 X50 Z-20\nG1 X40 F100\nG0 X80\nG0 X64 Z-60\nG1 X46 F100\n\
         G0 Z-80\nG0 X80\nM30\n";
     let program = write(&folder, "hit.nc", program);
-    let page = folder.file("hit.html");
     for lang in ["en", "zh"] {
         let told = texts(&folder, &program, &["--lang", lang]);
-        let output = leadscrew(&["plot", &program, "-o", &page, "--lang", lang]);
-        assert_eq!(code(&output), 0, "{}", stderr(&output));
-        let page = std::fs::read_to_string(&page).unwrap();
+        let page = plotted(&folder, "hit.html", &program, &["--lang", lang]);
         let warnings = warnings(&page);
         let rapids = told
             .iter()
@@ -577,10 +574,7 @@ fn of_many_warnings_a_page_lists_as_many_as_a_report() {
     let rapids = "G0 X30. Z-10.\nX50. Z-20.\n".repeat(30);
     let program = format!("O1\n(STOCK X40 L60)\nG97 M3 S300\nG0 X50. Z5.\n{rapids}M30\n");
     let program = write(&folder, "many.nc", &program);
-    let page = folder.file("many.html");
-    let output = leadscrew(&["plot", &program, "-o", &page]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let page = std::fs::read_to_string(&page).unwrap();
+    let page = plotted(&folder, "many.html", &program, &[]);
     let warnings = warnings(&page);
     assert_eq!(warnings.len(), 10, "{warnings:?}");
     assert!(
