@@ -289,9 +289,12 @@ impl SourceFile {
             && let Ok(Some((line, is_whole))) = shown(&mut reader)
         {
             lines.push(line);
+            if is_whole {
+                continue;
+            }
             // What has no end for so long has no lines.
-            let mut rest = reader.by_ref().take(SKIPPED);
-            if !is_whole && !rest.skip_until(b'\n').is_ok_and(|count| (count as u64) < SKIPPED) {
+            let skipped = reader.by_ref().take(SKIPPED).skip_until(b'\n');
+            if skipped.map_or(true, |count| count as u64 == SKIPPED) {
                 break;
             }
         }
