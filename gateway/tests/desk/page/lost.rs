@@ -17,6 +17,11 @@ impl Client<'_> {
     fn is_kept_from(&mut self, op: &str, args: &Value) {
         self.number += 1;
         let (status, answer) = self.numbered(self.number, op, args, &json!(1));
+        // On a busy computer its lease lapses before the board is lost, and then there is none to take.
+        if status == 409 {
+            assert_eq!(answer["refused"], "not_operating");
+            return;
+        }
         let why = answer["en"].as_str().unwrap();
         assert_eq!((status, &answer["ok"]), (200, &json!(false)), "{answer}");
         assert!(why.starts_with("the board is not heard"), "{op}: {why}");
