@@ -108,9 +108,12 @@ fn a_file_that_nobody_writes_is_no_trap() {
 #[test]
 fn a_terminal_that_closes_ends_a_command_but_not_under_nohup() {
     let check = ["check", "/dev/stdin", "--json"];
-    let child = listening(&check, Stdio::piped());
+    let mut child = listening(&check, Stdio::piped());
+    // Waiting for its end would close what it reads.
+    let stdin = child.stdin.take();
     send(&child, Signal::SIGHUP);
     ended(child, "by itself");
+    drop(stdin);
 
     let mut child = listening_in(
         "nohup",
