@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use leadscrew_can::CanError;
 use leadscrew_core::alarm::Lang;
+use leadscrew_language::lines::LONGEST;
 
 use crate::json::Json;
 use crate::output;
@@ -242,8 +243,9 @@ fn reason(error: &io::Error, doing: Doing) -> Both {
             )
         }
         (io::ErrorKind::FileTooLarge, Doing::Read) => both!(
-            "64 MB without the end of a line are no program",
-            "64 MB 内没有换行，这不是程序"
+            "{mb} MB without the end of a line are no program",
+            "{mb} MB 内没有换行，这不是程序",
+            mb = LONGEST >> 20
         ),
         (io::ErrorKind::StorageFull, _) => both!("no space is left there", "存储空间已满"),
         (io::ErrorKind::ReadOnlyFilesystem, _) => {

@@ -104,7 +104,7 @@ pub struct Line<'t> {
 const MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Bytes of a line up to which its end is looked for: whatever is longer is no program, and may have no end at all.
-const LONGEST: u64 = 64 << 20;
+pub const LONGEST: u64 = 64 << 20;
 
 /// Bytes of the window.
 const WINDOW: usize = 1 << 16;

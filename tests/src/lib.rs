@@ -13,3 +13,4 @@ pub mod soak;
 pub mod stream;
 mod transfer;
 pub mod typed_page;
+pub mod watch;

@@ -38,7 +38,9 @@ pub fn check(filter: &str, all: bool) -> Result<u64> {
     if !output.status.success() {
         let again = leadscrew_seed::settings(seed, false);
         let whole = if all { " --all" } else { "" };
-        bail!("the image on the model of its chip ({again} cargo xtask chip{whole}):\n{report}");
+        bail!(
+            "the image on the model of its chip ({again} cargo xtask chip{whole} {filter}):\n{report}"
+        );
     }
     let passed = canopen::count(&report);
     if passed == 0 {

@@ -140,7 +140,7 @@ fn write(
                 path: &picture.path,
                 stock: picture.stock.as_ref(),
                 marks: &picture.marks,
-                told: picture.told(),
+                told: picture.told(checking::LISTED),
                 program: listing(source),
                 way,
                 cuts: picture.cuts(),

@@ -68,9 +68,9 @@ impl Picture {
     }
 
     /// The warnings of its path in words, each with its line of the program's own file, or 0. Rapids through the material
-    /// come first.
-    pub fn told(&self) -> Vec<(u32, String)> {
-        path::told(&self.marks, self.lang)
+    /// come first. Of a kind at most this many.
+    pub fn told(&self, most: usize) -> Vec<(u32, String)> {
+        path::told(&self.marks, most, self.lang)
     }
 
     /// What is cut, alone, as SVG.

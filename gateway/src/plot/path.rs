@@ -193,9 +193,6 @@ pub(super) fn draw(document: &mut Group, top: f64, picture: &Picture) -> f64 {
 /// The most lines that are told of rapids: more would lie upon the path.
 const LISTED: usize = 4;
 
-/// The most lines of a kind beside the path: as many as a report has words for.
-const BESIDE: usize = 10;
-
 /// Warnings in the order of the program: each of a line once.
 fn once(marks: &[Mark]) -> Vec<&Mark> {
     let mut told: Vec<&Mark> = Vec::new();
@@ -208,8 +205,8 @@ fn once(marks: &[Mark]) -> Vec<&Mark> {
     told
 }
 
-/// All warnings in words, with their rows.
-pub(super) fn told(marks: &[Mark], lang: Lang) -> Vec<(u32, String)> {
+/// All warnings in words, with their rows; of a kind at most `most`.
+pub(super) fn told(marks: &[Mark], most: usize, lang: Lang) -> Vec<(u32, String)> {
     let mut left = once(marks);
     // Those that break a tool first.
     left.sort_by_key(|mark| !mark.is_rapid);
@@ -218,7 +215,7 @@ pub(super) fn told(marks: &[Mark], lang: Lang) -> Vec<(u32, String)> {
         let number = first.number;
         let (kind, others): (Vec<_>, Vec<_>) =
             left.into_iter().partition(|mark| mark.number == number);
-        lines.extend(in_words(&kind, BESIDE, lang));
+        lines.extend(in_words(&kind, most, lang));
         left = others;
     }
     let row = |(mark, words): (&Mark, String)| (mark.row, words);
@@ -426,13 +423,13 @@ mod tests {
         };
         let mut marks = vec![mark(1, 3, false), mark(2, 4, true), mark(2, 4, true)];
         marks.extend((10..21).map(|row| mark(1, row, false)));
-        let told = told(&marks, Lang::En);
-        assert_eq!(told.len(), 1 + BESIDE);
+        let told = told(&marks, 10, Lang::En);
+        assert_eq!(told.len(), 1 + 10);
         assert_eq!(told[0], (4, "⚠ line 4: of 2".into()));
         assert_eq!(told[1], (3, "⚠ line 3: of 1".into()));
         let last = "⚠ and on 3 further lines, 18 to 20".into();
         assert_eq!(told.last(), Some(&(18, last)));
-        let zh = super::told(&marks[..1], Lang::Zh);
+        let zh = super::told(&marks[..1], 10, Lang::Zh);
         assert_eq!(zh, [(3, "⚠ 第 3 行：of 1".into())]);
     }
 }

@@ -1,5 +1,7 @@
 //! The command line against a board: the built binary, a serial-line adapter on a TCP port, and a whole machine behind it.
 
+#[path = "../folder/mod.rs"]
+mod folder;
 mod home;
 mod long;
 #[path = "../../../tests/src/long_program.rs"]

@@ -1,35 +1,12 @@
 //! Programs of several files and several passes on a board.
 
-use std::path::PathBuf;
-
+use crate::folder::Folder;
 use crate::server::{Options, Server};
 use crate::{good, json, leadscrew};
 
-/// A folder that is there, and gone at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let name = format!("leadscrew-{name}-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
-    fn file(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 #[test]
 fn a_board_carries_out_pass_after_pass_and_tells_the_files_of_its_lines() {
-    let folder = Folder::new("passes");
+    let folder = Folder::empty("passes");
     let (program, kept) = (folder.file("p.nc"), folder.file("kept"));
     let main = "O1\nG50 X80 Z20\nG99 M3 S800\n#500=#500+1\nM98 P20\nG0 X80 Z20\nM99\n";
     std::fs::write(&program, main).unwrap();
@@ -72,7 +49,7 @@ fn a_board_carries_out_pass_after_pass_and_tells_the_files_of_its_lines() {
 /// A bar is counted by the program, which ends itself at the first block of a pass: nothing of that pass is loaded.
 #[test]
 fn a_program_that_ends_a_pass_at_its_first_block_keeps_what_it_has_counted() {
-    let folder = Folder::new("bar");
+    let folder = Folder::empty("bar");
     let (program, kept) = (folder.file("p.nc"), folder.file("kept"));
     let main = "O1\nIF[#500LT3]GOTO10\n#3000=1(BAR IS DONE)\nN10 G0 X50\nX40\n#500=#500+1\nM99\n";
     std::fs::write(&program, main).unwrap();

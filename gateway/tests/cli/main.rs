@@ -8,6 +8,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use self::folder::Folder;
+
 /// The root of the repository: messages show paths as they were typed, so tests type them from there.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -35,27 +37,13 @@ fn code(output: &Output) -> i32 {
     output.status.code().unwrap()
 }
 
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("leadscrew-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
+        let folder = Self::empty(name);
         // The programs of the tests are written as the examples are.
         let machine = root().join("examples/leadscrew.toml");
-        std::fs::copy(machine, path.join("leadscrew.toml")).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        std::fs::copy(machine, folder.file("leadscrew.toml")).unwrap();
+        folder
     }
 }
 
@@ -121,6 +109,8 @@ mod dialects;
 mod drives;
 mod expand;
 mod explain;
+#[path = "../folder/mod.rs"]
+mod folder;
 mod interrupt;
 mod json;
 mod kept;

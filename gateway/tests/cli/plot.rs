@@ -502,12 +502,17 @@ fn of_a_thread_that_begins_behind_the_face_no_lead_in_is_missing() {
     );
 }
 
+/// A program with sixty lines of rapids through the material.
+fn many_rapids(folder: &Folder) -> String {
+    let rapids = "G0 X30. Z-10.\nX50. Z-20.\n".repeat(30);
+    let program = format!("O1\n(STOCK X40 L60)\nG97 M3 S300\nG0 X50. Z5.\n{rapids}M30\n");
+    write(folder, "many.nc", &program)
+}
+
 #[test]
 fn of_many_rapids_through_the_material_a_few_lines_are_told() {
     let folder = Folder::new("plot-rapids");
-    let rapids = "G0 X30. Z-10.\nX50. Z-20.\n".repeat(30);
-    let program = format!("O1\n(STOCK X40 L60)\nG97 M3 S300\nG0 X50. Z5.\n{rapids}M30\n");
-    let program = write(&folder, "many.nc", &program);
+    let program = many_rapids(&folder);
     let told = texts(&folder, &program, &[]);
     let of: Vec<_> = told.iter().filter(|text| text.starts_with('⚠')).collect();
     assert_eq!(of[..3].len() + 1, of.len(), "{of:?}");
@@ -571,9 +576,7 @@ fn a_page_has_the_stock_and_the_warnings_of_the_picture() {
 #[test]
 fn of_many_warnings_a_page_lists_as_many_as_a_report() {
     let folder = Folder::new("plot-listed");
-    let rapids = "G0 X30. Z-10.\nX50. Z-20.\n".repeat(30);
-    let program = format!("O1\n(STOCK X40 L60)\nG97 M3 S300\nG0 X50. Z5.\n{rapids}M30\n");
-    let program = write(&folder, "many.nc", &program);
+    let program = many_rapids(&folder);
     let page = plotted(&folder, "many.html", &program, &[]);
     let warnings = warnings(&page);
     assert_eq!(warnings.len(), 10, "{warnings:?}");

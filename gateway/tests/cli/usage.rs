@@ -1,6 +1,6 @@
 //! The command line itself.
 
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use crate::{Folder, code, leadscrew, stderr, stdout, write};
 
@@ -296,6 +296,17 @@ fn what_cannot_be_written_says_what_is_missing() {
     }
 }
 
+/// A command whose results go there.
+fn printing_to(there: impl Into<Stdio>, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(args)
+        .current_dir(crate::root())
+        .stdout(there)
+        .stderr(Stdio::piped())
+        .output()
+        .unwrap()
+}
+
 /// Nobody has read it then, be it the help.
 #[test]
 fn what_cannot_be_printed_is_no_success() {
@@ -309,12 +320,7 @@ fn what_cannot_be_printed_is_no_success() {
         (&["params", "docs"], "en"),
     ] {
         let full = std::fs::File::create("/dev/full").unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
-            .args(args)
-            .stdout(full)
-            .stderr(Stdio::piped())
-            .output()
-            .unwrap();
+        let output = printing_to(full, args);
         let why = match lang {
             "en" => "error: cannot write to standard output: no space is left there\n",
             _ => "错误：无法写入标准输出：存储空间已满\n",
@@ -350,13 +356,7 @@ fn the_exit_code_tells_the_verdict_where_nobody_reads_the_words() {
     ] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let output = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
-            .args(args)
-            .current_dir(crate::root())
-            .stdout(writer)
-            .stderr(Stdio::piped())
-            .output()
-            .unwrap();
+        let output = printing_to(writer, args);
         assert_eq!(code(&output), exit, "{args:?}: {}", stderr(&output));
     }
 }

@@ -8,40 +8,24 @@ use leadscrew_core::units::Axis;
 use leadscrew_tests::machine::run;
 use leadscrew_tests::params::with;
 use leadscrew_tests::random::Random;
+use leadscrew_tests::watch::Watch;
 
 use super::ripple::is_feasible;
 
-/// The most of acceleration and of jerk along Z, as multiples of their limits.
-fn most(rows: &[Row], params: &Params) -> [f64; 2] {
-    let tick = f64::from(params.tick_us()) * 1e-6;
-    let acceleration = params.acceleration(Axis::Z).nm_per_s2() as f64 * tick.powi(2);
-    let jerk = jerk_of_a_tick(params);
-    let mut most = [0.0_f64; 2];
-    for rows in rows.windows(4) {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|row| rows[row].position.z.nm());
-        // What rounding to nanometres adds is no motion.
-        let beyond = |nm: i64, rounding: i64| (nm.abs() - rounding).max(0) as f64;
-        most[0] = most[0].max(beyond(d - 2 * c + b, 2) / acceleration);
-        most[1] = most[1].max(beyond(d - 3 * c + 3 * b - a, 4) / jerk);
-    }
-    most
-}
-
-/// The limit of the third difference of positions along Z, in nanometres.
-fn jerk_of_a_tick(params: &Params) -> f64 {
-    let tick = f64::from(params.tick_us()) * 1e-6;
-    params.jerk(Axis::Z).nm_per_s3() as f64 * tick.powi(3)
-}
-
-fn tapped(text: &str, timed: bool, ripple: Option<Ripple>) -> [f64; 2] {
-    let params = with(&[("9006.0", i64::from(timed))]);
+/// Taps, with Z watched.
+fn tapped(text: &str, params: &Params, ripple: Option<Ripple>) -> Watch {
     let plant = PlantOptions {
         ripple,
         ..PlantOptions::default()
     };
-    let ran = run(text, &params, &plant, |_, _| ());
+    let ran = run(text, params, &plant, |_, _| ());
     assert_eq!(ran.alarm, None, "{text}");
-    most(&ran.rows, &params)
+    let place = |row: &Row| row.position.z.nm();
+    let mut watch = Watch::new(params, Axis::Z, place(&ran.rows[0]));
+    for row in &ran.rows {
+        watch.see(place(row));
+    }
+    watch
 }
 
 /// A hole from R −3 to Z −20 in pecks, 0: in one; lead and peck in micrometres.
@@ -72,7 +56,8 @@ fn taps_in_pecks_exceed_the_jerk_by_no_more_than_is_told() {
         (400, 1_250, 0, false, [5.4, 22.0]),
     ] {
         let text = hole(rpm, lead, peck);
-        let [acceleration, jerk] = tapped(&text, timed, None);
+        let params = with(&[("9006.0", i64::from(timed))]);
+        let [_, acceleration, jerk] = tapped(&text, &params, None).worst;
         assert!(acceleration <= 1.0, "{acceleration}: {text}");
         assert!((low..=high).contains(&jerk), "{jerk}: {text}");
     }
@@ -96,10 +81,11 @@ fn no_tap_exceeds_the_jerk_by_more_than_a_count() {
             // Up to 5 %, once in 500 to 50 ms.
             let size = random.within(0, 5_000) as u32;
             let ripple = Ripple::new(random.of(&[0, size]), random.within(2_000, 20_000) as u32);
-            let [acceleration, jerk] = tapped(&text, true, ripple);
+            let watch = tapped(&text, &params, ripple);
+            let [_, acceleration, jerk] = watch.worst;
             assert!(acceleration <= 1.1, "{acceleration}: {text}");
             let counts = i64::from(params.encoder_counts());
-            let count = (lead * 1_000 / counts) as f64 / jerk_of_a_tick(&params);
+            let count = (lead * 1_000 / counts) as f64 / watch.jerk;
             assert!(jerk <= count + 1.3, "{jerk}, a count is {count}: {text}");
         }
     });

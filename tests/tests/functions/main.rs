@@ -15,7 +15,7 @@ use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::{Command, Event, Inputs, State};
 use leadscrew_core::bus::{BoardState, JogRequest, Order};
-use leadscrew_core::call::{Aux, Call, CallKind, Position};
+use leadscrew_core::call::{Aux, Call, Position};
 use leadscrew_core::operating::{Interlock, OperatingMode, Towards};
 use leadscrew_core::params::{Contact, Params};
 use leadscrew_core::units::Length;
@@ -332,6 +332,16 @@ impl Bench {
         }
         .frame(NODE);
         self.sim.receive(&frame);
+    }
+
+    /// In mode automatic, with these calls.
+    fn loaded(params: &Params, calls: &[Call]) -> Self {
+        let mut bench = Self::new(params, WELL);
+        assert_eq!(bench.order(Order::Mode(OperatingMode::Automatic)), 0);
+        for call in calls {
+            assert!(bench.sim.offer(call));
+        }
+        bench
     }
 
     /// The alarm for which an order is refused; 0 for none.

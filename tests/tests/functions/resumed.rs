@@ -4,11 +4,7 @@ use super::*;
 
 /// A program whose door was opened and closed once Z had gone past `z`, in nanometres: its spindle stands.
 fn stopped_by_the_door(params: &Params, text: &str, z: i64) -> Bench {
-    let mut bench = Bench::new(params, WELL);
-    assert_eq!(bench.order(Order::Mode(OperatingMode::Automatic)), 0);
-    for call in &calls(text, params) {
-        assert!(bench.sim.offer(call));
-    }
+    let mut bench = Bench::loaded(params, &calls(text, params));
     while bench.place().z.nm() > z {
         bench.run(1);
     }
@@ -81,19 +77,11 @@ fn a_thread_that_is_left_while_its_spindle_comes_to_its_speed_is_not_cut() {
 
 /// A press, and the door that opens within it, while the spindle turns for a typed line, or for a program that was left.
 fn door_opened_by_hand(params: &Params, text: &str, is_typed: bool) -> Bench {
-    let mut bench = Bench::new(params, WELL);
-    assert_eq!(bench.order(Order::Mode(OperatingMode::Automatic)), 0);
-    let mut program = calls(text, params);
-    if is_typed {
-        let over = Call {
-            kind: CallKind::LineOver,
-            ..program[0]
-        };
-        program.push(over);
-    }
-    for call in &program {
-        assert!(bench.sim.offer(call));
-    }
+    let program = match is_typed {
+        true => calls_of_line(text, params),
+        false => calls(text, params),
+    };
+    let mut bench = Bench::loaded(params, &program);
     bench.run(1_500);
     if !is_typed {
         assert_eq!(bench.order(Order::Hold), 0);

@@ -4,7 +4,6 @@ mod few_counts;
 mod random;
 mod ripple;
 mod spindle;
-mod watch;
 
 use leadscrew_core::alarm::Span;
 use leadscrew_core::call::Position;
@@ -13,8 +12,8 @@ use leadscrew_core::moves::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::Observer;
 use leadscrew_core::units::{Angle, Axis, Lead, LeadChange, Length, Rpm, StartAngle, Ticks};
+use leadscrew_tests::watch::Watch;
 use spindle::{Spindle, TICK_S};
-use watch::Watch;
 
 fn position(x: i64, z: i64) -> Position {
     Position {

@@ -6,8 +6,8 @@ use leadscrew_core::motion::{Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun}
 use leadscrew_core::moves::{Move, Stage};
 use leadscrew_core::params::{Entry, Params, Part};
 use leadscrew_core::units::{Axis, Lead, Length, Rpm, StartAngle, TurnRate, Turns};
+use leadscrew_tests::watch::Watch;
 
-use crate::watch::Watch;
 use crate::{pass, position};
 
 /// Passes tried.

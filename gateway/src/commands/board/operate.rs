@@ -21,7 +21,7 @@ struct After {
     state: BoardState,
     alarm: Option<u16>,
     line: u32,
-    /// True where that is a good end of the order.
+    /// How the order has ended.
     verdict: Outcome,
 }
 
@@ -52,18 +52,18 @@ const LONGEST: Duration = Duration::from_secs(20);
 /// The status once an alarm has gone, or once the machine has stood on it for a while: a reset waits until the axes stand.
 fn cleared(link: &mut Link) -> Outcome<Status> {
     let end = Instant::now() + LONGEST;
-    let mut moved = link.status()?;
+    let mut now = link.status()?;
+    let mut moved = now;
     loop {
-        let now = link.status()?;
-        let stands = now.position == moved.position;
-        let over = stands && now.tick >= moved.tick + CLEARS || Instant::now() >= end;
+        if now.position != moved.position {
+            moved = now;
+        }
+        let over = now.tick >= moved.tick + CLEARS || Instant::now() >= end;
         if now.state != BoardState::Alarm || over {
             return Ok(now);
         }
-        if !stands {
-            moved = now;
-        }
         link.idle(LOOK)?;
+        now = link.status()?;
     }
 }
 

@@ -1,5 +1,7 @@
 //! Random contours, as pieces that can be left out one by one.
 
+use core::fmt;
+
 use leadscrew_core::alarm::At;
 use leadscrew_core::units::{Diameter, Length};
 
@@ -395,9 +397,27 @@ impl Case {
     }
 }
 
+/// Draws so many cases and checks each; the smallest that fails is told.
+pub fn check_all<C: fmt::Debug>(
+    seed: u64,
+    many: usize,
+    draw: impl Fn(&mut Random) -> C,
+    smaller: impl Fn(&C) -> Vec<C>,
+    check: impl Fn(&C) -> Result<(), String>,
+) {
+    let mut random = Random(seed);
+    for number in 0..many {
+        let case = draw(&mut random);
+        if let Err(why) = check(&case) {
+            let (case, why) = smallest(case, why, smaller, check);
+            panic!("case {number}: {why}\n{case:#?}");
+        }
+    }
+}
+
 /// The smallest case that still fails, and why: `smaller` gives those that lack something of a case. A case that is
 /// refused is another matter.
-pub fn smallest<C>(
+fn smallest<C>(
     mut case: C,
     mut why: String,
     smaller: impl Fn(&C) -> Vec<C>,

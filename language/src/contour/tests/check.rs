@@ -3,7 +3,7 @@
 //! No move may come below the shifted contour, no rapid may meet material, no cut may be deeper than Δd, and at the end
 //! each column is as high as the shifted contour.
 
-use super::case::{Case, Random, smallest};
+use super::case::{Case, Random, check_all};
 use super::columns::{Columns, SLACK, Way, near, shifted};
 use crate::contour::{Allowance, Contour, Cut};
 use crate::plane::{Element, Point};
@@ -139,20 +139,10 @@ fn last_pass(
     Ok(())
 }
 
-fn check_all(seed: u64, many: usize) {
-    let mut random = Random(seed);
-    for number in 0..many {
-        let case = Case::random(&mut random);
-        if let Err(why) = check(&case) {
-            let (case, why) = smallest(case, why, Case::smaller, check);
-            panic!("case {number}: {why}\n{case:#?}");
-        }
-    }
-}
-
 #[test]
 fn random_contours_are_cut_down_to_their_allowance() {
     leadscrew_seed::volume(71, |seed| {
-        check_all(seed, leadscrew_seed::amount(1_000, 40_000));
+        let many = leadscrew_seed::amount(1_000, 40_000);
+        check_all(seed, many, Case::random, Case::smaller, check);
     });
 }

@@ -5,7 +5,7 @@
 //! tool leaves in no column more than Δd above what the same tool leaves that follows the contour itself. That holds for
 //! each nose and each place of its centre. A stroke that is missing, too high or too short leaves more.
 
-use super::case::{Case, Random, smallest};
+use super::case::{Case, Random, check_all};
 use super::check::{rough, strokes};
 use super::columns::{ASIDE, SLACK, Way, near, shifted};
 
@@ -170,13 +170,6 @@ fn check(tool: &Tool) -> Result<(), String> {
 fn no_more_than_a_stroke_stands_between_the_strokes() {
     leadscrew_seed::volume(7_172, |seed| {
         let many = leadscrew_seed::amount(1_000, 40_000);
-        let mut random = Random(seed);
-        for number in 0..many {
-            let tool = Tool::random(&mut random);
-            if let Err(why) = check(&tool) {
-                let (tool, why) = smallest(tool, why, Tool::smaller, check);
-                panic!("case {number}: {why}\n{tool:#?}");
-            }
-        }
+        check_all(seed, many, Tool::random, Tool::smaller, check);
     });
 }

@@ -1,10 +1,12 @@
 //! G73 over random contours. Each copy is the contour, moved by what the definition of the cycle says as a fraction; and
 //! columns of material tell what each copy leaves, and that none comes below the last.
 
+use core::cell::Cell;
+
 use leadscrew_core::alarm::At;
 use leadscrew_core::units::{Diameter, Length};
 
-use super::case::{Case, Random, smallest};
+use super::case::{Case, Random, check_all};
 use super::columns::{Columns, SLACK, Way, near, shifted};
 use super::notation::span;
 use crate::contour::{Allowance, Along, Axes, Contour, Cut, Repeats};
@@ -265,17 +267,14 @@ pub fn judge(
 fn random_contours_are_repeated_down_to_their_allowance() {
     leadscrew_seed::volume(73, |seed| {
         let many = leadscrew_seed::amount(1_000, 40_000);
-        let mut random = Random(seed);
-        let mut away = 0;
-        for number in 0..many {
-            let copies = Copies::random(&mut random);
-            away += usize::from(copies.leads_away());
-            if let Err(why) = check(&copies) {
-                let (copies, why) = smallest(copies, why, Copies::smaller, check);
-                panic!("case {number}: {why}\n{copies:#?}");
-            }
-        }
-        assert!(away > many / 2, "{away}");
+        let away = Cell::new(0);
+        let draw = |random: &mut Random| {
+            let copies = Copies::random(random);
+            away.set(away.get() + usize::from(copies.leads_away()));
+            copies
+        };
+        check_all(seed, many, draw, Copies::smaller, check);
+        assert!(away.get() > many / 2, "{}", away.get());
     });
 }
 

@@ -8,12 +8,15 @@ pub struct Watch {
     last: Vec<i64>,
     speed: f64,
     acceleration: f64,
-    jerk: f64,
+    /// The limit of the jerk, in nanometres per tick³.
+    pub jerk: f64,
     /// Largest share of speed, acceleration and jerk so far.
     pub worst: [f64; 3],
 }
 
 impl Watch {
+    /// Watches an axis that stands at `at`, in nanometres.
+    #[must_use]
     pub fn new(params: &Params, axis: Axis, at: i64) -> Self {
         let tick = f64::from(params.tick_us()) * 1e-6;
         Self {
@@ -25,6 +28,7 @@ impl Watch {
         }
     }
 
+    /// The axis is there a tick later.
     pub fn see(&mut self, at: i64) {
         self.last.rotate_left(1);
         self.last[3] = at;
