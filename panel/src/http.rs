@@ -10,11 +10,14 @@ use std::time::{Duration, Instant};
 use crate::refusal::Refusal;
 
 /// A request has come within this time, and an answer has gone; where it is hold or stop alone that may come, [`URGENT`].
+/// A long text has more: [`with`].
 pub const PATIENCE: Duration = Duration::from_secs(5);
 /// The same of a request for which there is no place but one for hold and stop.
 pub const URGENT: Duration = Duration::from_secs(1);
 /// The longest head.
 const HEAD: usize = 8 << 10;
+/// The slowest network over which a long text still comes and goes, in bytes a second: 2 Mbit/s.
+const SLOWEST: u64 = 256 << 10;
 /// The most headers.
 const HEADERS: usize = 64;
 /// The longest text behind most heads.
@@ -72,7 +75,8 @@ pub fn read(
     patience: Duration,
     most: impl Fn(&Request) -> usize,
 ) -> Result<Option<Request>, Refusal> {
-    let end = Instant::now() + patience;
+    let started = Instant::now();
+    let end = started + patience;
     let mut bytes = Vec::new();
     let (mut request, head, length) = loop {
         if let Some(read) = head(&bytes)? {
@@ -92,6 +96,7 @@ pub fn read(
     if length > most(&request) {
         return Err(Refusal::TooLong);
     }
+    let end = started + with(patience, length);
     let whole = head + length;
     while bytes.len() < whole {
         if !more(from, &mut bytes, end)? {
@@ -100,6 +105,11 @@ pub fn read(
     }
     request.body = bytes[head..whole].to_vec();
     Ok(Some(request))
+}
+
+/// This patience with a text of so many bytes: what is longer may take longer.
+fn with(patience: Duration, length: usize) -> Duration {
+    patience + Duration::from_millis(length as u64 * 1000 / SLOWEST)
 }
 
 /// Reads what has come. False at its end.
@@ -201,7 +211,7 @@ pub fn refuse(to: TcpStream, refusal: Refusal) {
 
 /// Sends all of it before the deadline, or none of it is of use: then the connection has to end.
 pub fn send(to: &mut TcpStream, mut bytes: &[u8]) -> io::Result<()> {
-    let end = Instant::now() + PATIENCE;
+    let end = Instant::now() + with(PATIENCE, bytes.len());
     while !bytes.is_empty() {
         let left = end.saturating_duration_since(Instant::now());
         if left.is_zero() {

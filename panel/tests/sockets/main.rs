@@ -88,16 +88,20 @@ impl Bench {
     fn ask(&self, bytes: &[u8]) -> String {
         let mut stream = self.connect();
         stream.write_all(bytes).unwrap();
-        let (mut answer, mut part) = (Vec::new(), [0; 4096]);
-        loop {
-            let count = stream.read(&mut part).unwrap();
-            answer.extend_from_slice(&part[..count]);
-            let text = String::from_utf8_lossy(&answer);
-            let streams = text.contains("Content-Type: text/event-stream\r\n");
-            if count == 0 || streams && text.contains("\r\n\r\n") {
-                return text.into_owned();
+        let mut answer = Vec::new();
+        // A head ends where a line is empty.
+        while !answer.ends_with(b"\r\n\r\n") {
+            let count = (&stream).take(1).read_to_end(&mut answer).unwrap();
+            if count == 0 {
+                break;
             }
         }
+        let is_stream =
+            String::from_utf8_lossy(&answer).contains("Content-Type: text/event-stream\r\n");
+        if !is_stream {
+            stream.read_to_end(&mut answer).unwrap();
+        }
+        String::from_utf8(answer).unwrap()
     }
 
     /// A request with this server's name, and these headers.
