@@ -125,8 +125,47 @@ fn validate_says_where_what_and_how() {
     let all = leadscrew_core::params::Entry::all().len();
     assert_eq!(
         text(&out.stdout),
-        format!("good: {all} values, 2 of them set here, the others the built-in machine's\n")
+        format!(
+            "good: {all} values, 2 of them set here, the others the built-in machine's\n\
+             encoder of the spindle, 4096 counts: threads from 5 rpm, ordinary taps from 5 rpm; of a lead of 1 mm a count is \
+             0.000244 mm\n"
+        )
     );
+}
+
+/// By hand: a count of 60 is 16.666 µm of a lead of 1 mm, and half as much again is what is promised.
+#[test]
+fn what_an_encoder_is_good_for_is_told_before() {
+    let told = |settings: &[&str]| {
+        let set = settings.iter().flat_map(|setting| ["--set", setting]);
+        let args: Vec<&str> = ["params", "validate", "--json"]
+            .into_iter()
+            .chain(set)
+            .collect();
+        let out = leadscrew(&args);
+        assert_eq!(out.status.code(), Some(0), "{}", text(&out.stdout));
+        serde_json::from_slice::<Value>(&out.stdout).unwrap()["encoder"].clone()
+    };
+    assert_eq!(
+        told(&["encoder_counts=60", "9006.0=0"]),
+        json!({
+            "counts": 60, "thread_rpm_min": 20, "tap_rpm_min": 700,
+            "count_mm_of_1_mm": 0.016666, "error_mm_of_1_mm": 0.025
+        })
+    );
+    assert_eq!(
+        told(&["encoder_counts=60"])["error_mm_of_1_mm"],
+        Value::Null
+    );
+    let good = leadscrew(&[
+        "params",
+        "validate",
+        "--set",
+        "encoder_counts=60",
+        "--set",
+        "9006.0=0",
+    ]);
+    assert!(text(&good.stdout).ends_with("and a thread may be 0.025 mm beside the angle\n"));
 }
 
 #[test]

@@ -6,6 +6,7 @@
 //! | `a`: time goes by up to the next SYNC | count (i32), flags (1: an edge, 2: an index), age of the edge in ns (u32), count of the index (i32) |
 //! | `x`, number, frames: of the board, in this order | number, frames: of the drives |
 //! | `h`, number, frames: of somebody else | the same |
+//! | `t`, a frame of CAN FD of the board: its identifier (u16), its length, so many bytes | nothing |
 //! | `n`: everything is switched off and on again | nothing |
 //!
 //! A frame is its identifier (u16), its length, and eight bytes; numbers are little-endian. The arguments are parameters,
@@ -17,7 +18,7 @@ use std::process::ExitCode;
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_common::params;
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::bus::{CobId, Frame};
+use leadscrew_core::bus::{CobId, FdFrame, Frame};
 
 fn main() -> ExitCode {
     match serve() {
@@ -38,7 +39,9 @@ fn serve() -> io::Result<()> {
         return Err(wrong(format!("the parameters: {options:?}")));
     }
     let make = || {
-        Plant::new(&loaded.params, &PlantOptions::default())
+        let mut options = PlantOptions::default();
+        options.drives.transmission = loaded.params.drive_status_syncs().try_into().unwrap_or(240);
+        Plant::new(&loaded.params, &options)
             .map_err(|error| wrong(format!("the parameters make no machine: {error:?}")))
     };
     let mut plant = make()?;
@@ -68,6 +71,7 @@ fn serve() -> io::Result<()> {
                 }
                 put(&answers, &mut answer);
             }
+            b't' => plant.tell_together(&together(&mut input)?),
             b'n' => plant = make()?,
             other => return Err(wrong(format!("request {other}"))),
         }
@@ -99,6 +103,17 @@ fn frames(input: &mut impl Read) -> io::Result<Vec<Frame>> {
         frames.push(frame.ok_or(ErrorKind::InvalidData)?);
     }
     Ok(frames)
+}
+
+fn together(input: &mut impl Read) -> io::Result<FdFrame> {
+    let mut head = [0; 3];
+    input.read_exact(&mut head)?;
+    let [low, high, length] = head;
+    let mut data = vec![0; length.into()];
+    input.read_exact(&mut data)?;
+    let id = CobId::new(u16::from_le_bytes([low, high]));
+    let frame = id.and_then(|id| FdFrame::new(id, &data, true));
+    frame.ok_or_else(|| ErrorKind::InvalidData.into())
 }
 
 fn put(frames: &[Frame], answer: &mut Vec<u8>) {

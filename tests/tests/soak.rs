@@ -11,11 +11,11 @@ use leadscrew_tests::soak::{Bench, Luck, Soaked, Until, hours, shrink, soak};
 
 /// Ticks from the fixed seed.
 fn ticks() -> u64 {
-    leadscrew_seed::amount(1_000_000, 3_000_000)
+    leadscrew_seed::amount(1_000_000, 2_000_000)
 }
 /// Ticks from the seed of the run.
 fn fresh_ticks() -> u64 {
-    leadscrew_seed::amount(500_000, 7_000_000)
+    leadscrew_seed::amount(500_000, 4_000_000)
 }
 
 /// The allocator of these tests: it counts what lives, for each thread.

@@ -279,7 +279,7 @@ impl Machine {
         for frame in heard_fd.iter().filter(|_| !self.unplugged) {
             self.plant.tell_together(frame);
             if has_power {
-                self.board.receive_fd(frame);
+                self.board.receive_fd(frame.id());
             }
         }
         if beat {

@@ -29,7 +29,7 @@ impl Sim {
         let (wire, plant, board) = (&mut self.wire, &mut self.plant, &mut self.board);
         wire.pass_together(Way::In, frame, |frame| {
             plant.tell_together(frame);
-            board.receive_fd(frame);
+            board.receive_fd(frame.id());
         });
         self.keep();
     }

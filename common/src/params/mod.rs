@@ -31,7 +31,6 @@ use leadscrew_wording::figure;
 use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::Outcome;
 use crate::json::Json;
-use crate::output;
 use crate::words::{one_line, pick};
 
 pub use file::read;
@@ -205,15 +204,7 @@ impl Loaded {
         }
     }
 
-    /// `{"ok", "alarms", "warnings"}`: the result in the machine format.
-    pub fn report(&self) -> Vec<u8> {
-        output::line(|o| {
-            o.flag("ok", self.is_good());
-            self.report_fields(o);
-        })
-    }
-
-    /// `"alarms"` and `"warnings"` of it.
+    /// `"alarms"` and `"warnings"`: the findings in the machine format.
     pub fn report_fields(&self, json: &mut Json) {
         for (key, warning) in [("alarms", false), ("warnings", true)] {
             json.array_at(key, |list| {

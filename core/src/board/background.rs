@@ -25,8 +25,7 @@ use super::kept::PowerUp;
 use super::planner::{Calls, Planner, Settings};
 use super::store::Region;
 use crate::alarm::Alarm;
-use crate::bus::FdFrame;
-use crate::bus::{Controller, Frame, NodeId, Periods};
+use crate::bus::{CobId, Controller, DataRates, Frame, NodeId, Periods};
 use crate::call::{Call, Position};
 use crate::journal::TapRecord;
 use crate::link::Event;
@@ -130,10 +129,10 @@ impl Background {
         self.device.set_serial(serial);
     }
 
-    /// Says whether the controller sends frames of CAN FD. A board without such a controller refuses a set that asks for
-    /// them.
-    pub const fn set_fd(&mut self, sends_fd: bool) {
-        self.device.set_fd(sends_fd);
+    /// Says at which rates the controller can send the data of CAN FD frames. The board refuses a set that asks for
+    /// another one.
+    pub const fn set_data_rates(&mut self, rates: DataRates) {
+        self.device.set_data_rates(rates);
     }
 
     /// Joins a network as `node`: from now on the board hears and sends frames. An NMT master starts it.
@@ -320,9 +319,9 @@ impl<'a> BackgroundSide<'a> {
         }
     }
 
-    /// Takes a frame of CAN FD from the bus.
-    pub fn receive_fd(&mut self, frame: &FdFrame) {
-        self.state.device.receive_fd(frame, &self.state.params);
+    /// Somebody has sent a frame of CAN FD with this identifier.
+    pub fn receive_fd(&mut self, id: CobId) {
+        self.state.device.receive_fd(id, &self.state.params);
         self.carry_out();
     }
 

@@ -18,7 +18,7 @@ use super::kept::{Held, PowerUp};
 use super::request::StoreRequest;
 use super::store::Region;
 use crate::alarm::{Alarm, Code, Span};
-use crate::bus::{Controller, FdFrame, Frame, NodeId};
+use crate::bus::{CobId, Controller, Frame, NodeId};
 use crate::call::{Call, Position};
 use crate::journal::TapRecord;
 use crate::link::Event;
@@ -171,9 +171,9 @@ impl Board {
         self.side().own_wheel(count);
     }
 
-    /// Takes a frame of CAN FD from the bus.
-    pub fn receive_fd(&mut self, frame: &FdFrame) {
-        self.side().receive_fd(frame);
+    /// Somebody has sent a frame of CAN FD with this identifier.
+    pub fn receive_fd(&mut self, id: CobId) {
+        self.side().receive_fd(id);
     }
 
     /// The next frame of the device to send.

@@ -1,7 +1,7 @@
 //! The background's context: the services on the bus, the planning and the storage, a small piece of work at a time.
 
 use leadscrew_core::board::{BackgroundSide, Event, Held, Region, StoreError, StoreRequest};
-use leadscrew_core::bus::{Controller, Frame};
+use leadscrew_core::bus::{CobId, Controller, Frame};
 use leadscrew_core::params::Params;
 
 /// The hardware that a board provides to the background. No function may wait longer than a few milliseconds: planning
@@ -9,6 +9,9 @@ use leadscrew_core::params::Params;
 pub trait Machine {
     /// The oldest frame from the bus that is not yet read. Frames of drives need not come this way.
     fn receive(&mut self) -> Option<Frame>;
+    /// The identifier of the oldest frame of CAN FD from the bus that is not yet read. Some may be left out: they are
+    /// looked at for setpoints of another node alone, which come again.
+    fn receive_fd(&mut self) -> Option<CobId>;
     /// True where there is room for a frame. It leaves after the frames of the tick.
     fn has_room(&self) -> bool;
     /// Sends a frame. There is room.
@@ -74,6 +77,10 @@ fn receive(side: &mut BackgroundSide<'_>, machine: &mut impl Machine) -> bool {
     while let Some(frame) = machine.receive() {
         // What is not for the board as a node is a drive's, and has gone to the tick.
         let _ = side.receive(&frame);
+        worked = true;
+    }
+    while let Some(id) = machine.receive_fd() {
+        side.receive_fd(id);
         worked = true;
     }
     worked

@@ -7,7 +7,7 @@ use leadscrew_core::board::{
     self, Background, BackgroundSide, Contacts, Event, Output, Queues, Setup, Snapshot, Tick,
     TickSide,
 };
-use leadscrew_core::bus::NodeId;
+use leadscrew_core::bus::{DataRates, NodeId};
 use leadscrew_core::call::Position;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Setpoint;
@@ -46,8 +46,8 @@ pub struct PowerUp<'a> {
     pub node: NodeId,
     /// The board's serial number (1018h:04); 0: none.
     pub serial: u32,
-    /// The CAN controller sends frames of CAN FD. Otherwise a set with 9031 = 1 is refused.
-    pub fd: bool,
+    /// Rates that the CAN controller can give the data of CAN FD frames. A set that asks for another one is refused.
+    pub data_rates: DataRates,
     /// Why the board stopped the last time. Nothing moves before a reset, or any more where the failure is final.
     pub failure: Option<Failure>,
     /// Why the processor started.
@@ -82,7 +82,7 @@ impl Memory {
             background.note(&Event::Warning(warning));
         }
         background.set_serial(up.serial);
-        background.set_fd(up.fd);
+        background.set_data_rates(up.data_rates);
         background.join(up.node)?;
         let (tick_ends, background_ends) = self.queues.split();
         Ok(Sides {

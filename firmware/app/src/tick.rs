@@ -13,14 +13,10 @@ pub trait TickMachine {
     /// The oldest frame from the bus that is not yet read. All frames of the drives have to come this way. The tick
     /// passes all others to the background.
     fn receive(&mut self) -> Option<Frame>;
-    /// Sends the frames of a tick, in this order and before any other frame. False where some frames of the
-    /// previous tick have not left: these are dropped, and their setpoints are late.
-    fn send(&mut self, frames: &[Frame]) -> bool;
-    /// Sends the frame with the setpoints of all drives, after the frames of [`send`](Self::send). False where the
-    /// previous tick's frame has not left. Without CAN FD the frame never leaves: no drive comes up.
-    fn send_together(&mut self, _setpoints: &Setpoints) -> bool {
-        false
-    }
+    /// Sends the frames of a tick, in this order and before any other frame; behind them, where 9031 asks for it, the
+    /// frame of CAN FD with the setpoints of all drives. False where some frames of the previous tick have not left:
+    /// these are dropped, and their setpoints are late.
+    fn send(&mut self, frames: &[Frame], together: Option<&Setpoints>) -> bool;
     /// Switches a machine function that a program asks for, or takes all of them back after a reset. While the machine
     /// has not followed, [`Inputs::unanswered`] says so, from the next tick on.
     fn switch(&mut self, _switching: Switching) {}
@@ -40,11 +36,7 @@ pub fn tick(side: &mut TickSide<'_>, output: &mut Output, machine: &mut impl Tic
         machine.switch(output.switching);
     }
     machine.set_outputs(output.outputs);
-    let sent = machine.send(&output.frames);
-    let sent = match &output.together {
-        Some(setpoints) => machine.send_together(setpoints) && sent,
-        None => sent,
-    };
+    let sent = machine.send(&output.frames, output.together.as_ref());
     side.report(output, sent);
     if side.is_heard() {
         machine.feed_watchdog();

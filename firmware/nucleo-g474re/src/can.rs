@@ -1,5 +1,5 @@
-//! The CAN controller FDCAN1, register by register: classic frames, a hardware queue of three, no automatic return from
-//! bus-off.
+//! The CAN controller FDCAN1, register by register: classical frames and those of CAN FD, a hardware queue of three, no
+//! automatic return from bus-off.
 //!
 //! The driver of the support crate does not fit: it passes frames through channels that mask all interrupts, and the
 //! tick must not wait for the background. Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
@@ -9,14 +9,14 @@
 //! the controller could not read its message memory in time: it then enters restricted operation by itself, sends
 //! nothing any more, and stays there.
 
-use embassy_stm32::pac::can::regs::Nbtp;
+use embassy_stm32::pac::can::regs::{Dbtp, Nbtp, Tdcr};
 use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm};
 use embassy_stm32::pac::{FDCAN1, FDCANRAM1, interrupt};
-use leadscrew_core::bus::{Controller, Frame};
-use leadscrew_parts::{BitTiming, Places};
+use leadscrew_core::bus::Controller;
+use leadscrew_parts::{ELEMENT, Heard, Places, Rates};
 
-/// Words of an element of the message memory.
-const ELEMENT: usize = 18;
+use crate::clock;
+
 /// Places for frames to be sent; each queue of received frames has as many.
 const PLACES: u8 = Places::COUNT;
 /// Words of all places together.
@@ -30,17 +30,28 @@ const WORDS: usize = TRANSMIT + ELEMENTS;
 // The manual's figures in bytes: the offsets of the sections, and where the next controller's memory begins.
 const _: () = assert!(RECEIVE * 4 == 0x0B0 && TRANSMIT * 4 == 0x278 && WORDS * 4 == 0x350);
 
-/// Starts the controller.
-pub fn start(timing: BitTiming) {
+/// Starts the controller, or starts it anew; then what waits in it is lost, and nobody may use it meanwhile.
+///
+/// It knows frames of CAN FD whether the board sends any or not: a classical controller destroys those of others.
+pub fn start(rates: &Rates) {
+    clock::start_can(rates.clock);
     FDCAN1.cccr().modify(|w| w.set_init(true));
     while !FDCAN1.cccr().read().init() {}
     FDCAN1.cccr().modify(|w| w.set_cce(true));
+    FDCAN1.cccr().modify(|w| {
+        w.set_fdoe(true);
+        w.set_brse(rates.data.is_some());
+    });
     let memory = FDCANRAM1.as_ptr().cast::<u32>();
     for word in 0..WORDS {
         // SAFETY: the memory of this controller has so many words, and nothing else uses it.
         unsafe { memory.add(word).write_volatile(0) };
     }
-    FDCAN1.nbtp().write_value(Nbtp(timing.word()));
+    FDCAN1.nbtp().write_value(Nbtp(rates.nominal.word()));
+    if let Some(data) = rates.data {
+        FDCAN1.dbtp().write_value(Dbtp(data.data_word()));
+        FDCAN1.tdcr().write_value(Tdcr(data.delay_word()));
+    }
     // Every standard data frame is received; extended and remote frames are rejected.
     FDCAN1.rxgfc().write(|w| {
         w.set_anfs(Anfs::ACCEPT_FIFO_0);
@@ -72,16 +83,16 @@ fn word(at: usize) -> *mut u32 {
 
 /// Puts the words of a frame into the controller. Gives the frame's place, or `None` where no place is free. A call
 /// must not interrupt another call.
-pub fn put(words: &[u32; 4]) -> Option<Places> {
+pub fn put(words: &[u32]) -> Option<Places> {
     let state = FDCAN1.txfqs().read();
     if state.tfqf() {
         return None;
     }
     let place = state.tfqpi().min(PLACES - 1);
     let element = TRANSMIT + usize::from(place) * ELEMENT;
-    for (at, value) in (element..).zip(*words) {
+    for (at, value) in (element..element + ELEMENT).zip(words) {
         // SAFETY: an element of this controller's memory, in a free place.
-        unsafe { word(at).write_volatile(value) };
+        unsafe { word(at).write_volatile(*value) };
     }
     let place = Places(1 << place);
     FDCAN1.txbar().write(|w| w.0 = place.0);
@@ -89,7 +100,7 @@ pub fn put(words: &[u32; 4]) -> Option<Places> {
 }
 
 /// The next frame that was received.
-pub fn take() -> Option<Frame> {
+pub fn take() -> Option<Heard> {
     let state = FDCAN1.rxfs(0).read();
     if state.ffl() == 0 {
         return None;

@@ -13,16 +13,17 @@
 use embassy_stm32::pac;
 use embassy_stm32::pac::flash::vals::Latency;
 use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, Hse, HseMode, LsConfig, Pll, PllMul, PllPreDiv, PllRDiv, PllSource,
-    Sysclk, mux,
+    AHBPrescaler, APBPrescaler, Hse, HseMode, LsConfig, Pll, PllMul, PllPreDiv, PllQDiv, PllRDiv,
+    PllSource, Sysclk, mux,
 };
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peripherals};
 
 use crate::pins;
 
-/// The crystal, which is also the clock of the CAN controller.
-pub const CRYSTAL_HZ: u32 = 24_000_000;
+const CRYSTAL_HZ: u32 = 24_000_000;
+/// The clocks that the CAN controller can have: the crystal, and the PLL's output Q, which makes 5 Mbit/s.
+pub const CAN_HZ: [u32; 2] = [CRYSTAL_HZ, 85_000_000];
 /// The processor and all timers.
 pub const CORE_MHZ: u32 = 170;
 /// The oscillator inside the chip. The processor runs by it after a reset.
@@ -48,13 +49,13 @@ pub fn start() -> Peripherals {
         freq: Hertz(CRYSTAL_HZ),
         mode: HseMode::Oscillator,
     });
-    // 24 MHz / 6 · 85 / 2.
+    // 24 MHz / 6 · 85 / 2; Q: / 4.
     rcc.pll = Some(Pll {
         source: PllSource::HSE,
         prediv: PllPreDiv::DIV6,
         mul: PllMul::MUL85,
         divp: None,
-        divq: None,
+        divq: Some(PllQDiv::DIV4),
         divr: Some(PllRDiv::DIV2),
     });
     rcc.sys = Sysclk::HSE;
@@ -63,7 +64,6 @@ pub fn start() -> Peripherals {
     rcc.apb2_pre = APBPrescaler::DIV1;
     rcc.hsi48 = None;
     rcc.ls = LsConfig::off();
-    rcc.mux.fdcansel = mux::Fdcansel::HSE;
     let parts = embassy_stm32::init(config);
     speed_up();
     pac::RCC.cr().modify(|w| w.set_csson(true));
@@ -71,12 +71,24 @@ pub fn start() -> Peripherals {
         w.set_tim2en(true);
         w.set_tim5en(true);
         w.set_tim6en(true);
-        w.set_fdcanen(true);
     });
     pac::RCC.apb2enr().modify(|w| w.set_tim1en(true));
     // The watchdog stops while a debugger has stopped the program.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
     parts
+}
+
+/// Gives the CAN controller one of [`CAN_HZ`]. Meanwhile it has none.
+pub fn start_can(which: usize) {
+    let source = match which {
+        0 => mux::Fdcansel::HSE,
+        _ => mux::Fdcansel::PLL1_Q,
+    };
+    pac::RCC.apb1enr1().modify(|w| w.set_fdcanen(false));
+    pac::RCC.ccipr().modify(|w| w.set_fdcansel(source));
+    pac::RCC.apb1enr1().modify(|w| w.set_fdcanen(true));
+    // A part gets its clock after two cycles.
+    let _ = pac::RCC.apb1enr1().read();
 }
 
 /// Goes from the crystal to the PLL, in RM0440's order for the boost mode (6.1.5): half the clock, the voltage, the

@@ -48,12 +48,12 @@ use leadscrew_core::board::{
     BackgroundSide, Event, Held, Inputs, Output, Region, StoreError, StoreRequest, Switching,
     TickSide,
 };
-use leadscrew_core::bus::{Controller, Frame, NodeId};
+use leadscrew_core::bus::{CobId, Controller, DataRates, Frame, NodeId, Setpoints};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_memory as _;
-use leadscrew_parts::{BackgroundEnd, BitTiming, MachineInputs, TickEnd, WordFlash};
+use leadscrew_parts::{BackgroundEnd, BitTiming, MachineInputs, Rates, TickEnd, WordFlash};
 use leadscrew_store::{BUFFER, Store};
 
 use crate::encoder::Encoder;
@@ -64,12 +64,16 @@ use crate::pins::{Clamp, Contacts, Switches};
 use crate::watchdog::Watchdog;
 use crate::wire::Registers;
 
-/// The bit timing where the crystal does not give the rate of the parameters: 1 Mbit/s, so that the alarm can be sent.
-const FALLBACK: BitTiming = BitTiming {
-    prescaler: 1,
-    before: 20,
-    after: 3,
-    jump: 3,
+/// The rate of the bus where no clock gives that of the parameters: so the alarm can be sent.
+const FALLBACK: Rates = Rates {
+    clock: 0,
+    nominal: BitTiming {
+        prescaler: 1,
+        before: 20,
+        after: 3,
+        jump: 3,
+    },
+    data: None,
 };
 
 static MEMORY: Once<Memory> = Once::new(Memory::new());
@@ -115,8 +119,12 @@ impl TickMachine for TickParts {
         self.wire.receive()
     }
 
-    fn send(&mut self, frames: &[Frame]) -> bool {
-        self.wire.send(frames, &Registers)
+    fn send(&mut self, frames: &[Frame], together: Option<&Setpoints>) -> bool {
+        // Without a rate for its data no such frame goes: the alarm says so.
+        let can = self.trouble != Some(Code::ParametersUnusable);
+        let together = together.filter(|_| can);
+        let together = together.and_then(|setpoints| setpoints.frame(NodeId::BOARD));
+        self.wire.send(frames, together.as_ref(), &Registers)
     }
 
     fn switch(&mut self, switching: Switching) {
@@ -136,6 +144,9 @@ type Storage = Store<WordFlash<Bank>>;
 
 struct BackgroundParts {
     wire: BackgroundEnd<'static>,
+    /// The bit rate of the bus, in kbit/s, up to the next start, and the rates of the controller.
+    kbit: u32,
+    rates: Rates,
     storage: &'static mut Storage,
     stored: Option<Result<(), StoreError>>,
     switches: Switches,
@@ -173,6 +184,10 @@ fn tap(storage: &mut Storage, trouble: &mut Option<Code>) -> Option<TapRecord> {
 impl Machine for BackgroundParts {
     fn receive(&mut self) -> Option<Frame> {
         self.wire.receive()
+    }
+
+    fn receive_fd(&mut self) -> Option<CobId> {
+        self.wire.receive_fd()
     }
 
     fn has_room(&self) -> bool {
@@ -218,6 +233,14 @@ impl Machine for BackgroundParts {
 
     fn begin_anew(&mut self, params: &Params) {
         beat::set(params.tick_us());
+        // The drives are without torque. A change of the data's rate goes with that of the drives'.
+        if params.setpoint_frame() == 1
+            && let Some(rates) = Rates::of(&clock::CAN_HZ, self.kbit, params.fd_kbit())
+            && rates != self.rates
+        {
+            cortex_m::interrupt::free(|_| can::start(&rates));
+            self.rates = rates;
+        }
     }
 }
 
@@ -252,9 +275,12 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
     set.start = storage.count_start();
 
     let (kbit, tick_us) = (set.params.bus_kbit(), set.params.tick_us());
-    let timing = BitTiming::of(clock::CRYSTAL_HZ, kbit);
-    can::start(timing.unwrap_or(FALLBACK));
-    if timing.is_none() {
+    let of = |data_kbit| Rates::of(&clock::CAN_HZ, kbit, data_kbit);
+    let data_rates = DataRates::of(|kbit| of(kbit).is_some_and(|rates| rates.data.is_some()));
+    let found = of(set.params.fd_kbit());
+    let rates = found.unwrap_or(FALLBACK);
+    can::start(&rates);
+    if found.is_none() || set.params.setpoint_frame() == 1 && rates.data.is_none() {
         trouble = trouble.or(Some(Code::ParametersUnusable));
     }
     let up = PowerUp {
@@ -263,7 +289,7 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
         tap,
         node: NodeId::BOARD,
         serial: serial_of(unique_number()),
-        fd: false,
+        data_rates,
         failure,
         cause,
     };
@@ -297,6 +323,8 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
     beat::start(tick_us);
     let parts = BackgroundParts {
         wire: background_end,
+        kbit,
+        rates,
         storage,
         stored: None,
         switches: pins::switches(),

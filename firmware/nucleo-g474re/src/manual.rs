@@ -3,7 +3,9 @@
 //! Without these checks a name with a wrong bit would show only on real hardware. The compiler does them; the image
 //! contains nothing of this file.
 
-use embassy_stm32::pac::can::regs::{Cccr, Ie, Ile, Ir, Rxfa, Rxfs, Rxgfc, Tscc, Txbc, Txfqs};
+use embassy_stm32::pac::can::regs::{
+    Cccr, Dbtp, Ie, Ile, Ir, Rxfa, Rxfs, Rxgfc, Tdcr, Tscc, Txbc, Txfqs,
+};
 use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm, Tss};
 use embassy_stm32::pac::dbgmcu::regs::Apb1lfzr;
 use embassy_stm32::pac::flash::regs::{Acr, Cr, Eccr, Optr, Sr};
@@ -33,6 +35,11 @@ macro_rules! means {
 means! {
     Cccr(0b111), w => w.init() && w.cce() && w.asm();
     Cccr(0b11), w => !w.asm();
+    Cccr(0b11 << 8), w => w.fdoe() && w.brse();
+    // 5 Mbit/s of 85 MHz, as `leadscrew-parts` makes its word.
+    Dbtp(0x0080_0B33), w => w.tdc() && w.dbrp() == 0;
+    Dbtp(0x0080_0B33), w => w.dtseg1() == 11 && w.dtseg2() == 3 && w.dsjw() == 3;
+    Tdcr(13 << 8), w => w.tdco() == 13 && w.tdcf() == 0;
     Rxgfc(0b10 << 2 | 0b11), w => w.rrfe() && w.rrfs();
     Rxgfc(0b10 << 2), w => matches!((w.anfe(), w.anfs()), (Anfe::REJECT, Anfs::ACCEPT_FIFO_0));
     Tscc(0b10), w => matches!(w.tss(), Tss::EXTERNAL);
@@ -89,6 +96,7 @@ means! {
     Cfgr(0b1101), w => matches!((w.sw(), w.sws()), (Sw::HSI, Sw::PLL1_R));
     Cfgr(0b0111), w => matches!((w.sw(), w.sws()), (Sw::PLL1_R, Sw::HSI));
     Ccipr(0), w => matches!(w.fdcansel(), Fdcansel::HSE);
+    Ccipr(1 << 24), w => matches!(w.fdcansel(), Fdcansel::PLL1_Q);
     Cfgr(0b0000 << 4), w => matches!(w.hpre(), Hpre::DIV1);
     Cfgr(0b1000 << 4), w => matches!(w.hpre(), Hpre::DIV2);
     Csr(1 << 30 | 1 << 29 | 1 << 28), w => w.wwdgrstf() && w.iwdgrstf() && w.sftrstf();

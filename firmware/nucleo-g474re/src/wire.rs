@@ -6,8 +6,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::pac::interrupt;
-use leadscrew_core::bus::Frame;
-use leadscrew_parts::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};
+use leadscrew_parts::{BackgroundEnd, BusEnd, Chip, Heard, Places, Rings, TickEnd};
 
 use crate::owned::{Once, Owned};
 use crate::{beat, can};
@@ -26,11 +25,11 @@ static LOST: AtomicBool = AtomicBool::new(false);
 pub struct Registers;
 
 impl Chip for Registers {
-    fn take(&self) -> Option<Frame> {
+    fn take(&self) -> Option<Heard> {
         can::take()
     }
 
-    fn put(&self, words: &[u32; 4]) -> Option<Places> {
+    fn put(&self, words: &[u32]) -> Option<Places> {
         can::put(words)
     }
 

@@ -4,8 +4,8 @@
 //! the order is not defined. So:
 //!
 //! - the tick's frames come first, in their order; one place is kept free for the next SYNC;
-//! - of all other frames (statuses, answers, transfers) only one is in the controller at a time. Otherwise segments of a
-//!   transfer could overtake each other;
+//! - of all other frames (statuses, answers, transfers) only one is in the controller at a time, and none beside a frame of
+//!   the tick. Otherwise segments of a transfer could overtake each other, and a status the setpoints;
 //! - shortly before a SYNC no other frame is begun: a frame on the wire cannot be stopped, and SYNC would wait for its end.
 
 /// Microseconds of the longest frame at 1 Mbit/s: 8 bytes, worst stuffing, and the gap after it.

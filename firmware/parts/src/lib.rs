@@ -4,8 +4,8 @@
 //!
 //! | part | purpose |
 //! |---|---|
-//! | [`BitTiming`] | segments of a CAN bit from the controller's clock |
-//! | [`to_send`], [`received`], [`controller`] | the words of a CAN controller: frames, its state |
+//! | [`BitTiming`], [`Rates`] | segments of a CAN bit from the controller's clock, and which clock |
+//! | [`to_send`], [`fd_to_send`], [`received`], [`controller`] | the words of a CAN controller: frames, its state |
 //! | [`Rings`], [`Chip`] | frames between tick, background and the interrupt of the CAN controller, in any order |
 //! | [`Gate`] | which frame may go into the CAN controller next |
 //! | [`EdgeClock`] | a sample from counter, capture and index of an encoder |
@@ -29,7 +29,7 @@ pub use detents::Detents;
 pub use edges::{EdgeClock, Reading};
 pub use flash::{WordDevice, WordError, WordFlash};
 pub use gate::{Gate, Turn};
-pub use message::{controller, received, to_send};
+pub use message::{ELEMENT, Heard, controller, fd_to_send, received, to_send};
 pub use panel::{Clamp, Contacts, MachineInputs, Said, Switches};
-pub use timing::BitTiming;
+pub use timing::{BitTiming, Rates};
 pub use wire::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};

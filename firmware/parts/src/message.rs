@@ -2,9 +2,9 @@
 //! the bus.
 //!
 //! The meaning is the same in every chip with an M_CAN; the addresses and registers differ, so the chip's own code has
-//! them. Only classical frames with identifiers of 11 bits.
+//! them. Only frames with identifiers of 11 bits.
 
-use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame};
+use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, FdFrame, Frame};
 
 use crate::BitTiming;
 
@@ -12,6 +12,21 @@ use crate::BitTiming;
 const ID: u32 = 18;
 /// The bit where the length begins in the second word.
 const LENGTH: u32 = 16;
+/// The bits of a frame of CAN FD, and of one whose data have their own rate, in the second word.
+const FD: u32 = 1 << 21;
+const RATE_SWITCHED: u32 = 1 << 20;
+
+/// Words of an element of the message memory: two, and 64 bytes.
+pub const ELEMENT: usize = 18;
+
+/// A frame that was received.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// A classical frame.
+    Classical(Frame),
+    /// A frame of CAN FD with this identifier. None has anything for a board: its content is not read.
+    Fd(CobId),
+}
 
 /// The words of a frame to be sent: a data frame, without an event after sending.
 #[must_use]
@@ -30,16 +45,43 @@ pub fn to_send(frame: &Frame) -> [u32; 4] {
     ]
 }
 
-/// The frame in the words of a received element. A length above eight means eight, as on the wire. `None` where the
-/// words hold no valid frame.
+/// The words of a frame of CAN FD to be sent, and how many of them it has. Its sender says by itself whether it is error
+/// passive.
 #[must_use]
-pub fn received([head, second, low, high]: [u32; 4]) -> Option<Frame> {
+pub fn fd_to_send(frame: &FdFrame) -> ([u32; ELEMENT], usize) {
+    let payload = frame.payload();
+    let rate = if frame.is_rate_switched() {
+        RATE_SWITCHED
+    } else {
+        0
+    };
+    let mut words = [0; ELEMENT];
+    let [head, second, data @ ..] = &mut words;
+    *head = u32::from(frame.id().get()) << ID;
+    *second = u32::from(frame.length_code()) << LENGTH | FD | rate;
+    for (word, bytes) in data.iter_mut().zip(payload.chunks(4)) {
+        let mut all = [0; 4];
+        for (to, byte) in all.iter_mut().zip(bytes) {
+            *to = *byte;
+        }
+        *word = u32::from_le_bytes(all);
+    }
+    (words, 2 + payload.len().div_ceil(4))
+}
+
+/// The frame in the first words of a received element. A length above eight means eight in a classical frame, as on the
+/// wire. `None` where the words hold no valid frame.
+#[must_use]
+pub fn received([head, second, low, high]: [u32; 4]) -> Option<Heard> {
+    let id = CobId::new(((head >> ID) & 0x7FF) as u16)?;
+    if second & FD != 0 {
+        return Some(Heard::Fd(id));
+    }
     let [a, b, c, d] = low.to_le_bytes();
     let [e, f, g, h] = high.to_le_bytes();
     let bytes = [a, b, c, d, e, f, g, h];
     let length = ((second >> LENGTH) & 0xF).min(8) as usize;
-    let id = CobId::new(((head >> ID) & 0x7FF) as u16)?;
-    Frame::new(id, bytes.get(..length)?)
+    Frame::new(id, bytes.get(..length)?).map(Heard::Classical)
 }
 
 /// The controller's state on the bus, from its control register (CCCR), its protocol status (PSR) and its error
@@ -77,6 +119,23 @@ impl BitTiming {
             | (self.before as u32 - 1) << 8
             | (self.after as u32 - 1)
     }
+
+    /// The word of the register for the bit of the data (DBTP), with the measurement of the transceiver's delay.
+    #[must_use]
+    pub const fn data_word(&self) -> u32 {
+        1 << 23
+            | (self.prescaler as u32 - 1) << 16
+            | (self.before as u32 - 1) << 8
+            | (self.after as u32 - 1) << 4
+            | (self.jump as u32 - 1)
+    }
+
+    /// The word of the register for that measurement (TDCR): a bit that comes back is looked at so many periods of the
+    /// clock after the edge that was measured, at its sample point.
+    #[must_use]
+    pub const fn delay_word(&self) -> u32 {
+        ((1 + self.before as u32) * self.prescaler as u32) << 8
+    }
 }
 
 #[cfg(test)]
@@ -89,6 +148,10 @@ mod tests {
 
     fn frame(id: u16, payload: &[u8]) -> Frame {
         Frame::new(CobId::new(id).unwrap(), payload).unwrap()
+    }
+
+    fn classical(id: u16, payload: &[u8]) -> Option<Heard> {
+        Some(Heard::Classical(frame(id, payload)))
     }
 
     // The expected words follow the tables of the receive and the transmit element in RM0440.
@@ -116,14 +179,51 @@ mod tests {
         // lower half.
         let words = [0x0608_0000, 0xFF08_BEEF, 0x4433_2211, 0x8877_6655];
         let bytes = [0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88];
-        assert_eq!(received(words), Some(frame(0x182, &bytes)));
+        assert_eq!(received(words), classical(0x182, &bytes));
         // From a sender that is error passive (bit 31): a valid frame like any other.
         let passive = [0x8608_0000, 0x8002_0001, 0x4433_2211, 0];
-        assert_eq!(received(passive), Some(frame(0x182, &bytes[..2])));
+        assert_eq!(received(passive), classical(0x182, &bytes[..2]));
         // A length of 9 to 15 means eight bytes.
         for length in 9..=15 {
             let words = [0x0608_0000, length << 16, 0x4433_2211, 0x8877_6655];
-            assert_eq!(received(words), Some(frame(0x182, &bytes)));
+            assert_eq!(received(words), classical(0x182, &bytes));
+        }
+    }
+
+    #[test]
+    fn a_frame_of_can_fd_has_its_bits_and_all_its_bytes() {
+        let bytes: Vec<u8> = (1..=64).collect();
+        let of = |length: usize, switched| {
+            let id = CobId::new(0x481).unwrap();
+            let frame = FdFrame::new(id, &bytes[..length], switched).unwrap();
+            let (words, used) = fd_to_send(&frame);
+            assert!(words[used..].iter().all(|word| *word == 0));
+            words[..used].to_vec()
+        };
+        assert_eq!(of(0, true), [0x1204_0000, 0x0030_0000]);
+        assert_eq!(
+            of(6, false),
+            [0x1204_0000, 0x0026_0000, 0x0403_0201, 0x0605]
+        );
+        // Setpoints of four drives: 24 bytes have the code 12; of six: 48 have 14.
+        let four = of(24, true);
+        assert_eq!(four[..3], [0x1204_0000, 0x003C_0000, 0x0403_0201]);
+        assert_eq!((four.len(), four[7]), (8, 0x1817_1615));
+        let six = of(36, true);
+        assert_eq!((six.len(), six[1], six[10]), (14, 0x003E_0000, 0x2423_2221));
+        assert_eq!(six[11..], [0; 3]);
+        let longest = of(64, true);
+        assert_eq!(
+            (longest.len(), longest[1], longest[17]),
+            (18, 0x003F_0000, 0x403F_3E3D)
+        );
+    }
+
+    #[test]
+    fn of_a_frame_of_can_fd_that_was_received_the_identifier_is_read() {
+        for second in [0x003C_0000, 0xFF28_BEEF, 0x0020_0000] {
+            let words = [0x1204_0000, second, 0x4433_2211, 0x8877_6655];
+            assert_eq!(received(words), Some(Heard::Fd(CobId::new(0x481).unwrap())));
         }
     }
 
@@ -134,7 +234,7 @@ mod tests {
                 let bytes: Vec<u8> = (1..=length).map(|n| n ^ id as u8).collect();
                 let [head, second, low, high] = to_send(&frame(id, &bytes));
                 let stamped = [head, second | u32::from(!id), low, high];
-                assert_eq!(received(stamped), Some(frame(id, &bytes)));
+                assert_eq!(received(stamped), classical(id, &bytes));
             }
         }
     }
@@ -162,6 +262,35 @@ mod tests {
         assert_eq!(in_mode(0b101, 0xE0, 0xF8), (BusState::Off, 248, 0));
         // No other bit of the control register means restricted.
         assert_eq!(in_mode(!(1 << 2), 0x707, 0), (BusState::Active, 0, 0));
+    }
+
+    #[test]
+    fn a_bit_of_the_data_has_registers_of_its_own() {
+        // The manual: the reset value 0000 0A33h, without the measurement of the delay.
+        let after_reset = BitTiming {
+            prescaler: 1,
+            before: 11,
+            after: 4,
+            jump: 4,
+        };
+        assert_eq!(after_reset.data_word(), 0x0080_0A33);
+        assert_eq!(after_reset.delay_word(), 12 << 8);
+        // 5 Mbit/s of 85 MHz: 17 quanta, sampled behind 13.
+        let fast = BitTiming::of_data(85_000_000, 5000).unwrap();
+        assert_eq!(
+            (fast.data_word(), fast.delay_word()),
+            (0x0080_0B33, 13 << 8)
+        );
+        let most = BitTiming {
+            prescaler: 2,
+            before: 32,
+            after: 16,
+            jump: 16,
+        };
+        assert_eq!(
+            (most.data_word(), most.delay_word()),
+            (0x0081_1FFF, 66 << 8)
+        );
     }
 
     #[test]

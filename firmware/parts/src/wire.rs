@@ -3,7 +3,9 @@
 //! ```text
 //! controller ──► interrupt ───heard──► tick (passes frames of other nodes on to the background)
 //!                          ──requests─► background
+//!                          ─────fd────► background (identifiers of frames of CAN FD)
 //! controller ◄── interrupt ◄─setpoints─ tick
+//!                          ◄─together── tick (the frame of CAN FD with the setpoints of all drives)
 //!                          ◄──others─── background
 //! ```
 //!
@@ -21,10 +23,10 @@
 
 use heapless::spsc::Queue;
 use leadscrew_core::board::FRAMES;
-use leadscrew_core::bus::{Frame, Service};
+use leadscrew_core::bus::{CobId, FdFrame, Frame, Service};
 
 use crate::gate::{Gate, Turn};
-use crate::message::to_send;
+use crate::message::{Heard, fd_to_send, to_send};
 use crate::shared::{In, Out, Word};
 
 #[cfg(test)]
@@ -35,6 +37,8 @@ const HEARD: usize = 33;
 // While a page of the flash is erased nothing reads this ring: a faster transfer has to repeat its block.
 const REQUESTS: usize = 33;
 const OTHERS: usize = 9;
+// Of a row of such frames the first tell who sends them.
+const FD: usize = 3;
 
 /// Places of a controller for frames to be sent, one bit for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,10 +66,10 @@ impl Places {
 /// The controller, and the timer that gives the period.
 pub trait Chip {
     /// The next frame that was received.
-    fn take(&self) -> Option<Frame>;
-    /// Puts the words of a frame ([`to_send`]) into the controller. Gives the frame's place, or `None` where no place
-    /// is free. A call must not interrupt another call.
-    fn put(&self, words: &[u32; 4]) -> Option<Places>;
+    fn take(&self) -> Option<Heard>;
+    /// Puts the words of a frame ([`to_send`], [`fd_to_send`]) into the controller. Gives the frame's place, or `None`
+    /// where no place is free. A call must not interrupt another call.
+    fn put(&self, words: &[u32]) -> Option<Places>;
     /// Places whose frame has not been sent yet.
     fn pending(&self) -> Places;
     /// Cancels the frames in these places, except one that is on the wire already.
@@ -83,9 +87,9 @@ pub trait Chip {
 }
 
 /// A frame of a tick on its way, and the number of the tick.
-struct Setpoint {
+struct Setpoint<T> {
     tick: u32,
-    frame: Frame,
+    frame: T,
 }
 
 /// The words that tick and interrupt share in addition to the rings.
@@ -104,8 +108,11 @@ pub struct Rings {
     shared: Shared,
     heard: Queue<Frame, HEARD>,
     requests: Queue<Frame, REQUESTS>,
+    fd: Queue<CobId, FD>,
     // Room for the frames of a tick that was given up, until the interrupt drops them, and for those of the next tick.
-    setpoints: Queue<Setpoint, { 2 * FRAMES + 1 }>,
+    setpoints: Queue<Setpoint<Frame>, { 2 * FRAMES + 1 }>,
+    // The same, for two ticks that were given up and the next.
+    together: Queue<Setpoint<FdFrame>, 4>,
     others: Queue<Frame, OTHERS>,
 }
 
@@ -115,12 +122,14 @@ pub struct TickEnd<'a> {
     heard: Out<'a, Frame>,
     /// The number of frames of the previous tick that the interrupt had to put in.
     left: u32,
-    setpoints: In<'a, Setpoint>,
+    setpoints: In<'a, Setpoint<Frame>>,
+    together: In<'a, Setpoint<FdFrame>>,
 }
 
 /// The background's end.
 pub struct BackgroundEnd<'a> {
     requests: Out<'a, Frame>,
+    fd: Out<'a, CobId>,
     others: In<'a, Frame>,
 }
 
@@ -129,7 +138,9 @@ pub struct BusEnd<'a> {
     shared: &'a Shared,
     heard: In<'a, Frame>,
     requests: In<'a, Frame>,
-    setpoints: Out<'a, Setpoint>,
+    fd: In<'a, CobId>,
+    setpoints: Out<'a, Setpoint<Frame>>,
+    together: Out<'a, Setpoint<FdFrame>>,
     others: Out<'a, Frame>,
     period_us: u32,
     gate: Gate,
@@ -148,7 +159,9 @@ impl Rings {
             },
             heard: Queue::new(),
             requests: Queue::new(),
+            fd: Queue::new(),
             setpoints: Queue::new(),
+            together: Queue::new(),
             others: Queue::new(),
         }
     }
@@ -158,23 +171,29 @@ impl Rings {
         let shared = &self.shared;
         let (heard_in, heard_out) = self.heard.split();
         let (requests_in, requests_out) = self.requests.split();
+        let (fd_in, fd_out) = self.fd.split();
         let (setpoints_in, setpoints_out) = self.setpoints.split();
+        let (together_in, together_out) = self.together.split();
         let (others_in, others_out) = self.others.split();
         let tick = TickEnd {
             shared,
             heard: Out(heard_out),
             left: 0,
             setpoints: In(setpoints_in),
+            together: In(together_in),
         };
         let background = BackgroundEnd {
             requests: Out(requests_out),
+            fd: Out(fd_out),
             others: In(others_in),
         };
         let bus = BusEnd {
             shared,
             heard: In(heard_in),
             requests: In(requests_in),
+            fd: In(fd_in),
             setpoints: Out(setpoints_out),
+            together: Out(together_out),
             others: Out(others_out),
             period_us: 0,
             gate: Gate::new(0, kbit),
@@ -196,9 +215,9 @@ impl TickEnd<'_> {
         self.heard.take()
     }
 
-    /// Sends the frames of a tick, SYNC first. Called once in each tick, even without frames. False where some frames
-    /// of the previous tick have not left: these are called back.
-    pub fn send(&mut self, frames: &[Frame], chip: &impl Chip) -> bool {
+    /// Sends the frames of a tick, SYNC first, and behind them one of CAN FD. Called once in each tick, even without
+    /// frames. False where some frames of the previous tick have not left: these are called back.
+    pub fn send(&mut self, frames: &[Frame], together: Option<&FdFrame>, chip: &impl Chip) -> bool {
         let left = Places(chip.pending().0 & self.shared.places.get());
         let in_time = left.is_empty() && self.shared.done.get() == self.left;
         let tick = self.shared.tick.get().wrapping_add(1);
@@ -216,11 +235,15 @@ impl TickEnd<'_> {
         }
         self.shared.places.set(mine.0);
         self.shared.done.set(0);
-        self.left = frames.as_slice().len() as u32;
+        self.left = frames.as_slice().len() as u32 + u32::from(together.is_some());
+        // There is room for two ticks.
         for frame in frames {
             let frame = *frame;
-            // There is room for two ticks.
             let _ = self.setpoints.put(Setpoint { tick, frame });
+        }
+        if let Some(frame) = together {
+            let frame = *frame;
+            let _ = self.together.put(Setpoint { tick, frame });
         }
         chip.poke();
         in_time
@@ -231,6 +254,11 @@ impl BackgroundEnd<'_> {
     /// The oldest request not yet read.
     pub fn receive(&mut self) -> Option<Frame> {
         self.requests.take()
+    }
+
+    /// The identifier of the oldest frame of CAN FD not yet read.
+    pub fn receive_fd(&mut self) -> Option<CobId> {
+        self.fd.take()
     }
 
     /// True where there is room for a frame.
@@ -252,7 +280,14 @@ impl BusEnd<'_> {
     /// is repeated.
     pub fn serve(&mut self, chip: &impl Chip) -> bool {
         let mut kept = true;
-        while let Some(frame) = chip.take() {
+        while let Some(heard) = chip.take() {
+            let frame = match heard {
+                Heard::Classical(frame) => frame,
+                Heard::Fd(id) => {
+                    let _ = self.fd.put(id);
+                    continue;
+                }
+            };
             let ring = if is_request(&frame) {
                 &mut self.requests
             } else {
@@ -275,40 +310,61 @@ impl BusEnd<'_> {
         let now = shared.tick.get();
         // The oldest frame stays the oldest, whatever the tick adds, and a frame that was given up stays so. So this
         // reads the frame first and then the number.
-        while let Some(oldest) = self.setpoints.peek()
-            && oldest.tick != shared.tick.get()
-        {
-            let _ = self.setpoints.take();
-        }
+        drop_given_up(&mut self.setpoints, &shared.tick);
+        drop_given_up(&mut self.together, &shared.tick);
         if chip.is_off() {
             // The receiver does not wait any more: after the return to the bus this frame would answer another request.
             return self.others.take().is_some();
         }
         let pending = chip.pending();
         let free = Places::COUNT.saturating_sub(pending.count());
-        let other = pending.0 & !shared.places.get() != 0;
-        let waiting = (!self.setpoints.is_empty(), !self.others.is_empty());
-        let frame = match self.gate.turn(free, waiting, other, chip.since_us()) {
-            Turn::Tick => self.setpoints.peek().map(|next| (next.frame, true)),
-            Turn::Other => self.others.peek().map(|next| (*next, false)),
-            Turn::Nothing => None,
+        let mine = shared.places.get();
+        let other = pending.0 & !mine != 0;
+        // A status has a smaller identifier than most setpoints: in the controller at once, it would go first.
+        let begin_other = pending.0 & mine == 0 && !self.others.is_empty();
+        let setpoints = !self.setpoints.is_empty();
+        let of_tick = setpoints || !self.together.is_empty();
+        let waiting = (of_tick, begin_other);
+        let from = match self.gate.turn(free, waiting, other, chip.since_us()) {
+            Turn::Tick if setpoints => Ring::Setpoints,
+            Turn::Tick => Ring::Together,
+            Turn::Other => Ring::Others,
+            Turn::Nothing => return false,
         };
-        let Some((frame, of_tick)) = frame else {
-            return false;
+        let (classical, fd);
+        let words = match from {
+            Ring::Together => {
+                let Some(next) = self.together.peek() else {
+                    return false;
+                };
+                fd = fd_to_send(&next.frame);
+                fd.0.get(..fd.1).unwrap_or(&fd.0)
+            }
+            Ring::Setpoints | Ring::Others => {
+                let next = match from {
+                    Ring::Setpoints => self.setpoints.peek().map(|next| &next.frame),
+                    _ => self.others.peek(),
+                };
+                let Some(next) = next else {
+                    return false;
+                };
+                classical = to_send(next);
+                &classical[..]
+            }
         };
-        let words = to_send(&frame);
         let mut done = false;
         chip.alone(|| {
             // Otherwise everything has to be read again.
             if shared.tick.get() == now {
-                done = shared.put(&words, of_tick, chip);
+                done = shared.put(words, from != Ring::Others, chip);
             }
         });
         // The tick is let in again here, because a removal takes its time. The frame in the controller is counted by then.
-        match (done, of_tick) {
-            (true, true) => drop(self.setpoints.take()),
-            (true, false) => drop(self.others.take()),
-            (false, _) => {}
+        match from {
+            _ if !done => {}
+            Ring::Setpoints => drop(self.setpoints.take()),
+            Ring::Together => drop(self.together.take()),
+            Ring::Others => drop(self.others.take()),
         }
         done || shared.tick.get() != now
     }
@@ -316,7 +372,7 @@ impl BusEnd<'_> {
 
 impl Shared {
     /// Puts a frame in and marks its place; the caller keeps the tick out. False where no place is free.
-    fn put(&self, words: &[u32; 4], of_tick: bool, chip: &impl Chip) -> bool {
+    fn put(&self, words: &[u32], of_tick: bool, chip: &impl Chip) -> bool {
         let Some(place) = chip.put(words) else {
             return false;
         };
@@ -328,6 +384,23 @@ impl Shared {
             self.places.set(mine & !place.0);
         }
         true
+    }
+}
+
+/// The ring whose frame is the next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Ring {
+    Setpoints,
+    Together,
+    Others,
+}
+
+/// Drops the frames of ticks before the last one.
+fn drop_given_up<T>(ring: &mut Out<'_, Setpoint<T>>, tick: &Word) {
+    while let Some(oldest) = ring.peek()
+        && oldest.tick != tick.get()
+    {
+        let _ = ring.take();
     }
 }
 

@@ -957,6 +957,16 @@ codes! {
         "start the board's node and reset; if it comes again, report it as a fault of the board",
         "控制板的 CAN 控制器已停止发送：未能及时读取其报文存储器", "请启动控制板节点并复位；若再次出现，请作为控制板故障报告";
 
+    /// A data rate of CAN FD that this board's controller does not have; the nearest that it has.
+    FdRateOfBoard = 4388, "this board's CAN controller cannot send the data of CAN FD frames at {0} kbit/s",
+        "set 9032 to {1}, and the drives to the same rate",
+        "本控制板的 CAN 控制器不能以 {0} kbit/s 发送 CAN FD 帧的数据段", "请将 9032 设为 {1}，并使各驱动器使用相同波特率";
+
+    /// No frame fits between the setpoints: free µs, those of a frame, tick in µs, kbit/s.
+    BusNoGap = 4389, "between the setpoints of two SYNCs {0} µs of the bus are free, and a frame takes {1} µs (every {2} µs at {3} kbit/s)",
+        "make the tick (9000) longer: requests, answers and statuses go between the setpoints, or SYNC comes late",
+        "两次 SYNC 的设定值之间总线只空闲 {0} µs，而一帧需要 {1} µs（周期 {2} µs，{3} kbit/s）", "请加长周期（9000）：请求、应答和状态在设定值之间发送，否则 SYNC 会推迟";
+
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
     // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.
     /// A parameter file that is not TOML; {0} what the reader says.

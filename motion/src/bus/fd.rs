@@ -138,6 +138,44 @@ impl FdBits {
     }
 }
 
+/// Bit rates that a controller can give the data of CAN FD frames: a bit for each of [`KBIT`](Self::KBIT).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DataRates(u8);
+
+impl DataRates {
+    /// The rates that there are (9032), in kbit/s.
+    pub const KBIT: [u32; 5] = [1000, 2000, 4000, 5000, 8000];
+    /// Of a controller without CAN FD.
+    pub const NONE: Self = Self(0);
+    /// Of a bus without a controller, which a simulation has.
+    pub const ALL: Self = Self(0b1_1111);
+
+    /// The rates for which `can` says so.
+    #[must_use]
+    pub fn of(can: impl Fn(u32) -> bool) -> Self {
+        let each = Self::each().filter(|(kbit, _)| can(*kbit));
+        Self(each.fold(0, |all, (_, bit)| all | bit))
+    }
+
+    /// True for one of these rates.
+    #[must_use]
+    pub fn has(self, kbit: u32) -> bool {
+        Self::each().any(|(own, bit)| own == kbit && self.0 & bit != 0)
+    }
+
+    /// The highest of these rates below `kbit`, or the lowest there is; `None` where there are none.
+    #[must_use]
+    pub fn near(self, kbit: u32) -> Option<u32> {
+        let own = || Self::each().filter(|(_, bit)| self.0 & bit != 0);
+        let below = own().filter(|(own, _)| *own < kbit).last();
+        below.or_else(|| own().next()).map(|(own, _)| own)
+    }
+
+    fn each() -> impl Iterator<Item = (u32, u8)> {
+        Self::KBIT.into_iter().zip([1, 2, 4, 8, 16])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::arithmetic_side_effects)]
@@ -181,6 +219,23 @@ mod tests {
         }
         let more = FdFrame::new(id(), &bytes, true).unwrap();
         assert_eq!((more.id(), more.classical()), (id(), None));
+    }
+
+    #[test]
+    fn a_controller_has_some_rates_and_the_next_one_is_told() {
+        let some = DataRates::of(|kbit| kbit != 8000 && kbit != 1000);
+        assert_eq!(
+            [500, 1000, 2000, 3000, 4000, 5000, 8000].map(|kbit| some.has(kbit)),
+            [false, false, true, false, true, true, false]
+        );
+        let near = [8000, 5000, 3000, 2000, 1000].map(|kbit| some.near(kbit));
+        assert_eq!(near, [5000, 4000, 2000, 2000, 2000].map(Some));
+        assert_eq!(DataRates::of(|_| true), DataRates::ALL);
+        assert_eq!(DataRates::of(|_| false), DataRates::NONE);
+        assert_eq!(DataRates::NONE.near(5000), None);
+        for kbit in DataRates::KBIT {
+            assert!(DataRates::ALL.has(kbit) && !DataRates::NONE.has(kbit));
+        }
     }
 
     /// Counts the stuff bits for `bits`.

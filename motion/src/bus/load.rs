@@ -112,14 +112,43 @@ impl Cycle {
         u32::try_from(thousandths.saturating_add(50) / 100).unwrap_or(u32::MAX)
     }
 
-    /// Refuses a cycle with a load above [`Self::MOST`].
+    /// The bits that SYNC and the setpoints of a period leave, and those of the longest frame that has to fit between
+    /// them: what begins later would delay SYNC, and then a setpoint.
+    fn gap(&self) -> (u32, u32) {
+        let [sync, setpoint, longest] = const { [frame_bits(1), frame_bits(6), frame_bits(8)] };
+        let all = self.drives.saturating_add(self.further);
+        let setpoints = match self.fd_kbit {
+            0 => setpoint.saturating_mul(self.drives.saturating_add(self.further.div_ceil(4))),
+            data => FdBits::of(all.saturating_mul(6)).at(self.kbit, data),
+        };
+        let period = self.tick_us.saturating_mul(self.kbit) / 1000;
+        let free = period.saturating_sub(sync).saturating_sub(setpoints);
+        (free, longest)
+    }
+
+    /// Refuses a cycle with a load above [`Self::MOST`], or without room for a frame of eight bytes between the setpoints
+    /// of two SYNCs.
     ///
     /// # Errors
-    /// [`Code::BusOverload`] with the figures.
+    /// [`Code::BusOverload`], [`Code::BusNoGap`], with the figures.
     pub fn check(&self) -> Result<(), Alarm> {
         let load = self.load();
         if load <= Self::MOST {
-            return Ok(());
+            let (free, longest) = self.gap();
+            if free >= longest {
+                return Ok(());
+            }
+            let us = |bits: u32| {
+                let us = bits.saturating_mul(1000).checked_div(self.kbit);
+                Arg::Int(us.unwrap_or(u32::MAX).into())
+            };
+            let args = [
+                us(free),
+                us(longest),
+                Arg::Int(self.tick_us.into()),
+                Arg::Int(self.kbit.into()),
+            ];
+            return Err(Alarm::of(Code::BusNoGap, &args));
         }
         let percent = load.saturating_add(5) / 10;
         let args = [
@@ -229,6 +258,22 @@ mod tests {
                 Arg::Int(1000)
             ]
         );
+        // Seven drives every 250 µs: 202 of them go with SYNC and the setpoints. Twice as long is long enough.
+        let fast = Cycle {
+            tick_us: 250,
+            further: 3,
+            status_ms: 20,
+            fd_kbit: 5000,
+            ..cycle(4, 64)
+        };
+        let alarm = fast.check().unwrap_err();
+        assert_eq!(alarm.code, Code::BusNoGap);
+        assert_eq!(alarm.args, [48, 135, 250, 1000].map(Arg::Int));
+        let half = Cycle {
+            tick_us: 500,
+            ..fast
+        };
+        assert_eq!(half.check(), Ok(()));
         let stopped = Cycle {
             kbit: 0,
             ..cycle(1, 4)

@@ -47,7 +47,7 @@ pub use drive::{
 pub use emcy::Emcy;
 pub use emcy_producer::EmcyProducer;
 pub use failure::DriveFailure;
-pub use fd::{FdBits, FdFrame};
+pub use fd::{DataRates, FdBits, FdFrame};
 pub use frame::{CobId, Frame, NodeId, Service};
 pub use heartbeat::{HeartbeatConsumer, HeartbeatEvent, HeartbeatProducer, HeartbeatWatch};
 pub use increments::{Increments, Scale, Told};

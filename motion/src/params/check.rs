@@ -4,6 +4,7 @@
 use super::pitch::{LARGEST_PITCH_ERROR, Unusable};
 use super::{FunctionRow, Params};
 use crate::alarm::{Alarm, Arg, Code};
+use crate::bus::DataRates;
 use crate::operating::Towards;
 use crate::spindle::{Resolution, Tracker};
 use crate::units::{Acceleration, Axis, Lead, Length, Rpm, Ticks, signed};
@@ -355,7 +356,7 @@ impl Params {
             return;
         }
         let (data, nominal) = (self.fd_kbit(), self.bus_kbit());
-        if !matches!(data, 1000 | 2000 | 4000 | 5000 | 8000) || data < nominal {
+        if !DataRates::ALL.has(data) || data < nominal {
             reasons.add(Code::FdRate, &[count(data), count(nominal)]);
         }
     }

@@ -3,15 +3,15 @@ mode (RM0440, "FD controller area network (FDCAN)"; what it leaves open, from Bo
 
 from clock import US
 from registers import ManualError, Registers
-from wire import Frame
+from wire import LENGTHS, Frame
 
-CCCR, NBTP, TSCC, TSCV, ECR, PSR = 0x18, 0x1C, 0x20, 0x24, 0x40, 0x44
+DBTP, CCCR, NBTP, TSCC, TSCV, ECR, PSR, TDCR = 0x0C, 0x18, 0x1C, 0x20, 0x24, 0x40, 0x44, 0x48
 IR, IE, ILS, ILE, RXGFC, RXF0S, RXF0A, RXF1S, RXF1A = 0x50, 0x54, 0x58, 0x5C, 0x80, 0x90, 0x94, 0x98, 0x9C
 TXBC, TXFQS, TXBRP, TXBAR, TXBCR, TXBTO, TXBCF, TXBTIE, TXBCIE, TXEFS, TXEFA, CKDIV = (
     0xC0, 0xC4, 0xC8, 0xCC, 0xD0, 0xD4, 0xD8, 0xDC, 0xE0, 0xE4, 0xE8, 0x100)
 
 # CCCR.
-INIT, CCE, ASM, MON, DAR, TEST, FDOE = 1, 2, 4, 1 << 5, 1 << 6, 1 << 7, 1 << 8
+INIT, CCE, ASM, MON, DAR, TEST, FDOE, BRSE = 1, 2, 4, 1 << 5, 1 << 6, 1 << 7, 1 << 8, 1 << 9
 # IR.
 RF0N, RF0F, RF0L, TC, TCF, TFE, MRAF, ELO, EP, EW, BO, PEA = (
     1 << bit for bit in (0, 1, 2, 7, 8, 9, 14, 16, 17, 18, 19, 23))
@@ -27,7 +27,7 @@ class Fdcan(Registers):
     RESET = {at: 0 for at in range(0, 0x104, 4)} | {
         0x00: 0x3214_1218,
         0x04: 0x8765_4321,
-        0x0C: 0x0000_0A33,
+        DBTP: 0x0000_0A33,
         CCCR: INIT,
         NBTP: 0x0600_0A03,
         PSR: 0x0000_0707,
@@ -141,14 +141,26 @@ class Fdcan(Registers):
             first, second = self.memory[at], self.memory[at + 1]
             if first & 3 << 29:
                 raise ManualError("an extended or remote frame is sent")
-            length = second >> 16 & 15
-            if length > 8 or second & 1 << 21:
-                raise ManualError("a frame of CAN FD is sent")
-            data = b"".join(word.to_bytes(4, "little") for word in self.memory[at + 2:at + 4])[:length]
-            self.pending[place] = Frame(first >> 18 & 0x7FF, data, of=self)
+            code, fd = second >> 16 & 15, bool(second & 1 << 21)
+            if fd:
+                self.may_send_fd(second)
+            elif code > 8:
+                raise ManualError("a classical frame of more than eight bytes is sent")
+            data = b"".join(word.to_bytes(4, "little") for word in self.memory[at + 2:at + ELEMENT])[:LENGTHS[code]]
+            self.pending[place] = Frame(first >> 18 & 0x7FF, data, of=self, fd=fd)
             self.word[TXBTO] &= ~bit
             self.word[TXBCF] &= ~bit
         self.wire.kick()
+
+    def may_send_fd(self, second):
+        """What a frame of CAN FD with the rate of its data needs ("Tx buffer element": FDF, BRS; CCCR, DBTP, TDCR)."""
+        if self.word[CCCR] & (FDOE | BRSE) != FDOE | BRSE or not second & 1 << 20:
+            raise ManualError("a frame of CAN FD is sent without FDOE, BRSE or BRS")
+        prescaler, before = (self.word[DBTP] >> 16 & 31) + 1, (self.word[DBTP] >> 8 & 31) + 1
+        if not self.word[DBTP] & 1 << 23 or prescaler > 2:
+            raise ManualError("the delay of the transceiver is not measured (DBTP.TDC)")
+        if self.word[TDCR] >> 8 & 127 != prescaler * (1 + before):
+            raise ManualError("a bit is not looked at where it is sampled (TDCR.TDCO)")
 
     def cancel(self, places):
         for place in range(PLACES):
@@ -198,13 +210,15 @@ class Fdcan(Registers):
             self.word[IR] |= RF0L
             self.tell()
             return
+        if frame.fd and not self.word[CCCR] & FDOE:
+            raise ManualError("a classical controller destroys a frame of CAN FD")
         at = FIFO + self.put * ELEMENT
         self.memory[at] = frame.id << 18
-        # ANMF: no filter has matched.
-        self.memory[at + 1] = 1 << 31 | len(frame.data) << 16 | stamp
-        padded = frame.data.ljust(8, b"\0")
-        self.memory[at + 2] = int.from_bytes(padded[:4], "little")
-        self.memory[at + 3] = int.from_bytes(padded[4:], "little")
+        # ANMF: no filter has matched. FDF and BRS as they came.
+        self.memory[at + 1] = 1 << 31 | (3 << 20) * frame.fd | LENGTHS.index(len(frame.data)) << 16 | stamp
+        padded = frame.data.ljust(64, b"\0")
+        for word in range(16):
+            self.memory[at + 2 + word] = int.from_bytes(padded[4 * word:4 * word + 4], "little")
         self.fifo.append(self.put)
         self.put = (self.put + 1) % PLACES
         self.word[IR] |= RF0N | (RF0F if len(self.fifo) == PLACES else 0)
@@ -269,13 +283,15 @@ class Fdcan(Registers):
         at = self.offset(at)
         if at == CCCR:
             self.control(value)
-        elif at in (NBTP, TSCC, RXGFC, TXBC, 0x0C, CKDIV):
+        elif at in (NBTP, DBTP, TDCR, TSCC, RXGFC, TXBC, CKDIV):
             # "Protected": CCE and INIT have to be set.
             if self.word[CCCR] & 3 != 3:
                 raise ManualError(f"register {at:#x} of FDCAN is written while it is protected")
             self.word[at] = value
             if at == NBTP:
                 self.timed(value)
+            elif at == DBTP:
+                self.data_timed(value)
         elif at == IR:
             self.word[IR] &= ~value
             self.tell()
@@ -305,10 +321,20 @@ class Fdcan(Registers):
             raise ManualError(f"a bit of {steps} steps")
         self.wire.bit = int(steps)
 
+    def data_timed(self, value):
+        """DBTP: the same of the data."""
+        prescaler, before, after = (value >> 16 & 31) + 1, (value >> 8 & 31) + 1, (value >> 4 & 15) + 1
+        if (value & 15) + 1 > after:
+            raise ManualError("a receiver shifts by more than what follows the sample point (DBTP.DSJW)")
+        self.wire.data_bit = prescaler * (1 + before + after) * US / self.chip.rcc.fdcan_mhz()
+
     def control(self, value):
         before = self.word[CCCR]
-        if value & (TEST | FDOE | MON | DAR):
+        if value & (TEST | MON | DAR):
             raise ManualError("a mode of FDCAN that the model does not have (CCCR)")
+        # "Protected": FDOE and BRSE.
+        if (value ^ before) & (FDOE | BRSE) and before & 3 != 3:
+            raise ManualError("CAN FD is switched while it is protected (CCCR)")
         if value & CCE and not before & INIT:
             value &= ~CCE
         # ASM is set by the host only while CCE and INIT are; it can be reset at any time ("FDCAN CC control register").

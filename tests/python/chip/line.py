@@ -11,8 +11,8 @@ from talk import BOARD
 from wire import Frame
 
 GATEWAY = "gateway"
-# When in a period of the tick the outside is served: the tick's own frames have gone, and others may still.
-SERVED = 600 * US
+# When in a period of the tick the outside is served, in parts of it: the tick's own frames have gone, and others may still.
+SERVED = 0.6
 # States in which nothing moves by itself: idle, and an alarm.
 RESTS = (1, 7)
 # Seconds after which nothing comes of it any more. The longest example has 600 000 ticks.
@@ -58,6 +58,9 @@ class Line:
     # The wire's side.
 
     def hear(self, frame, foreign):
+        # An adapter for classical frames tells no others.
+        if frame.fd:
+            return
         line = f"t{frame.id:03X}{len(frame.data)}{frame.data.hex().upper()}\r".encode()
         for client, state in list(self.clients.items()):
             if state["open"] and frame.of != (GATEWAY, client):
@@ -153,7 +156,9 @@ class Line:
         board = self.board
         begun = board.ticks
         board.run_until(lambda: board.ticks > begun)
-        board.run_for(SERVED)
+        # TIM6_ARR: a microsecond less than the period.
+        period = (board.tim6.word[0x2C] + 1) * US
+        board.run_for(int(SERVED * period))
         board.settle()
 
     def work(self, until):

@@ -35,7 +35,10 @@ class Plant:
         self.close()
 
     def hear(self, frame, foreign):
-        if not foreign:
+        if frame.fd:
+            if not foreign:
+                self.tell_together(frame)
+        elif not foreign:
             self.behind.append(frame)
             if frame.id == SYNC:
                 self.answer(b"x", self.behind)
@@ -50,6 +53,14 @@ class Plant:
         for _ in range(self.process.stdout.read(1)[0]):
             identifier, length, data = struct.unpack("<HB8s", self.process.stdout.read(11))
             self.board.wire.send(Frame(identifier, data[:length], of=DRIVE))
+
+    def tell_together(self, frame):
+        """The frame of CAN FD with the setpoints of all drives; what was said before it comes first."""
+        if self.behind:
+            self.answer(b"x", self.behind)
+            self.behind = []
+        self.process.stdin.write(b"t" + struct.pack("<HB", frame.id, len(frame.data)) + frame.data)
+        self.process.stdin.flush()
 
     def advance(self):
         """The next period begins: what the drives were told in the last one is with them, and the spindle has turned."""

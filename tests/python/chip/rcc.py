@@ -50,6 +50,10 @@ class Rcc(Registers):
 
     def pll_mhz(self):
         """The PLL's output R."""
+        return self.pll_between() / (2, 4, 6, 8)[self.word[PLLCFGR] >> 25 & 3]
+
+    def pll_between(self):
+        """The PLL's oscillator."""
         value = self.word[PLLCFGR]
         source = {2: HSI_MHZ, 3: CRYSTAL_MHZ}.get(value & 3)
         if source is None:
@@ -62,7 +66,7 @@ class Rcc(Registers):
             raise ManualError(f"the PLL is fed with {into} MHz")
         if not 96 <= between <= (344 if self.chip.pwr.range_1() else 128):
             raise ManualError(f"the PLL runs at {between} MHz")
-        return between / (2, 4, 6, 8)[value >> 25 & 3]
+        return between
 
     def sysclk_mhz(self, switch=None):
         switch = self.word[CFGR] >> 2 & 3 if switch is None else switch
@@ -85,10 +89,12 @@ class Rcc(Registers):
         return self.hclk_mhz() / divider * (1 if divider == 1 else 2)
 
     def fdcan_mhz(self):
-        """CCIPR.FDCANSEL, bits 25:24: 00 is the crystal."""
+        """CCIPR.FDCANSEL, bits 25:24: 00 is the crystal, 01 the PLL's output Q."""
         select = self.word[CCIPR] >> 24 & 3
+        if select == 1 and self.word[CR] & 1 << 25 and self.word[PLLCFGR] & 1 << 20:
+            return self.pll_between() / (2, 4, 6, 8)[self.word[PLLCFGR] >> 21 & 3]
         if select != 0 or not self.word[CR] & 1 << 17:
-            raise ManualError("the CAN controller has no clock from the crystal")
+            raise ManualError("the CAN controller has no clock")
         return CRYSTAL_MHZ
 
     def check(self, who):
@@ -137,6 +143,8 @@ class Rcc(Registers):
             self.word[at] = value & ~2 | (2 if value & 1 else 0)
         elif at == CIFR:
             pass
+        elif at == CCIPR and (value ^ before) & 3 << 24 and self.enabled(APB1ENR1, 25):
+            raise ManualError("the clock of the CAN controller is changed while it runs (RCC_CCIPR)")
         else:
             self.word[at] = value
 

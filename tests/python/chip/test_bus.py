@@ -6,7 +6,7 @@ from board import Board
 from clock import MS
 from fdcan import ASM
 from plant import Plant
-from talk import START, Ear, Refused, Sdo
+from talk import START, Ear, Sdo
 from wire import Frame
 
 # On its way to bus-off the controller is error passive for half a millisecond: a look that falls into that tells it first.
@@ -68,14 +68,6 @@ class Trouble(unittest.TestCase):
         self.assertEqual(machine.ear.alarms(), [])
         self.assertEqual(machine.board.shown["spindle enable"], "high")
         self.assertEqual(machine.board.shown["light"], "high")
-
-    def test_setpoints_in_frames_that_its_controller_does_not_send_are_refused(self):
-        machine = Machine(self)
-        sdo = Sdo(machine.board, machine.ear)
-        with self.assertRaisesRegex(Refused, "06040043h"):
-            sdo.write(0x2000 + 9031, 0, bytes([1]))
-        self.assertEqual(sdo.number(0x5010, 7), 4383)
-        self.assertEqual(sdo.number(0x2000 + 9031, 0), 0)
 
     def test_bus_off_is_left_when_the_wire_is_good_again_and_nothing_old_is_sent(self):
         machine = Machine(self)

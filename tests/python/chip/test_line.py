@@ -27,11 +27,12 @@ APART = ("g84-recovery.nc", "g78-as-printed.nc")
 class Machine:
     """A board with its drives, and `leadscrew` on its line."""
 
-    def __init__(self, test):
+    def __init__(self, test, *params):
+        params = params or PARAMS
         self.board = Board()
-        self.board.flash.second[:] = prepared(PARAMS)
+        self.board.flash.second[:] = prepared(params)
         self.ear = Ear(self.board)
-        self.plant = Plant(self.board, *PARAMS)
+        self.plant = Plant(self.board, *params)
         test.addCleanup(self.plant.close)
         self.line = Line(self.board)
         test.addCleanup(self.line.close)

@@ -31,18 +31,48 @@ def bits(identifier, data):
     return len(stream) + stuffed + 1 + 2 + 7 + 3
 
 
-class Frame:
-    __slots__ = ("id", "data", "time", "of")
+@lru_cache(maxsize=65536)
+def fd_bits(identifier, data):
+    """(bits at the nominal rate, bits at the rate of the data) of a frame of CAN FD that switches its rate."""
+    head = [0] + [identifier >> bit & 1 for bit in range(10, -1, -1)] + [0, 0, 1, 0, 1]
+    # ESI, the code of the length, the data.
+    body = [0] + [LENGTHS.index(len(data)) >> bit & 1 for bit in range(3, -1, -1)]
+    for byte in data:
+        body += [byte >> bit & 1 for bit in range(7, -1, -1)]
+    nominal = fast = run = 0
+    last = None
+    for place, bit in enumerate(head + body):
+        bits_of = 1
+        run = run + 1 if bit == last else 1
+        last = bit
+        if run == 5:
+            bits_of, run, last = 2, 1, 1 - bit
+        if place < len(head):
+            nominal += bits_of
+        else:
+            fast += bits_of
+    # Count of stuffing bits and checksum, with a stuffed bit before each four of them.
+    fast += 27 if len(data) <= 16 else 32
+    # Delimiter of the checksum, acknowledge, end of frame, gap.
+    return nominal + 1 + 2 + 7 + 3, fast
 
-    def __init__(self, identifier, data, of=None):
-        self.id, self.data, self.of = identifier, bytes(data), of
+
+# The lengths that a frame of CAN FD can have, by their code.
+LENGTHS = (0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64)
+
+
+class Frame:
+    __slots__ = ("id", "data", "time", "of", "fd")
+
+    def __init__(self, identifier, data, of=None, fd=False):
+        self.id, self.data, self.of, self.fd = identifier, bytes(data), of, fd
         self.time = None
 
     def __repr__(self):
-        return f"{self.id:03X}#{self.data.hex().upper()}"
+        return f"{self.id:03X}{'##1' if self.fd else '#'}{self.data.hex().upper()}"
 
     def __eq__(self, other):
-        return (self.id, self.data) == (other.id, other.data)
+        return (self.id, self.data, self.fd) == (other.id, other.data, other.fd)
 
     __hash__ = None
 
@@ -52,6 +82,8 @@ class Wire:
 
     def __init__(self, clock, bit=US):
         self.clock, self.bit = clock, bit
+        # A bit of the data of CAN FD; none where the controller has no rate for them.
+        self.data_bit = None
         self.waiting = []
         self.controller = None
         self.listeners = []
@@ -93,8 +125,14 @@ class Wire:
             # An error frame: flag of six to twelve bits, delimiter of eight, gap of three.
             self.clock.after((17 + 20) * self.bit, lambda: self.fails(frame, foreign))
         else:
-            took = 0 if self.instant else bits(frame.id, frame.data) * self.bit
-            self.clock.after(took, lambda: self.ends(frame, foreign))
+            self.clock.after(0 if self.instant else self.takes(frame), lambda: self.ends(frame, foreign))
+
+    def takes(self, frame):
+        """Steps of the clock from its start to the end of the gap behind it."""
+        if not frame.fd:
+            return bits(frame.id, frame.data) * self.bit
+        nominal, fast = fd_bits(frame.id, frame.data)
+        return nominal * self.bit + round(fast * self.data_bit)
 
     def fails(self, frame, foreign):
         self.current = None

@@ -2,6 +2,7 @@
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Sim, SimError};
+use leadscrew_common::output::line;
 use leadscrew_common::params::load_bytes;
 use leadscrew_core::alarm::Lang;
 
@@ -15,7 +16,7 @@ pub fn parameters(data: &[u8]) {
     };
     let lang = if choice & 1 == 0 { Lang::En } else { Lang::Zh };
     let loaded = load_bytes("fuzz.toml", text, lang);
-    assert!(!loaded.report().is_empty());
+    assert!(!line(|told| loaded.report_fields(told)).is_empty());
     let lines = text
         .iter()
         .filter(|byte| matches!(byte, b'\n' | b'\r'))

@@ -561,7 +561,7 @@ fn wherever_it_is_held_and_moved_the_program_goes_on_unchanged() {
     };
     leadscrew_seed::volume(71, |seed| {
         let mut random = Random(seed);
-        for _ in 0..leadscrew_seed::amount(3, 60) {
+        for _ in 0..leadscrew_seed::amount(3, 30) {
             let ticks = random.within(50, TICKS as i64) as u64;
             let Some((point, rest)) = undisturbed(&params, PARTS, ticks) else {
                 continue;

@@ -5,12 +5,15 @@ use core::time::Duration;
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_core::alarm::{Alarm, Arg, Code};
+use leadscrew_core::board::device::objects::{COMMIT_OFFSETS, STAGED_OFFSETS};
 use leadscrew_core::board::device::{CommitState, LOAD, SAVE};
 use leadscrew_core::board::{Board, Event, KeptSet, Mark, Region, StoreError};
 use leadscrew_core::bus::{
     Abort, BoardState, Object, Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
 use leadscrew_core::link::{EventReader, ImageWriter, decode_alarm, identity};
+use leadscrew_core::offsets::image::sum;
+use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::params::Params;
 use leadscrew_store::Store;
 use leadscrew_tests::gateway::{Gateway, NODE};
@@ -426,6 +429,59 @@ fn a_set_without_its_mark_is_stored_and_told() {
         .map(|entry| entry.expect("an entry").event)
         .collect();
     assert_eq!(alarms(&events), [Code::ParametersUnmarked]);
+}
+
+/// The same of the tool table.
+#[test]
+fn a_table_without_its_mark_is_stored_and_told() {
+    let mut board = Board::new(&Params::sheets(), None, None).expect("a board");
+    board.join(NODE).expect("room");
+    let table = Offsets {
+        revision: Revision(1),
+        ..Offsets::default()
+    };
+    let image = table.encode().expect("within its ranges");
+    let (now, patience) = (Duration::ZERO, Duration::from_secs(1));
+    let protocol = SdoProtocol::Segmented;
+    let mut staged = SdoDownload::new(NODE, STAGED_OFFSETS, &image, protocol, patience, now);
+    while staged.outcome().is_none() {
+        while let Some(frame) = staged.poll(now) {
+            assert!(!board.receive(&frame));
+        }
+        board.serve();
+        while let Some(frame) = board.transmit() {
+            staged.receive(&frame, now);
+        }
+    }
+    assert_eq!(staged.outcome(), Some(Ok(())));
+    let sum = sum(&image).to_le_bytes();
+    let frame = SdoDownload::new(
+        NODE,
+        COMMIT_OFFSETS,
+        &sum,
+        SdoProtocol::Short,
+        patience,
+        now,
+    )
+    .poll(now)
+    .expect("a request");
+    assert!(!board.receive(&frame));
+    board.serve();
+    for (region, result) in [
+        (Region::OffsetsA, Ok(())),
+        (Region::OffsetsMark, Err(StoreError::Full)),
+    ] {
+        assert_eq!(board.store().expect("a request").region, region);
+        board.stored(region, result);
+    }
+    assert!(board.store().is_none());
+    board.serve();
+    assert_eq!(board.device().offsets(), &image);
+    let events = transfer(&mut board, Object::new(0x5040, 3));
+    let events: Vec<_> = EventReader::new(&events)
+        .map(|entry| entry.expect("an entry").event)
+        .collect();
+    assert_eq!(alarms(&events), [Code::OffsetsUnmarked]);
 }
 
 /// Reads an object of a board that nobody ticks.

@@ -184,7 +184,7 @@ fn no_detent_is_lost() {
         let mut wheel = Pendant::new(OperatingMode::Wheel);
         wheel.switch(Z, true);
         let mut expected = wheel.z();
-        for _ in 0..leadscrew_seed::amount(40, 2_000) {
+        for _ in 0..leadscrew_seed::amount(40, 800) {
             // Never out of the travel.
             let toward = if expected > 0 { -1 } else { 1 };
             let counts = toward * random.within(-15, 44);

@@ -94,7 +94,7 @@ fn the_mark_repeats_to_the_way_of_a_tick() {
                 let start = before(towards, random.within(1, 60_000));
                 let mut bench = at(&params, start, random.within(-2_000_000, 2_000_000));
                 let mut offs = Vec::new();
-                for round in 0..amount(6, 60) {
+                for round in 0..amount(6, 25) {
                     for _ in 0..random.within(0, 17) {
                         bench.tick();
                     }
@@ -195,7 +195,7 @@ fn a_drive_that_does_not_tell_its_inputs_is_not_moved() {
 fn a_drive_that_stops_telling_on_the_way_is_stopped() {
     volume(0x1A01, |seed| {
         let mut random = Random(seed);
-        for _ in 0..amount(12, 200) {
+        for _ in 0..amount(12, 80) {
             let (input, towards) = random.of(&WIRED);
             let params = params(input, towards, &[]);
             let ticks = random.within(1, 2_800);

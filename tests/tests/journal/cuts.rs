@@ -115,7 +115,7 @@ fn a_cut_at_every_byte_leaves_the_old_entry_or_the_new_one() {
 fn cuts_upon_cuts_lose_nothing() {
     leadscrew_seed::volume(7, |seed| {
         let mut random = Random(seed);
-        let rounds = leadscrew_seed::amount(12, 600);
+        let rounds = leadscrew_seed::amount(12, 300);
         let mut cuts = 0;
         for round in 0..rounds {
             let mut flash = Flash::with_pages(PAGES);

@@ -144,10 +144,17 @@ impl ObjectValues {
 
     /// Checks whether this board's controller can send the frames that the draft asks for.
     fn can_send(&self) -> Result<(), Alarm> {
-        if self.draft.setpoint_frame() == 1 && !self.sends_fd {
-            return Err(Alarm::of(Code::NoFd, &[]));
+        let kbit = self.draft.fd_kbit();
+        if self.draft.setpoint_frame() == 0 || self.data_rates.has(kbit) {
+            return Ok(());
         }
-        Ok(())
+        Err(match self.data_rates.near(kbit) {
+            Some(near) => Alarm::of(
+                Code::FdRateOfBoard,
+                &[Arg::Int(kbit.into()), Arg::Int(near.into())],
+            ),
+            None => Alarm::of(Code::NoFd, &[]),
+        })
     }
 
     /// True where the draft is in force and stored already.

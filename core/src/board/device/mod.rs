@@ -65,10 +65,9 @@ use super::kept::PowerUp;
 use super::request::StoreRequest;
 use super::store::Region;
 use crate::alarm::{Alarm, Code};
-use crate::bus::FdFrame;
 use crate::bus::{
-    Beat, BlockSize, CobId, Controller, Cycle, Frame, HeartbeatEvent, HeartbeatWatch, NmtSlave,
-    NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
+    Beat, BlockSize, CobId, Controller, Cycle, DataRates, Frame, HeartbeatEvent, HeartbeatWatch,
+    NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
 };
 use crate::call::{Aux, Call};
 use crate::cycle::Forbidden;
@@ -257,10 +256,10 @@ impl Device {
         self.values.serial = serial;
     }
 
-    /// Says whether the controller sends frames of CAN FD. A board without such a controller refuses a set that asks for
-    /// them.
-    pub const fn set_fd(&mut self, sends_fd: bool) {
-        self.values.sends_fd = sends_fd;
+    /// Says at which rates the controller can send the data of CAN FD frames. The board refuses a set that asks for
+    /// another one.
+    pub const fn set_data_rates(&mut self, rates: DataRates) {
+        self.values.data_rates = rates;
     }
 
     /// Takes a frame. False for a frame of a drive, or of a service that the board does not have.
@@ -333,11 +332,11 @@ impl Device {
         self.values.own_wheel(count, params)
     }
 
-    /// Takes a frame of CAN FD. No such frame is for a board, but it may have setpoints of another node for the board's
-    /// drives.
-    pub fn receive_fd(&mut self, frame: &FdFrame, params: &Params) {
+    /// Somebody has sent a frame of CAN FD with this identifier. No such frame is for a board, but it may have setpoints
+    /// of another node for the board's drives.
+    pub fn receive_fd(&mut self, id: CobId, params: &Params) {
         if self.has_joined()
-            && let Some(intrusion) = self.setpoints_of_others(frame.id(), params)
+            && let Some(intrusion) = self.setpoints_of_others(id, params)
         {
             self.resist(intrusion);
         }

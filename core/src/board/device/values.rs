@@ -18,8 +18,8 @@ use crate::alarm::{Alarm, Arg, Code};
 use crate::board::kept::Kept;
 use crate::board::store::{GUARANTEED_ERASES, WORN};
 use crate::bus::{
-    Beat, BoardBeat, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame,
-    HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Order,
+    Beat, BoardBeat, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, DataRates, EmcyProducer,
+    Frame, HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Order,
     PdoCommunication, Service,
 };
 use crate::link::Event;
@@ -66,8 +66,8 @@ pub struct ObjectValues {
     pub start: u32,
     /// How often each page of the storage has been erased.
     pub(super) erases: u32,
-    /// The controller sends frames of CAN FD.
-    pub sends_fd: bool,
+    /// Rates that the controller can give the data of CAN FD frames.
+    pub data_rates: DataRates,
     pub(super) log_from: u32,
     /// Used bytes of the buffer.
     pub(super) length: usize,
@@ -202,7 +202,7 @@ impl ObjectValues {
             serial: 0,
             start: 0,
             erases: 0,
-            sends_fd: true,
+            data_rates: DataRates::ALL,
             commands: Deque::new(),
             signals: None,
             drops_tap: false,

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use leadscrew_app::{Machine, TickMachine};
 use leadscrew_board_sim::plant::Plant;
 use leadscrew_core::board::{Event, Held, Inputs, Region, StoreError, StoreRequest, Switching};
-use leadscrew_core::bus::{Controller, Frame, is_sync};
+use leadscrew_core::bus::{CobId, Controller, Frame, Setpoints, is_sync};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 
@@ -51,7 +51,7 @@ impl TickMachine for Bench {
         self.answers.pop_front()
     }
 
-    fn send(&mut self, frames: &[Frame]) -> bool {
+    fn send(&mut self, frames: &[Frame], _: Option<&Setpoints>) -> bool {
         self.given = frames.iter().copied().find(is_sync);
         self.syncs += u32::from(self.given.is_some());
         let answers = &mut self.answers;
@@ -72,6 +72,10 @@ impl TickMachine for Bench {
 impl Machine for Bench {
     fn receive(&mut self) -> Option<Frame> {
         self.others.pop_front()
+    }
+
+    fn receive_fd(&mut self) -> Option<CobId> {
+        None
     }
 
     fn handwheel(&mut self) -> u16 {

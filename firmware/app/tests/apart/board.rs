@@ -9,7 +9,8 @@ use leadscrew_core::board::{
     self, BackgroundSide, Event, Inputs, Output, Snapshot, State, TickSide,
 };
 use leadscrew_core::bus::{
-    BoardCommand, BoardState, CobId, Controller, Frame, NmtCommand, NodeId, Order, Service,
+    BoardCommand, BoardState, CobId, Controller, DataRates, Frame, NmtCommand, NodeId, Order,
+    Service,
 };
 use leadscrew_core::call::Call;
 use leadscrew_core::link::{
@@ -138,7 +139,7 @@ impl Apart {
             tap: None,
             node: NodeId::BOARD,
             serial: 0x1234_5678,
-            fd: true,
+            data_rates: DataRates::ALL,
             failure,
             cause,
         };

@@ -3,7 +3,9 @@
 use leadscrew_app::ResetCause;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::State;
-use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame, NodeId, Service};
+use leadscrew_core::bus::{
+    BusState, CobId, Controller, DataRates, ErrorCounts, Frame, NodeId, Service,
+};
 use leadscrew_core::params::Params;
 
 use crate::board::{Apart, alarm, calls};
@@ -79,4 +81,29 @@ fn a_second_master_is_noticed_whichever_side_hears_it() {
 fn the_serial_number_is_an_object() {
     let mut apart = Apart::started(&Params::sheets(), None, ResetCause::Power);
     assert_eq!(apart.object(0x1018, 4), 0x1234_5678);
+}
+
+#[test]
+fn setpoints_in_a_frame_that_its_controller_does_not_send_are_refused() {
+    let some = DataRates::of(|kbit| kbit == 2000);
+    for (rates, refused) in [
+        (DataRates::NONE, Some(Code::NoFd)),
+        (some, Some(Code::FdRateOfBoard)),
+        (DataRates::ALL, None),
+    ] {
+        let mut apart = Apart::new(&Params::sheets());
+        apart.background.state_mut().set_data_rates(rates);
+        // 9031 = 1.
+        let [low, high] = (0x2000 + 9031_u16).to_le_bytes();
+        let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
+        let write = Frame::new(request, &[0x2F, low, high, 0, 1, 0, 0, 0]);
+        apart.bench.others.push_back(write.expect("a frame"));
+        apart.steps(50);
+        apart.bench.sent.clear();
+        let told = apart.object(0x5010, 7);
+        assert_eq!(told, refused.map_or(0, |code| u16::from(code).into()));
+        apart.bench.sent.clear();
+        let in_force = apart.object(0x2000 + 9031, 0) & 0xFF;
+        assert_eq!(in_force, u32::from(refused.is_none()));
+    }
 }

@@ -37,7 +37,7 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use heapless::spsc::Queue;
 use leadscrew_app::{Memory, PowerUp, ResetCause, Sides};
-use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::bus::{DataRates, Frame, NodeId};
 use leadscrew_core::params::Params;
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -92,7 +92,7 @@ fn main() -> ! {
         tap,
         node: NodeId::BOARD,
         serial: 0,
-        fd: true,
+        data_rates: DataRates::ALL,
         failure,
         cause,
     };

@@ -4,7 +4,7 @@ use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 use leadscrew_app::Machine;
 use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
-use leadscrew_core::bus::{Controller, Frame, NodeId, Service};
+use leadscrew_core::bus::{CobId, Controller, Frame, NodeId, Service};
 use leadscrew_core::params::Params;
 use leadscrew_slcan::{Adapter, Lines, Reply, SlcanFrame};
 use leadscrew_store::BUFFER;
@@ -146,6 +146,11 @@ impl Outside {
 impl Machine for Outside {
     fn receive(&mut self) -> Option<Frame> {
         self.program_buffer.pop_front()
+    }
+
+    /// The line carries no frames of CAN FD.
+    fn receive_fd(&mut self) -> Option<CobId> {
+        None
     }
 
     fn handwheel(&mut self) -> u16 {

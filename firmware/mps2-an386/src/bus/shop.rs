@@ -102,7 +102,8 @@ impl TickMachine for Shop {
         self.answers.pop_front()
     }
 
-    fn send(&mut self, frames: &[Frame]) -> bool {
+    /// The frame of CAN FD goes to the drives in the plant alone: the line carries none.
+    fn send(&mut self, frames: &[Frame], together: Option<&Setpoints>) -> bool {
         for frame in frames {
             self.wire.tell(frame);
         }
@@ -117,12 +118,7 @@ impl TickMachine for Shop {
         }
         plant.exchange(frames, &mut answer);
         self.lathe.keep();
-        true
-    }
-
-    /// Only to the drives in the plant: the line carries no frames of CAN FD.
-    fn send_together(&mut self, setpoints: &Setpoints) -> bool {
-        if let Some(frame) = setpoints.frame(NodeId::BOARD) {
+        if let Some(frame) = together.and_then(|setpoints| setpoints.frame(NodeId::BOARD)) {
             self.lathe.plant.tell_together(&frame);
         }
         true

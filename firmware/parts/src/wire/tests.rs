@@ -11,10 +11,10 @@ use std::boxed::Box;
 use std::rc::Rc;
 use std::vec::Vec;
 
-use leadscrew_core::bus::{CobId, Frame};
+use leadscrew_core::bus::{CobId, FdFrame, Frame};
 
 use super::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};
-use crate::message::received;
+use crate::message::Heard;
 use crate::shared::{interrupted_by, point};
 
 /// Microseconds of a period.
@@ -62,25 +62,50 @@ impl Choices {
 enum Kind {
     /// A frame of this tick, and its number in the tick.
     Tick(u8, u8),
+    /// The frame of CAN FD of this tick.
+    Together(u8),
     /// A frame of the background, and its number.
     Other(u8),
+}
+
+impl Kind {
+    const fn is_of_tick(self) -> bool {
+        !matches!(self, Self::Other(_))
+    }
 }
 
 fn frame(kind: Kind) -> Frame {
     let (id, payload) = match kind {
         Kind::Tick(tick, 0) => (0x080, [1, tick, 0]),
         Kind::Tick(tick, which) => (0x20F + u16::from(which), [1, tick, which]),
+        Kind::Together(tick) => (0x481, [2, tick, 0]),
         Kind::Other(which) => (0x581, [0, 0, which]),
     };
     Frame::new(CobId::new(id).unwrap(), &payload).unwrap()
 }
 
-fn kind(frame: &Frame) -> Kind {
-    match *frame.payload() {
-        [1, tick, which] => Kind::Tick(tick, which),
-        [0, 0, which] => Kind::Other(which),
-        _ => panic!("{frame:?}"),
+/// All bytes of a frame for seven drives count.
+fn together(tick: u8) -> FdFrame {
+    let head = frame(Kind::Together(tick));
+    let payload: Vec<u8> = head.payload().iter().copied().chain([tick; 39]).collect();
+    FdFrame::new(head.id(), &payload, true).unwrap()
+}
+
+fn kind(words: &[u32]) -> Kind {
+    let kind = match words[2].to_le_bytes() {
+        [1, tick, which, 0] => Kind::Tick(tick, which),
+        [2, tick, 0, more] if more == tick => Kind::Together(tick),
+        [0, 0, which, 0] => Kind::Other(which),
+        _ => panic!("{words:X?}"),
+    };
+    match kind {
+        Kind::Together(tick) => {
+            let (all, used) = crate::fd_to_send(&together(tick));
+            assert_eq!(words, &all[..used]);
+        }
+        kind => assert_eq!(words, crate::to_send(&frame(kind))),
     }
+    kind
 }
 
 /// The case to be tried.
@@ -89,10 +114,19 @@ struct Scenario {
     /// The number of ticks, and of frames in each tick.
     ticks: u8,
     frames: u8,
+    /// Each tick has a frame of CAN FD as well.
+    fd: bool,
     /// The number of frames of the background, all there from the beginning.
     others: u8,
     /// The controller may leave the bus.
     leaves: bool,
+}
+
+impl Scenario {
+    /// The number of frames of a tick.
+    fn all(&self) -> u8 {
+        self.frames + u8::from(self.fd)
+    }
 }
 
 /// The test's side of [`Chip`], and what the test expects of the rings.
@@ -180,6 +214,11 @@ impl Machine {
             }
             // A late frame of an older tick: it could not be called back any more.
             Some(Kind::Tick(..)) => {}
+            Some(Kind::Together(of)) if of == self.now.get() => {
+                assert_eq!(tick, self.scenario.frames, "behind the others");
+                self.sent.set((tick + 1, other));
+            }
+            Some(Kind::Together(_)) => {}
             Some(Kind::Other(which)) => {
                 assert_eq!(which, other, "in their order");
                 self.sent.set((tick, other + 1));
@@ -197,7 +236,8 @@ impl Machine {
         let frames: Vec<Frame> = (0..self.scenario.frames)
             .map(|which| frame(Kind::Tick(number, which)))
             .collect();
-        let in_time = end.send(&frames, &handle);
+        let fd = self.scenario.fd.then(|| together(number));
+        let in_time = end.send(&frames, fd.as_ref(), &handle);
         assert_eq!(in_time, self.all_left.get());
         self.in_tick.set(false);
     }
@@ -212,7 +252,7 @@ impl Machine {
         // The marked places are those that hold a tick's frame.
         let mut marks = 0;
         for (place, kind) in self.places.borrow().iter().enumerate() {
-            marks |= u32::from(matches!(kind, Some(Kind::Tick(..)))) << place;
+            marks |= u32::from(kind.is_some_and(Kind::is_of_tick)) << place;
         }
         let pending = self.pending().0;
         let places = self.bus.borrow().shared.places.get();
@@ -240,18 +280,17 @@ impl Machine {
 }
 
 impl Chip for Handle {
-    fn take(&self) -> Option<Frame> {
+    fn take(&self) -> Option<Heard> {
         point();
         None
     }
 
-    fn put(&self, words: &[u32; 4]) -> Option<Places> {
+    fn put(&self, words: &[u32]) -> Option<Places> {
         point();
-        let frame = received(*words).unwrap();
         let machine = &self.0;
         assert!(machine.in_tick.get() || machine.alone.get());
         let place = machine.places.borrow().iter().position(Option::is_none)?;
-        let kind = kind(&frame);
+        let kind = kind(words);
         let (tick, other) = machine.put.get();
         match kind {
             Kind::Tick(of, which) => {
@@ -262,12 +301,22 @@ impl Chip for Handle {
                     assert!(machine.in_tick.get(), "SYNC leaves at once");
                 }
             }
+            Kind::Together(of) => {
+                assert_eq!(of, machine.now.get(), "of a tick that was given up");
+                assert_eq!(
+                    tick, machine.scenario.frames,
+                    "behind the others, and none is lost"
+                );
+                machine.put.set((tick + 1, other));
+            }
             Kind::Other(which) => {
                 assert_eq!(which, other, "in their order, and none is lost");
                 let places = machine.places.borrow();
-                let others = places.iter().flatten();
-                let mut others = others.filter(|kind| matches!(kind, Kind::Other(_)));
-                assert_eq!(others.next(), None, "one at a time");
+                assert_eq!(
+                    places.iter().flatten().next(),
+                    None,
+                    "one at a time, and behind the tick's"
+                );
                 machine.put.set((tick, other + 1));
             }
         }
@@ -292,7 +341,7 @@ impl Chip for Handle {
             let before = self.0.now.get();
             self.0
                 .all_left
-                .set(before == 0 || tick == self.0.scenario.frames);
+                .set(before == 0 || tick == self.0.scenario.all());
             self.0.now.set(before + 1);
             self.0.put.set((0, self.0.put.get().1));
             self.0.sent.set((0, self.0.sent.get().1));
@@ -313,10 +362,7 @@ impl Chip for Handle {
             if places.0 & 1 << at == 0 {
                 continue;
             }
-            assert!(
-                matches!(kind, Kind::Tick(..)),
-                "what is not the tick's stays"
-            );
+            assert!(kind.is_of_tick(), "what is not the tick's stays");
             // The next frame to leave may be on the wire already.
             let next = Some(frame(kind).id().get()) == first;
             let may_go = next && self.0.on_wire.get().is_none();
@@ -410,7 +456,7 @@ fn run(machine: &Rc<Machine>) {
     if machine.off.get() {
         return;
     }
-    assert_eq!(tick, scenario.frames, "all of the last");
+    assert_eq!(tick, scenario.all(), "all of the last");
     assert_eq!(other, scenario.others, "and all others");
 }
 
@@ -426,7 +472,9 @@ fn begin(machine: &Machine) {
     machine.sent.set((0, 0));
     let mut bus = machine.bus.borrow_mut();
     let mut tick = machine.tick.borrow_mut();
-    while bus.setpoints.take().is_some() || bus.others.take().is_some() {}
+    while bus.setpoints.take().is_some() {}
+    while bus.together.take().is_some() {}
+    while bus.others.take().is_some() {}
     bus.shared.tick.set(0);
     bus.shared.places.set(0);
     bus.shared.done.set(0);
@@ -441,6 +489,7 @@ fn begin(machine: &Machine) {
 const OWN: Scenario = Scenario {
     ticks: 2,
     frames: 3,
+    fd: false,
     others: 1,
     leaves: false,
 };
@@ -468,11 +517,25 @@ fn a_tick_anywhere_in_the_interrupt_loses_no_frame_and_sends_none_that_is_given_
         others: 3,
         ..OWN
     };
+    let fd = Scenario {
+        frames: 2,
+        fd: true,
+        ..OWN
+    };
+    let fd_alone = Scenario {
+        ticks: 3,
+        frames: 1,
+        fd: true,
+        others: 0,
+        ..OWN
+    };
     hold(&[
+        (fd, 50_000),
+        (fd_alone, 300_000),
         (one, 30_000),
-        (OWN, 100_000),
+        (OWN, 50_000),
         (three, 500_000),
-        (others, 50_000),
+        (others, 20_000),
     ]);
 }
 
@@ -483,5 +546,73 @@ fn a_controller_that_leaves_the_bus_at_any_moment_leaves_no_frame_marked_that_is
         frames: 2,
         ..OWN
     };
-    hold(&[(leaves, 30_000)]);
+    let with_fd = Scenario {
+        frames: 1,
+        fd: true,
+        ..leaves
+    };
+    hold(&[(leaves, 15_000), (with_fd, 15_000)]);
+}
+
+/// A controller from which frames come.
+struct Hears(RefCell<Vec<Heard>>);
+
+impl Chip for Hears {
+    fn take(&self) -> Option<Heard> {
+        self.0.borrow_mut().pop()
+    }
+
+    fn put(&self, _: &[u32]) -> Option<Places> {
+        None
+    }
+
+    fn pending(&self) -> Places {
+        Places(0)
+    }
+
+    fn call_back(&self, _: Places) {}
+
+    fn is_off(&self) -> bool {
+        false
+    }
+
+    fn poke(&self) {}
+
+    fn period_us(&self) -> u32 {
+        PERIOD
+    }
+
+    fn since_us(&self) -> u32 {
+        0
+    }
+
+    fn alone(&self, work: impl FnOnce()) {
+        work();
+    }
+}
+
+#[test]
+fn what_is_heard_goes_to_who_reads_it_and_of_many_frames_of_can_fd_the_first_are_told() {
+    let mut rings = Rings::new();
+    let (mut tick, mut background, mut bus) = rings.split(1000);
+    let id = |id| CobId::new(id).unwrap();
+    let classical = |of| Heard::Classical(Frame::new(id(of), &[1]).unwrap());
+    let mut heard = std::vec![classical(0x182), classical(0x601)];
+    heard.extend([0x481, 0x482, 0x483, 0x484].map(|of| Heard::Fd(id(of))));
+    heard.push(classical(0x183));
+    heard.reverse();
+    assert!(
+        bus.serve(&Hears(RefCell::new(heard))),
+        "none that matters is lost"
+    );
+    let of_tick: Vec<u16> = core::iter::from_fn(|| tick.receive())
+        .map(|frame| frame.id().get())
+        .collect();
+    assert_eq!(of_tick, [0x182, 0x183]);
+    assert_eq!(background.receive().unwrap().id(), id(0x601));
+    assert_eq!(background.receive(), None);
+    let fd: Vec<u16> = core::iter::from_fn(|| background.receive_fd())
+        .map(CobId::get)
+        .collect();
+    assert_eq!(fd, [0x481, 0x482]);
 }

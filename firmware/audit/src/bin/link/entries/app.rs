@@ -9,7 +9,7 @@ use leadscrew_app::{
 };
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{self, Event, Held, Inputs, Region, StoreError, StoreRequest};
-use leadscrew_core::bus::{Controller, Frame, Setpoints};
+use leadscrew_core::bus::{CobId, Controller, DataRates, Frame, Setpoints};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 
@@ -43,13 +43,9 @@ impl TickMachine for Anything {
         any()
     }
 
-    fn send(&mut self, frames: &[Frame]) -> bool {
+    fn send(&mut self, frames: &[Frame], together: Option<&Setpoints>) -> bool {
         sink(frames);
-        any()
-    }
-
-    fn send_together(&mut self, setpoints: &Setpoints) -> bool {
-        sink(setpoints.frame(any()));
+        sink(together.map(|setpoints| setpoints.frame(any())));
         any()
     }
 
@@ -60,6 +56,10 @@ impl TickMachine for Anything {
 
 impl Machine for Anything {
     fn receive(&mut self) -> Option<Frame> {
+        any()
+    }
+
+    fn receive_fd(&mut self) -> Option<CobId> {
         any()
     }
 
@@ -141,7 +141,7 @@ fn board() {
         tap: any(),
         node: any(),
         serial: any(),
-        fd: any(),
+        data_rates: DataRates::of(|_| any()),
         failure: Failure::decode(&any()),
         cause: cause(),
     };

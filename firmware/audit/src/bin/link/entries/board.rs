@@ -64,7 +64,7 @@ fn board() {
     sink(board.join(any()));
     while any() {
         sink(board.receive(&any()));
-        board.receive_fd(&any());
+        board.receive_fd(any());
         sink(board.serve());
         sink((board.transmit(), board.awaits_program()));
         sink(board.device().threads().last());

@@ -1,0 +1,169 @@
+"""CAN FD: the rates of the controller, the setpoints of all drives in one frame, and what others send."""
+
+import json
+import unittest
+
+import test_bus
+import test_line
+from board import Board
+from clock import US
+from plant import Plant
+from prepared import prepared
+from talk import START, SYNC, Ear, Refused, Sdo
+from wire import Frame
+
+TOGETHER, FOREIGN_SETPOINTS, UNUSABLE = 0x481, 4374, 4301
+FD = "9031=1"
+CRYSTAL, PLL = 0, 1
+
+
+def clock(board):
+    """RCC_CCIPR.FDCANSEL."""
+    return board.rcc.word[0x88] >> 24 & 3
+
+
+class Machine(test_bus.Machine):
+    """The same with parameters that are stored before it is switched on."""
+
+    def __init__(self, test, *params):
+        self.board = Board()
+        self.board.flash.second[:] = prepared(params)
+        self.ear = Ear(self.board)
+        self.plant = Plant(self.board, *params)
+        test.addCleanup(self.plant.close)
+        self.board.power_up()
+        self.board.run_ticks(60)
+        self.board.wire.send(START)
+        # Its drives are enabled one after the other.
+        self.board.run_ticks(500)
+
+
+class Rates(unittest.TestCase):
+    def test_each_rate_has_its_clock_and_is_on_the_wire(self):
+        for kbit, source in ((1000, CRYSTAL), (2000, CRYSTAL), (4000, CRYSTAL), (5000, PLL)):
+            with self.subTest(kbit):
+                machine = Machine(self, f"9032={kbit}", FD)
+                board = machine.board
+                self.assertEqual(machine.state(), (test_bus.IDLE, 0))
+                self.assertEqual(clock(board), source)
+                self.assertAlmostEqual(board.wire.bit, US, delta=1)
+                self.assertAlmostEqual(board.wire.data_bit, 1000 * US / kbit, delta=1)
+                self.assertEqual(board.complaints, [])
+
+    def test_a_rate_that_no_clock_gives_is_refused(self):
+        machine = test_bus.Machine(self)
+        sdo = Sdo(machine.board, machine.ear)
+        sdo.write(0x2000 + 9032, 0, (8000).to_bytes(2, "little"))
+        machine.board.run_ticks(60)
+        with self.assertRaisesRegex(Refused, "06040043h"):
+            sdo.write(0x2000 + 9031, 0, bytes([1]))
+        self.assertEqual(sdo.number(0x5010, 7), 4388)
+        self.assertEqual(sdo.number(0x2000 + 9031, 0), 0)
+
+    def test_rates_that_do_not_go_together_are_an_alarm_at_the_next_start(self):
+        board = Board()
+        # Taken while the bus has a megabit.
+        board.flash.second[:] = prepared((FD, "9020=800"))
+        ear = Ear(board)
+        board.power_up()
+        board.run_ticks(60)
+        self.assertAlmostEqual(board.wire.bit, 1.25 * US, delta=1)
+        self.assertEqual(ear.alarms(), [UNUSABLE])
+
+    def test_another_rate_comes_into_force_with_its_set(self):
+        machine = test_bus.Machine(self)
+        board = machine.board
+        self.assertEqual(clock(board), PLL)
+        sdo = Sdo(board, machine.ear)
+        for number, value in ((9032, (2000).to_bytes(2, "little")), (9031, bytes([1]))):
+            sdo.write(0x2000 + number, 0, value)
+            board.run_ticks(60)
+        self.assertEqual(clock(board), CRYSTAL)
+        self.assertAlmostEqual(board.wire.data_bit, US / 2, delta=1)
+        board.run_ticks(20)
+        self.assertTrue(machine.ear.with_id(TOGETHER))
+        # The bus goes on as before.
+        self.assertEqual(sdo.number(0x2000 + 9032, 0), 2000)
+
+
+class Setpoints(unittest.TestCase):
+    def test_each_period_has_one_frame_for_all_drives(self):
+        machine = Machine(self, FD)
+        board, ear = machine.board, machine.ear
+        ear.frames.clear()
+        board.run_ticks(100)
+        beats, frames = ear.with_id(SYNC), ear.with_id(TOGETHER)
+        self.assertIn(len(frames) - len(beats), (-1, 0))
+        # X, Z, C and four spindles: 42 bytes, filled up.
+        self.assertEqual({(frame.fd, len(frame.data)) for frame in frames}, {(True, 48)})
+        late = [frame.time - beat.time for beat, frame in zip(beats, frames)]
+        self.assertLess(max(late), 900 * US)
+        # No drive has one of its own.
+        self.assertEqual([frame for frame in ear.frames if 0x201 < frame.id < 0x220], [])
+
+    def test_setpoints_of_somebody_else_are_an_alarm(self):
+        for params in ((FD,), ()):
+            with self.subTest(params):
+                machine = Machine(self, *params)
+                board = machine.board
+                board.wire.data_bit = board.wire.data_bit or US
+                # A frame of CAN FD that is nobody's setpoints is none of the board's business.
+                board.wire.send(Frame(0x491, bytes(24), fd=True))
+                board.run_ticks(30)
+                self.assertEqual(machine.state(), (test_bus.IDLE, 0))
+                # Of X: RPDO1 of its node.
+                board.wire.send(Frame(TOGETHER if params else 0x210, bytes(24), fd=True))
+                board.run_ticks(30)
+                self.assertEqual(machine.state(), (test_bus.ALARM, FOREIGN_SETPOINTS))
+
+    def test_bus_off_is_left_and_the_frames_come_again(self):
+        machine = Machine(self, FD)
+        board = machine.board
+        board.wire.shorted = True
+        board.run_ticks(20)
+        self.assertTrue(board.fdcan.off)
+        board.wire.shorted = False
+        board.run_ticks(400)
+        board.wire.send(START)
+        board.run_ticks(30)
+        state, alarm = machine.state()
+        self.assertEqual(state, test_bus.ALARM)
+        self.assertIn(alarm, test_bus.BUS_OFF)
+        board.wire.send(test_bus.order(1, test_bus.RESET))
+        board.run_ticks(500)
+        self.assertEqual(machine.state(), (test_bus.IDLE, 0))
+        machine.ear.frames.clear()
+        board.run_ticks(10)
+        self.assertGreaterEqual(len(machine.ear.with_id(TOGETHER)), 8)
+
+
+class Programs(unittest.TestCase):
+    def runs(self, path, *params):
+        """A program on the image, and in the simulation: the same setpoints, none of them late; the machine."""
+        machine = test_line.Machine(self, *params)
+        machine.good("params", "set", "9006.0=0")
+        machine.wait("the machine", lambda status: status["state"] == "idle")
+        ran = json.loads(machine.good("run", path, "--json"))
+        settings = [word for setting in ("9006.0=0", *params) for word in ("--set", setting)]
+        there = test_line.simulated("run", path, *settings)
+        for field in ("ok", "moves", "setpoint_hash", "late"):
+            self.assertEqual(ran[field], there[field], f"{field} of {path}")
+        self.assertEqual(ran["late"], 0)
+        return machine
+
+    def test_setpoints_are_those_of_the_simulation_and_none_is_late(self):
+        self.runs(str(test_line.EXAMPLES / "g84-left-hand.nc"), *test_line.PARAMS, FD)
+
+    def test_at_2_khz_with_four_drives_none_is_late_and_sync_comes_on_time(self):
+        # One spindle, and a status of each drive in every eighth period.
+        params = ("9014=1", "9021=8", FD, "9000=500")
+        text = "O0001\nG98\nM3 S600\nG0 X50 Z2\nG1 Z-1 F600\nG0 Z5\nM30\n"
+        machine = self.runs(test_line.program(self, text), *params)
+        board = machine.board
+        machine.ear.frames.clear()
+        board.run_ticks(2000)
+        beats = machine.ear.with_id(SYNC)
+        self.assertGreater(len(beats), 1990)
+        steps = {later.time - sooner.time for sooner, later in zip(beats, beats[1:])}
+        # Nothing is on the wire as SYNC is due: the same way through the handler each time.
+        self.assertLess(max(abs(step - 500 * US) for step in steps), US)
