@@ -275,26 +275,6 @@ mod tests {
     }
 
     #[test]
-    fn a_speed_that_no_ramp_reaches_is_an_alarm() {
-        // No set in force has this: 16 m/min at 0.1 m/s² take 2 667 ticks.
-        let mut params = Params::sheets();
-        let entry = crate::params::Entry::find_text("1620.Z").unwrap();
-        params.set(entry, 100_000).unwrap();
-        let target = Move {
-            span: Span::default(),
-            to: position(0, 100_000_000, 0),
-            kind: MoveKind::Rapid,
-            tag: None,
-        };
-        let limits = Limits::from_params(&params);
-        let alarm = timed(Position::default(), &target, &limits).unwrap_err();
-        let [speed, ticks, ..] = alarm.args;
-        assert_eq!(alarm.code, Code::SpeedOutOfReach);
-        assert_eq!(speed, Arg::Feed(Feed::from_nm_per_min(16_000_000_000)));
-        assert_eq!(ticks, Arg::Int(2048));
-    }
-
-    #[test]
     fn a_rapid_along_z() {
         // 16 m/min = 266 667 nm a tick; 3 m/s² = 3000, 60 m/s³ = 60: 89 ticks and 266667/(89·60) = 50.
         let timed = plan_to(position(0, 100_000_000, 0), MoveKind::Rapid)

@@ -39,8 +39,8 @@ class Machine(test_bus.Machine):
 
 
 class Rates(unittest.TestCase):
-    def test_each_rate_has_its_clock_and_is_on_the_wire(self):
-        for kbit, source in ((1000, CRYSTAL), (2000, CRYSTAL), (4000, CRYSTAL), (5000, PLL)):
+    def test_a_rate_has_its_clock_and_is_on_the_wire(self):
+        for kbit, source in ((4000, CRYSTAL), (5000, PLL)):
             with self.subTest(kbit):
                 machine = Machine(self, f"9032={kbit}", FD)
                 board = machine.board
