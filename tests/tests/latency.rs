@@ -172,7 +172,7 @@ fn the_way_out_of_a_thread_breaks_no_limit_with_unequal_latencies() {
     volume(527, |seed| {
         comes(
             seed,
-            amount(6, 30),
+            amount(6, 20),
             &[Comes::Reset, Comes::HoldThatRetracts],
             &[RUN_IN_TAPER_RUN_OUT, LONG_X],
             &[(0, 9_000), (9_000, 0), (20_000, 0), (0, 20_000)],
@@ -187,7 +187,7 @@ fn a_pass_that_has_begun_with_one_axis_has_begun() {
     volume(528, |seed| {
         comes(
             seed,
-            amount(5, 25),
+            amount(5, 15),
             &[
                 Comes::Stop,
                 Comes::Reset,

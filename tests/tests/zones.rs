@@ -273,7 +273,7 @@ fn both_ways(admitted: u64, of: u64) {
 fn straight_paths() {
     leadscrew_seed::volume(41, |seed| {
         let mut random = Random(seed);
-        let count = leadscrew_seed::amount(50_000, 100_000);
+        let count = leadscrew_seed::amount(50_000, 60_000);
         let mut admitted = 0;
         for _ in 0..count {
             let case = Case::new(&mut random);
@@ -294,7 +294,7 @@ fn straight_paths() {
 fn arcs() {
     leadscrew_seed::volume(43, |seed| {
         let mut random = Random(seed);
-        let count = leadscrew_seed::amount(8_000, 50_000);
+        let count = leadscrew_seed::amount(8_000, 30_000);
         let mut admitted = 0;
         for _ in 0..count {
             let case = Case::new(&mut random);
@@ -362,7 +362,7 @@ fn mm(length: i64) -> String {
 fn cycles() {
     leadscrew_seed::volume(47, |seed| {
         let mut random = Random(seed);
-        let count = leadscrew_seed::amount(150, 300);
+        let count = leadscrew_seed::amount(150, 200);
         let (mut tried, mut admitted) = (0, 0);
         for _ in 0..count {
             let case = Case::new(&mut random);

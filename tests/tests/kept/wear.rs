@@ -117,7 +117,7 @@ fn every_erase_is_counted_and_the_count_outlives_the_power() {
 
 #[test]
 fn a_cut_at_any_byte_loses_one_erase_at_most() {
-    let stride = leadscrew_seed::amount(37, 9);
+    let stride = leadscrew_seed::amount(37, 13);
     let (mut cuts, mut lost) = (0, 0);
     for (place, tear) in Tear::ALL.into_iter().enumerate() {
         let mut flash = Flash::with_pages(PAGES);

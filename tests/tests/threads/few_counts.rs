@@ -126,7 +126,7 @@ fn a_thread_that_a_check_lets_pass_is_cut_as_true_as_was_said() {
     leadscrew_seed::volume(1, |seed| {
         let mut random = Random(seed);
         let mut ran = 0;
-        while ran < leadscrew_seed::amount(20, 200) {
+        while ran < leadscrew_seed::amount(20, 120) {
             let case = Case::random(&mut random);
             let params = case.params();
             let calls = calls(&case.text(), &params);

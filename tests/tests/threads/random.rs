@@ -12,7 +12,7 @@ use crate::{pass, position};
 
 /// Passes tried.
 fn passes() -> u32 {
-    leadscrew_seed::amount(1_000, 5_000)
+    leadscrew_seed::amount(1_000, 3_000)
 }
 
 /// xorshift64*.

@@ -60,3 +60,9 @@ pub fn calm(params: &Params) -> Vec<Row> {
 pub fn places(rows: &[Row], step: usize) -> impl Iterator<Item = u64> {
     (1..rows.len() as u64 - 1).step_by(step)
 }
+
+/// The same, from one on that is drawn for the commit: no two commits try the same.
+pub fn drawn_places(rows: &[Row], step: usize) -> impl Iterator<Item = u64> {
+    let first = leadscrew_seed::fresh() % step as u64;
+    places(rows, 1).skip(first as usize).step_by(step)
+}

@@ -8,7 +8,7 @@ use leadscrew_tests::bench::{Bench, Lathe, NEXT, PATIENCE, WORK};
 use leadscrew_tests::limits::{first_excess, first_excess_with};
 use leadscrew_tests::params::with;
 
-use crate::bench::{Recovers, calm, places};
+use crate::bench::{Recovers, calm, drawn_places, places};
 
 #[test]
 fn a_reset_anywhere_and_the_next_program() {
@@ -16,7 +16,7 @@ fn a_reset_anywhere_and_the_next_program() {
     let calm = calm(&params);
     // The thread's crest is at X60 + 2 · 0.8 mm.
     let crest = 30_000_000 + 800_000;
-    for tick in places(&calm, amount(61, 1)) {
+    for tick in drawn_places(&calm, amount(61, 2)) {
         let what = format!("reset at {tick}");
         let mut bench = Lathe::new(&params);
         bench.load(WORK);
@@ -41,7 +41,7 @@ fn a_reset_anywhere_and_the_next_program() {
 fn an_emergency_stop_anywhere_and_the_next_program() {
     let params = Params::sheets();
     let calm = calm(&params);
-    for tick in places(&calm, amount(61, 1)) {
+    for tick in drawn_places(&calm, amount(61, 2)) {
         let what = format!("stop at {tick}");
         let mut bench = Lathe::new(&params);
         bench.load(WORK);
