@@ -21,7 +21,8 @@ use embassy_stm32::{Config, Peripherals};
 
 use crate::pins;
 
-const CRYSTAL_HZ: u32 = 24_000_000;
+/// The crystal.
+pub const CRYSTAL_HZ: u32 = 24_000_000;
 /// The clocks that the CAN controller can have: the crystal, and the PLL's output Q, which makes 5 Mbit/s.
 pub const CAN_HZ: [u32; 2] = [CRYSTAL_HZ, 85_000_000];
 /// The processor and all timers.

@@ -235,7 +235,7 @@ impl Machine for BackgroundParts {
         beat::set(params.tick_us());
         // The drives are without torque. A change of the data's rate goes with that of the drives'.
         if params.setpoint_frame() == 1
-            && let Some(rates) = Rates::of(&clock::CAN_HZ, self.kbit, params.fd_kbit())
+            && let Some(rates) = rates(params, self.kbit)
             && rates != self.rates
         {
             cortex_m::interrupt::free(|_| can::start(&rates));
@@ -275,9 +275,11 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
     set.start = storage.count_start();
 
     let (kbit, tick_us) = (set.params.bus_kbit(), set.params.tick_us());
-    let of = |data_kbit| Rates::of(&clock::CAN_HZ, kbit, data_kbit);
-    let data_rates = DataRates::of(|kbit| of(kbit).is_some_and(|rates| rates.data.is_some()));
-    let found = of(set.params.fd_kbit());
+    let data_rates = DataRates::of(|data_kbit| {
+        let rates = Rates::of(&clock::CAN_HZ, kbit, data_kbit);
+        rates.is_some_and(|rates| rates.data.is_some())
+    });
+    let found = rates(&set.params, kbit);
     let rates = found.unwrap_or(FALLBACK);
     can::start(&rates);
     if found.is_none() || set.params.setpoint_frame() == 1 && rates.data.is_none() {
@@ -331,6 +333,16 @@ fn start() -> (BackgroundSide<'static>, &'static mut BackgroundParts) {
         handwheel: Handwheel::start(),
     };
     (background, PARTS.put(parts))
+}
+
+/// The clock and the bits of the CAN controller on a bus of so many kilobits a second. Without a frame of CAN FD to send
+/// it stays with the crystal.
+fn rates(params: &Params, kbit: u32) -> Option<Rates> {
+    let clocks = match params.setpoint_frame() {
+        0 => core::slice::from_ref(&clock::CRYSTAL_HZ),
+        _ => &clock::CAN_HZ,
+    };
+    Rates::of(clocks, kbit, params.fd_kbit())
 }
 
 /// The unique number that the chip's maker has written.
