@@ -152,9 +152,6 @@ class Programs(unittest.TestCase):
         self.assertEqual(ran["late"], 0)
         return machine
 
-    def test_setpoints_are_those_of_the_simulation_and_none_is_late(self):
-        self.runs(str(test_line.EXAMPLES / "g84-left-hand.nc"), *test_line.PARAMS, FD)
-
     def test_at_2_khz_with_four_drives_none_is_late_and_sync_comes_on_time(self):
         # One spindle, and a status of each drive in every eighth period.
         params = ("9014=1", "9021=8", FD, "9000=500")
