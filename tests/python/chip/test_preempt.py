@@ -133,9 +133,9 @@ class Preempted(unittest.TestCase):
         return tried
 
     def test_at_each_instruction_of_the_interrupt_that_fills_the_controller(self):
-        tried = self.through(CAN, 1 if ALL else 32, ask=False)
+        tried = self.through(CAN, 1 if ALL else 48, ask=False)
         print(f"the tick came at {tried} instructions of the interrupt of the controller", flush=True)
 
     def test_at_instructions_of_the_background_that_answers(self):
-        tried = self.through(0, 1 if ALL else 500, ask=True)
+        tried = self.through(0, 1 if ALL else 900, ask=True)
         print(f"the tick came at {tried} instructions of the background", flush=True)
