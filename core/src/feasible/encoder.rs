@@ -75,8 +75,8 @@ pub(crate) struct OnLead {
 pub(crate) fn can_thread(pass: &OnLead, span: Span, params: &Params) -> Result<(), Alarm> {
     let &OnLead { lead, rpm, .. } = pass;
     let encoder = params.resolution();
+    fast_enough(encoder.slowest_of_thread(), encoder.counts, rpm, span)?;
     if !encoder.is_learned() {
-        fast_enough(encoder.slowest(), encoder.counts, rpm, span)?;
         let noise = |axis| params.count_noise(lead.value, axis);
         quiet_enough(lead, pass.long, noise(pass.long), params)?;
         // In a run-out it follows the long one at a slope.
@@ -87,7 +87,6 @@ pub(crate) fn can_thread(pass: &OnLead, span: Span, params: &Params) -> Result<(
         });
         return quiet_enough(lead, pass.short, beside, params);
     }
-    fast_enough(encoder.slowest_learned(), encoder.counts, rpm, span)?;
     let most = params.encoder_error();
     match encoder.uncertainty(lead.value, rpm) {
         Some(error) if error > most => {

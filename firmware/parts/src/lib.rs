@@ -29,7 +29,7 @@ pub use detents::Detents;
 pub use edges::{EdgeClock, Reading};
 pub use flash::{WordDevice, WordError, WordFlash};
 pub use gate::{Gate, Turn};
-pub use message::{ELEMENT, Heard, controller, fd_to_send, received, to_send};
+pub use message::{ELEMENT, Heard, Words, controller, fd_to_send, received, to_send};
 pub use panel::{Clamp, Contacts, MachineInputs, Said, Switches};
 pub use timing::{BitTiming, Rates};
 pub use wire::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};

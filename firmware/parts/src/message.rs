@@ -4,6 +4,7 @@
 //! The meaning is the same in every chip with an M_CAN; the addresses and registers differ, so the chip's own code has
 //! them. Only frames with identifiers of 11 bits.
 
+use heapless::Vec;
 use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, FdFrame, Frame};
 
 use crate::BitTiming;
@@ -19,6 +20,9 @@ const RATE_SWITCHED: u32 = 1 << 20;
 /// Words of an element of the message memory: two, and 64 bytes.
 pub const ELEMENT: usize = 18;
 
+/// The words of a frame to be sent, as many as it has.
+pub type Words = Vec<u32, ELEMENT>;
+
 /// A frame that was received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heard {
@@ -30,25 +34,24 @@ pub enum Heard {
 
 /// The words of a frame to be sent: a data frame, without an event after sending.
 #[must_use]
-pub fn to_send(frame: &Frame) -> [u32; 4] {
+pub fn to_send(frame: &Frame) -> Words {
     let payload = frame.payload();
     let mut bytes = [0; 8];
     for (to, byte) in bytes.iter_mut().zip(payload) {
         *to = *byte;
     }
     let [a, b, c, d, e, f, g, h] = bytes;
-    [
+    Words::from_array([
         u32::from(frame.id().get()) << ID,
         (payload.len() as u32) << LENGTH,
         u32::from_le_bytes([a, b, c, d]),
         u32::from_le_bytes([e, f, g, h]),
-    ]
+    ])
 }
 
-/// The words of a frame of CAN FD to be sent, and how many of them it has. Its sender says by itself whether it is error
-/// passive.
+/// The same of a frame of CAN FD. The controller says by itself whether it is error passive.
 #[must_use]
-pub fn fd_to_send(frame: &FdFrame) -> ([u32; ELEMENT], usize) {
+pub fn fd_to_send(frame: &FdFrame) -> Words {
     let payload = frame.payload();
     let rate = if frame.is_rate_switched() {
         RATE_SWITCHED
@@ -66,7 +69,9 @@ pub fn fd_to_send(frame: &FdFrame) -> ([u32; ELEMENT], usize) {
         }
         *word = u32::from_le_bytes(all);
     }
-    (words, 2 + payload.len().div_ceil(4))
+    let mut words = Words::from_array(words);
+    words.truncate(2 + payload.len().div_ceil(4));
+    words
 }
 
 /// The frame in the first words of a received element. A length above eight means eight in a classical frame, as on the
@@ -167,9 +172,9 @@ mod tests {
         assert_eq!(to_send(&longest), words);
         // Neither extended nor remote; no bit rate switch, no event, no marker.
         for id in 0..=0x7FF {
-            let [head, second, ..] = to_send(&frame(id, &[0xFF; 8]));
-            assert_eq!(head & !0x1FFC_0000, 0);
-            assert_eq!(second, 8 << 16);
+            let words = to_send(&frame(id, &[0xFF; 8]));
+            assert_eq!(words[0] & !0x1FFC_0000, 0);
+            assert_eq!(words[1], 8 << 16);
         }
     }
 
@@ -196,9 +201,7 @@ mod tests {
         let of = |length: usize, switched| {
             let id = CobId::new(0x481).unwrap();
             let frame = FdFrame::new(id, &bytes[..length], switched).unwrap();
-            let (words, used) = fd_to_send(&frame);
-            assert!(words[used..].iter().all(|word| *word == 0));
-            words[..used].to_vec()
+            fd_to_send(&frame)
         };
         assert_eq!(of(0, true), [0x1204_0000, 0x0030_0000]);
         assert_eq!(
@@ -232,8 +235,8 @@ mod tests {
         for id in 0..=0x7FF {
             for length in 0..=8 {
                 let bytes: Vec<u8> = (1..=length).map(|n| n ^ id as u8).collect();
-                let [head, second, low, high] = to_send(&frame(id, &bytes));
-                let stamped = [head, second | u32::from(!id), low, high];
+                let mut stamped = to_send(&frame(id, &bytes)).into_array().unwrap();
+                stamped[1] |= u32::from(!id);
                 assert_eq!(received(stamped), classical(id, &bytes));
             }
         }
@@ -264,17 +267,19 @@ mod tests {
         assert_eq!(in_mode(!(1 << 2), 0x707, 0), (BusState::Active, 0, 0));
     }
 
+    /// What both registers of bits have after a reset.
+    const AFTER_RESET: BitTiming = BitTiming {
+        prescaler: 1,
+        before: 11,
+        after: 4,
+        jump: 4,
+    };
+
     #[test]
     fn a_bit_of_the_data_has_registers_of_its_own() {
         // The manual: the reset value 0000 0A33h, without the measurement of the delay.
-        let after_reset = BitTiming {
-            prescaler: 1,
-            before: 11,
-            after: 4,
-            jump: 4,
-        };
-        assert_eq!(after_reset.data_word(), 0x0080_0A33);
-        assert_eq!(after_reset.delay_word(), 12 << 8);
+        assert_eq!(AFTER_RESET.data_word(), 0x0080_0A33);
+        assert_eq!(AFTER_RESET.delay_word(), 12 << 8);
         // 5 Mbit/s of 85 MHz: 17 quanta, sampled behind 13.
         let fast = BitTiming::of_data(85_000_000, 5000).unwrap();
         assert_eq!(
@@ -296,14 +301,8 @@ mod tests {
     #[test]
     fn a_bit_is_one_less_in_every_field() {
         // The manual: with a clock of 48 MHz the reset value 0600 0A03h gives 3 Mbit/s.
-        let after_reset = BitTiming {
-            prescaler: 1,
-            before: 11,
-            after: 4,
-            jump: 4,
-        };
-        assert_eq!(after_reset.word(), 0x0600_0A03);
-        assert_eq!(after_reset.clocks() * 3_000_000, 48_000_000);
+        assert_eq!(AFTER_RESET.word(), 0x0600_0A03);
+        assert_eq!(AFTER_RESET.clocks() * 3_000_000, 48_000_000);
         let megabit = BitTiming::of(24_000_000, 1000).unwrap();
         assert_eq!(megabit.word(), 0x0400_1302);
         // 10 kbit/s: 80 quanta of 30 clocks.

@@ -323,44 +323,30 @@ impl BusEnd<'_> {
         // A status has a smaller identifier than most setpoints: in the controller at once, it would go first.
         let begin_other = pending.0 & mine == 0 && !self.others.is_empty();
         let setpoints = !self.setpoints.is_empty();
-        let of_tick = setpoints || !self.together.is_empty();
-        let waiting = (of_tick, begin_other);
-        let from = match self.gate.turn(free, waiting, other, chip.since_us()) {
+        let waiting = (setpoints || !self.together.is_empty(), begin_other);
+        let ring = match self.gate.turn(free, waiting, other, chip.since_us()) {
             Turn::Tick if setpoints => Ring::Setpoints,
             Turn::Tick => Ring::Together,
             Turn::Other => Ring::Others,
             Turn::Nothing => return false,
         };
-        let (classical, fd);
-        let words = match from {
-            Ring::Together => {
-                let Some(next) = self.together.peek() else {
-                    return false;
-                };
-                fd = fd_to_send(&next.frame);
-                fd.0.get(..fd.1).unwrap_or(&fd.0)
-            }
-            Ring::Setpoints | Ring::Others => {
-                let next = match from {
-                    Ring::Setpoints => self.setpoints.peek().map(|next| &next.frame),
-                    _ => self.others.peek(),
-                };
-                let Some(next) = next else {
-                    return false;
-                };
-                classical = to_send(next);
-                &classical[..]
-            }
+        let words = match ring {
+            Ring::Setpoints => self.setpoints.peek().map(|next| to_send(&next.frame)),
+            Ring::Together => self.together.peek().map(|next| fd_to_send(&next.frame)),
+            Ring::Others => self.others.peek().map(to_send),
+        };
+        let Some(words) = words else {
+            return false;
         };
         let mut done = false;
         chip.alone(|| {
             // Otherwise everything has to be read again.
             if shared.tick.get() == now {
-                done = shared.put(words, from != Ring::Others, chip);
+                done = shared.put(&words, ring != Ring::Others, chip);
             }
         });
         // The tick is let in again here, because a removal takes its time. The frame in the controller is counted by then.
-        match from {
+        match ring {
             _ if !done => {}
             Ring::Setpoints => drop(self.setpoints.take()),
             Ring::Together => drop(self.together.take()),

@@ -75,16 +75,12 @@ impl Cycle {
     /// The load in tenths of a percent.
     #[must_use]
     pub fn load(&self) -> u32 {
-        let all = self.drives.saturating_add(self.further);
+        let all = self.all();
         let [sync, setpoint, status] = const { [frame_bits(1), frame_bits(6), frame_bits(8)] };
         let report = const { frame_bits(5).saturating_add(frame_bits(1)) };
-        let alone = [self.drives, self.further];
-        let (alone, together) = match self.fd_kbit {
-            0 => (alone, 0),
-            data => (
-                [0; 2],
-                FdBits::of(all.saturating_mul(6)).at(self.kbit, data),
-            ),
+        let (alone, together) = match self.together() {
+            Some(together) => ([0; 2], together),
+            None => ([self.drives, self.further], 0),
         };
         let [drives, further] = alone;
         // Each row: bits of a frame, two factors of its period in microseconds, number of such frames.
@@ -112,15 +108,23 @@ impl Cycle {
         u32::try_from(thousandths.saturating_add(50) / 100).unwrap_or(u32::MAX)
     }
 
+    /// All drives.
+    const fn all(&self) -> u32 {
+        self.drives.saturating_add(self.further)
+    }
+
+    /// The bits of the frame of CAN FD with all setpoints; `None` where each drive has its own frame.
+    fn together(&self) -> Option<u32> {
+        let bits = FdBits::of(self.all().saturating_mul(6));
+        (self.fd_kbit != 0).then(|| bits.at(self.kbit, self.fd_kbit))
+    }
+
     /// The bits that SYNC and the setpoints of a period leave, and those of the longest frame that has to fit between
     /// them: what begins later would delay SYNC, and then a setpoint.
     fn gap(&self) -> (u32, u32) {
         let [sync, setpoint, longest] = const { [frame_bits(1), frame_bits(6), frame_bits(8)] };
-        let all = self.drives.saturating_add(self.further);
-        let setpoints = match self.fd_kbit {
-            0 => setpoint.saturating_mul(self.drives.saturating_add(self.further.div_ceil(4))),
-            data => FdBits::of(all.saturating_mul(6)).at(self.kbit, data),
-        };
+        let alone = self.drives.saturating_add(self.further.div_ceil(4));
+        let setpoints = self.together().unwrap_or(setpoint.saturating_mul(alone));
         let period = self.tick_us.saturating_mul(self.kbit) / 1000;
         let free = period.saturating_sub(sync).saturating_sub(setpoints);
         (free, longest)
@@ -133,31 +137,31 @@ impl Cycle {
     /// [`Code::BusOverload`], [`Code::BusNoGap`], with the figures.
     pub fn check(&self) -> Result<(), Alarm> {
         let load = self.load();
-        if load <= Self::MOST {
-            let (free, longest) = self.gap();
-            if free >= longest {
-                return Ok(());
-            }
-            let us = |bits: u32| {
-                let us = bits.saturating_mul(1000).checked_div(self.kbit);
-                Arg::Int(us.unwrap_or(u32::MAX).into())
-            };
+        if load > Self::MOST {
+            let percent = load.saturating_add(5) / 10;
             let args = [
-                us(free),
-                us(longest),
+                Arg::Percent(i32::try_from(percent).unwrap_or(i32::MAX)),
                 Arg::Int(self.tick_us.into()),
+                Arg::Int(self.all().into()),
                 Arg::Int(self.kbit.into()),
             ];
-            return Err(Alarm::of(Code::BusNoGap, &args));
+            return Err(Alarm::of(Code::BusOverload, &args));
         }
-        let percent = load.saturating_add(5) / 10;
+        let (free, longest) = self.gap();
+        if free >= longest {
+            return Ok(());
+        }
+        let us = |bits: u32| {
+            let us = bits.saturating_mul(1000).checked_div(self.kbit);
+            Arg::Int(us.unwrap_or(u32::MAX).into())
+        };
         let args = [
-            Arg::Percent(i32::try_from(percent).unwrap_or(i32::MAX)),
+            us(free),
+            us(longest),
             Arg::Int(self.tick_us.into()),
-            Arg::Int(self.drives.saturating_add(self.further).into()),
             Arg::Int(self.kbit.into()),
         ];
-        Err(Alarm::of(Code::BusOverload, &args))
+        Err(Alarm::of(Code::BusNoGap, &args))
     }
 }
 

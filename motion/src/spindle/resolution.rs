@@ -150,6 +150,16 @@ impl Resolution {
         self.at(a_second)
     }
 
+    /// The lowest spindle speed of a thread, rounded up: of a pass that follows an angle that is learned, or the observer.
+    #[must_use]
+    pub fn slowest_of_thread(self) -> Rpm {
+        if self.is_learned() {
+            self.slowest_learned()
+        } else {
+            self.slowest()
+        }
+    }
+
     /// The lowest spindle speed at which an ordinary tap may follow the observer, rounded up: it has to be as quick as its
     /// bandwidth, for the spindle turns back.
     #[must_use]

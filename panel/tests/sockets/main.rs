@@ -88,20 +88,11 @@ impl Bench {
     fn ask(&self, bytes: &[u8]) -> String {
         let mut stream = self.connect();
         stream.write_all(bytes).unwrap();
-        let mut answer = Vec::new();
-        // A head ends where a line is empty.
-        while !answer.ends_with(b"\r\n\r\n") {
-            let count = (&stream).take(1).read_to_end(&mut answer).unwrap();
-            if count == 0 {
-                break;
-            }
+        let mut answer = until(&mut stream, "\r\n\r\n");
+        if !answer.contains("Content-Type: text/event-stream\r\n") {
+            stream.read_to_string(&mut answer).unwrap();
         }
-        let is_stream =
-            String::from_utf8_lossy(&answer).contains("Content-Type: text/event-stream\r\n");
-        if !is_stream {
-            stream.read_to_end(&mut answer).unwrap();
-        }
-        String::from_utf8(answer).unwrap()
+        answer
     }
 
     /// A request with this server's name, and these headers.

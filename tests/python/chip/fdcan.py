@@ -313,20 +313,23 @@ class Fdcan(Registers):
         else:
             self.word[at] = value
 
+    def bit(self, prescaler, before, after):
+        """Steps of a bit on the wire, from the clock that the controller really has."""
+        return prescaler * (1 + before + after) * US / self.chip.rcc.fdcan_mhz()
+
     def timed(self, value):
-        """NBTP: the bit's length on the wire, from the clock that it really has."""
-        prescaler, before, after = (value >> 16 & 0x1FF) + 1, (value >> 8 & 0xFF) + 1, (value & 0x7F) + 1
-        steps = prescaler * (1 + before + after) * US / self.chip.rcc.fdcan_mhz()
+        """NBTP: the bit's length."""
+        steps = self.bit((value >> 16 & 0x1FF) + 1, (value >> 8 & 0xFF) + 1, (value & 0x7F) + 1)
         if steps != int(steps):
             raise ManualError(f"a bit of {steps} steps")
         self.wire.bit = int(steps)
 
     def data_timed(self, value):
         """DBTP: the same of the data."""
-        prescaler, before, after = (value >> 16 & 31) + 1, (value >> 8 & 31) + 1, (value >> 4 & 15) + 1
+        after = (value >> 4 & 15) + 1
         if (value & 15) + 1 > after:
             raise ManualError("a receiver shifts by more than what follows the sample point (DBTP.DSJW)")
-        self.wire.data_bit = prescaler * (1 + before + after) * US / self.chip.rcc.fdcan_mhz()
+        self.wire.data_bit = self.bit((value >> 16 & 31) + 1, (value >> 8 & 31) + 1, after)
 
     def control(self, value):
         before = self.word[CCCR]

@@ -41,8 +41,7 @@ class Plant:
         elif not foreign:
             self.behind.append(frame)
             if frame.id == SYNC:
-                self.answer(b"x", self.behind)
-                self.behind = []
+                self.pass_on()
         elif frame.of != DRIVE and (frame.id == 0 or 0x600 < frame.id < 0x680):
             self.answer(b"h", [frame])
 
@@ -54,19 +53,21 @@ class Plant:
             identifier, length, data = struct.unpack("<HB8s", self.process.stdout.read(11))
             self.board.wire.send(Frame(identifier, data[:length], of=DRIVE))
 
-    def tell_together(self, frame):
-        """The frame of CAN FD with the setpoints of all drives; what was said before it comes first."""
+    def pass_on(self):
+        """What the board has said so far is with the drives."""
         if self.behind:
             self.answer(b"x", self.behind)
             self.behind = []
+
+    def tell_together(self, frame):
+        """The frame of CAN FD with the setpoints of all drives; what was said before it comes first."""
+        self.pass_on()
         self.process.stdin.write(b"t" + struct.pack("<HB", frame.id, len(frame.data)) + frame.data)
         self.process.stdin.flush()
 
     def advance(self):
         """The next period begins: what the drives were told in the last one is with them, and the spindle has turned."""
-        if self.behind:
-            self.answer(b"x", self.behind)
-            self.behind = []
+        self.pass_on()
         self.process.stdin.write(b"a")
         self.process.stdin.flush()
         count, flags, age, index = struct.unpack("<iBIi", self.process.stdout.read(13))

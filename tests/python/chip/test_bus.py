@@ -6,6 +6,7 @@ from board import Board
 from clock import MS
 from fdcan import ASM
 from plant import Plant
+from prepared import prepared
 from talk import START, Ear, Sdo
 from wire import Frame
 
@@ -20,10 +21,15 @@ def order(count, number):
 
 
 class Machine:
-    """A board whose drives are up, with its node started."""
+    """A board whose drives are up, with its node started; with these parameters, where there are any."""
+
+    # Ticks in which its drives come up.
+    COMES_UP = 30
 
     def __init__(self, test, *params):
         self.board = Board()
+        if params:
+            self.board.flash.second[:] = prepared(params)
         self.ear = Ear(self.board)
         self.plant = Plant(self.board, *params)
         test.addCleanup(self.plant.close)
@@ -31,7 +37,7 @@ class Machine:
         self.board.power_up()
         self.board.run_ticks(60)
         self.board.wire.send(START)
-        self.board.run_ticks(30)
+        self.board.run_ticks(self.COMES_UP)
 
     def listen(self):
         """For who wants to hear more."""
@@ -45,9 +51,9 @@ class Machine:
 IDLE, ALARM = 1, 7
 
 
-class Trouble(unittest.TestCase):
-    def comes_back(self, machine, alarms):
-        """It stands on the alarm, and a reset brings drives and machine up again."""
+class ComesBack(unittest.TestCase):
+    def comes_back(self, machine, alarms, ticks=100):
+        """It stands on the alarm, and a reset brings drives and machine up again, within these ticks."""
         board = machine.board
         board.run_ticks(400)
         # As after a power-up: it waits for NMT start.
@@ -58,10 +64,12 @@ class Trouble(unittest.TestCase):
         self.assertIn(alarm, alarms)
         self.assertIn(machine.ear.alarms()[-1], alarms)
         board.wire.send(order(1, RESET))
-        board.run_ticks(100)
+        board.run_ticks(ticks)
         self.assertEqual(machine.state(), (IDLE, 0))
         self.assertEqual(Sdo(board, machine.ear).read(0x1000, 0), bytes(4))
 
+
+class Trouble(ComesBack):
     def test_drives_come_up_and_the_machine_is_idle(self):
         machine = Machine(self)
         self.assertEqual(machine.state(), (IDLE, 0))

@@ -1,15 +1,13 @@
 """CAN FD: the rates of the controller, the setpoints of all drives in one frame, and what others send."""
 
-import json
 import unittest
 
 import test_bus
 import test_line
 from board import Board
 from clock import US
-from plant import Plant
 from prepared import prepared
-from talk import START, SYNC, Ear, Refused, Sdo
+from talk import SYNC, Ear, Refused, Sdo
 from wire import Frame
 
 TOGETHER, FOREIGN_SETPOINTS, UNUSABLE = 0x481, 4374, 4301
@@ -23,19 +21,9 @@ def clock(board):
 
 
 class Machine(test_bus.Machine):
-    """The same with parameters that are stored before it is switched on."""
+    """The same with drives that are enabled one after the other."""
 
-    def __init__(self, test, *params):
-        self.board = Board()
-        self.board.flash.second[:] = prepared(params)
-        self.ear = Ear(self.board)
-        self.plant = Plant(self.board, *params)
-        test.addCleanup(self.plant.close)
-        self.board.power_up()
-        self.board.run_ticks(60)
-        self.board.wire.send(START)
-        # Its drives are enabled one after the other.
-        self.board.run_ticks(500)
+    COMES_UP = 500
 
 
 class Rates(unittest.TestCase):
@@ -87,7 +75,7 @@ class Rates(unittest.TestCase):
         self.assertEqual(sdo.number(0x2000 + 9032, 0), 2000)
 
 
-class Setpoints(unittest.TestCase):
+class Setpoints(test_bus.ComesBack):
     def test_each_period_has_one_frame_for_all_drives(self):
         machine = Machine(self, FD)
         board, ear = machine.board, machine.ear
@@ -124,39 +112,19 @@ class Setpoints(unittest.TestCase):
         board.run_ticks(20)
         self.assertTrue(board.fdcan.off)
         board.wire.shorted = False
-        board.run_ticks(400)
-        board.wire.send(START)
-        board.run_ticks(30)
-        state, alarm = machine.state()
-        self.assertEqual(state, test_bus.ALARM)
-        self.assertIn(alarm, test_bus.BUS_OFF)
-        board.wire.send(test_bus.order(1, test_bus.RESET))
-        board.run_ticks(500)
-        self.assertEqual(machine.state(), (test_bus.IDLE, 0))
+        self.comes_back(machine, test_bus.BUS_OFF, Machine.COMES_UP)
         machine.ear.frames.clear()
         board.run_ticks(10)
         self.assertGreaterEqual(len(machine.ear.with_id(TOGETHER)), 8)
 
 
-class Programs(unittest.TestCase):
-    def runs(self, path, *params):
-        """A program on the image, and in the simulation: the same setpoints, none of them late; the machine."""
-        machine = test_line.Machine(self, *params)
-        machine.good("params", "set", "9006.0=0")
-        machine.wait("the machine", lambda status: status["state"] == "idle")
-        ran = json.loads(machine.good("run", path, "--json"))
-        settings = [word for setting in ("9006.0=0", *params) for word in ("--set", setting)]
-        there = test_line.simulated("run", path, *settings)
-        for field in ("ok", "moves", "setpoint_hash", "late"):
-            self.assertEqual(ran[field], there[field], f"{field} of {path}")
-        self.assertEqual(ran["late"], 0)
-        return machine
-
+class Programs(test_line.Compares):
     def test_at_2_khz_with_four_drives_none_is_late_and_sync_comes_on_time(self):
         # One spindle, and a status of each drive in every eighth period.
         params = ("9014=1", "9021=8", FD, "9000=500")
         text = "O0001\nG98\nM3 S600\nG0 X50 Z2\nG1 Z-1 F600\nG0 Z5\nM30\n"
-        machine = self.runs(test_line.program(self, text), *params)
+        machine, late = self.same(test_line.program(self, text), *params)
+        self.assertEqual(late, 0)
         board = machine.board
         machine.ear.frames.clear()
         board.run_ticks(2000)

@@ -86,19 +86,23 @@ def program(test, text):
     return str(path)
 
 
-class Setpoints(unittest.TestCase):
-    def same(self, path):
-        machine = Machine(self)
+class Compares(unittest.TestCase):
+    def same(self, path, *params):
+        """A program on the image and in the simulation: the same setpoints. The machine, and how many of them were late."""
+        params = params or PARAMS
+        machine = Machine(self, *params)
         # The age of an edge has steps of a clock on the chip, and of a nanosecond in the simulation.
         machine.good("params", "set", "9006.0=0")
         machine.wait("the machine", lambda status: status["state"] == "idle")
         ran = json.loads(machine.good("run", path, "--json"))
-        settings = [word for setting in ("9006.0=0", *PARAMS) for word in ("--set", setting)]
+        settings = [word for setting in ("9006.0=0", *params) for word in ("--set", setting)]
         there = simulated("run", path, *settings)
         for field in ("ok", "moves", "setpoint_hash", "late"):
             self.assertEqual(ran[field], there[field], f"{field} of {path}")
-        return machine.board.ticks
+        return machine, ran["late"]
 
+
+class Setpoints(Compares):
     def test_setpoints_are_those_of_the_simulation(self):
         names = ALWAYS
         if os.environ.get("CHIP_ALL"):
@@ -106,7 +110,8 @@ class Setpoints(unittest.TestCase):
         ticks = 0
         for name in names:
             with self.subTest(name):
-                ticks += self.same(str(EXAMPLES / name))
+                machine, _ = self.same(str(EXAMPLES / name))
+                ticks += machine.board.ticks
         print(f"setpoints of {len(names)} programs as in the simulation, {ticks} ticks", flush=True)
 
 

@@ -95,6 +95,9 @@ struct State {
     said: Instant,
 }
 
+/// A board without optimisation is copied from frame to frame: more than the two megabytes that a thread has otherwise.
+const STACK: usize = 16 << 20;
+
 /// Soaks on so many threads, shift n with `seed` + n, and hands every report to `tell` at once.
 ///
 /// # Panics
@@ -119,7 +122,7 @@ pub fn hours(
     });
     std::thread::scope(|scope| {
         for _ in 0..threads.max(1) {
-            scope.spawn(|| {
+            let work = || {
                 while let Some(number) = take(&state, until, begun) {
                     let seed = seed.checked_add(number).expect("seeds enough");
                     let worked = shrink::work(seed, Draws::live(seed), None, must, |_| {});
@@ -134,7 +137,9 @@ pub fn hours(
                     }
                     give(&state, number, worked, begun, tell);
                 }
-            });
+            };
+            let thread = std::thread::Builder::new().stack_size(STACK);
+            thread.spawn_scoped(scope, work).expect("a thread");
         }
     });
     let mut report = state

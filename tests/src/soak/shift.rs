@@ -365,6 +365,7 @@ impl Shift {
         bench.until("an order before", LONGEST, |bench| !bench.is_ordering());
         if !whole {
             bench.stands(AFTERMATH);
+            axes_stand(bench);
             bench.until("a stop", LONGEST, |bench| {
                 matches!(bench.state(), State::Idle | State::Alarm(_))
             });
@@ -558,6 +559,22 @@ fn settle(bench: &mut Bench) {
             return;
         }
         bench.tick();
+    }
+}
+
+/// Waits until the axes stand, wherever that is. An axis that a second master has dragged away comes back by itself, and
+/// whoever resets before that is told of the rest of its way.
+fn axes_stand(bench: &mut Bench) {
+    let loads = |bench: &mut Bench| bench.sim.plant().truth().loads;
+    let mut still = 0;
+    for _ in 0..100 {
+        let before = loads(bench);
+        bench.stands(10);
+        // Where one turns round it stands for a moment.
+        still = if loads(bench) == before { still + 1 } else { 0 };
+        if still == 2 {
+            return;
+        }
     }
 }
 

@@ -424,11 +424,7 @@ fn a_set_without_its_mark_is_stored_and_told() {
     assert!(board.store().is_none());
     board.serve();
     assert_eq!(board.device().commit_state(), CommitState::Done);
-    let events = transfer(&mut board, Object::new(0x5040, 3));
-    let events: Vec<_> = EventReader::new(&events)
-        .map(|entry| entry.expect("an entry").event)
-        .collect();
-    assert_eq!(alarms(&events), [Code::ParametersUnmarked]);
+    assert_eq!(told(&mut board), [Code::ParametersUnmarked]);
 }
 
 /// The same of the tool table.
@@ -477,11 +473,16 @@ fn a_table_without_its_mark_is_stored_and_told() {
     assert!(board.store().is_none());
     board.serve();
     assert_eq!(board.device().offsets(), &image);
-    let events = transfer(&mut board, Object::new(0x5040, 3));
+    assert_eq!(told(&mut board), [Code::OffsetsUnmarked]);
+}
+
+/// What the event log of a board that nobody ticks has of alarms and warnings.
+fn told(board: &mut Board) -> Vec<Code> {
+    let events = transfer(board, Object::new(0x5040, 3));
     let events: Vec<_> = EventReader::new(&events)
         .map(|entry| entry.expect("an entry").event)
         .collect();
-    assert_eq!(alarms(&events), [Code::OffsetsUnmarked]);
+    alarms(&events)
 }
 
 /// Reads an object of a board that nobody ticks.

@@ -98,13 +98,11 @@ fn kind(words: &[u32]) -> Kind {
         [0, 0, which, 0] => Kind::Other(which),
         _ => panic!("{words:X?}"),
     };
-    match kind {
-        Kind::Together(tick) => {
-            let (all, used) = crate::fd_to_send(&together(tick));
-            assert_eq!(words, &all[..used]);
-        }
-        kind => assert_eq!(words, crate::to_send(&frame(kind))),
-    }
+    let expected = match kind {
+        Kind::Together(tick) => crate::fd_to_send(&together(tick)),
+        kind => crate::to_send(&frame(kind)),
+    };
+    assert_eq!(words, expected.as_slice());
     kind
 }
 

@@ -1,6 +1,5 @@
 //! `params validate`: whether the set that `--params` and `--set` make can work, and what the encoder is good for.
 
-use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::units::{Lead, Length, Rpm};
 
@@ -8,6 +7,7 @@ use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::output;
+use crate::words::{Both, both};
 use crate::{diagnostics, number, params};
 
 /// Tells everything that is wrong; exit 1 where an alarm is among it.
@@ -29,15 +29,13 @@ pub fn run(global: &Global) -> Outcome {
         if let Some(encoder) = &encoder {
             let set = Entry::all().iter().filter(|e| loaded.source(e).is_some());
             let (all, set) = (Entry::all().len(), set.count());
-            let good = match lang {
-                Lang::En => format!(
-                    "good: {all} values, {set} of them set here, the others the built-in machine's"
-                ),
-                Lang::Zh => {
-                    format!("正确：共 {all} 个值，其中 {set} 个在此设定，其余为内置机床的值")
-                }
-            };
-            output::write(format!("{good}\n{}\n", encoder.text(lang)).as_bytes())?;
+            let good = both!(
+                "good: {all} values, {set} of them set here, the others the built-in machine's",
+                "正确：共 {all} 个值，其中 {set} 个在此设定，其余为内置机床的值"
+            );
+            let encoder = encoder.text();
+            let (good, encoder) = (good.get(lang), encoder.get(lang));
+            output::write(format!("{good}\n{encoder}\n").as_bytes())?;
         }
     }
     encoder.map(drop).ok_or(Failure::Wrong)
@@ -62,11 +60,7 @@ impl Encoder {
         let lead = Length::from_nm(1_000_000);
         Self {
             counts: encoder.counts,
-            thread: if encoder.is_learned() {
-                encoder.slowest_learned()
-            } else {
-                encoder.slowest()
-            },
+            thread: encoder.slowest_of_thread(),
             tap: encoder.slowest_of_tap(),
             count: Length::from_nm(lead.nm() / i64::from(encoder.counts.max(1))),
             // At the highest speed: a tick is longer than a count there.
@@ -85,27 +79,25 @@ impl Encoder {
         }
     }
 
-    fn text(&self, lang: Lang) -> String {
-        let Self { counts, .. } = self;
-        let (thread, tap) = (self.thread.get(), self.tap.get());
-        let count = number::text::<6>(self.count.nm());
-        let error = self.error.map(|error| number::text::<6>(error.nm()));
-        match (lang, error) {
-            (Lang::En, None) => format!(
-                "encoder of the spindle, {counts} counts: threads from {thread} rpm, ordinary taps from {tap} rpm; of a lead of \
-                 1 mm a count is {count} mm"
-            ),
-            (Lang::En, Some(error)) => format!(
-                "encoder of the spindle, {counts} counts: threads from {thread} rpm, ordinary taps from {tap} rpm; of a lead of \
-                 1 mm a count is {count} mm, and a thread may be {error} mm beside the angle"
-            ),
-            (Lang::Zh, None) => format!(
-                "主轴编码器，每转 {counts} 计数：螺纹最低 {thread} r/min，浮动攻丝最低 {tap} r/min；导程 1 mm 时一个计数为 {count} mm"
-            ),
-            (Lang::Zh, Some(error)) => format!(
-                "主轴编码器，每转 {counts} 计数：螺纹最低 {thread} r/min，浮动攻丝最低 {tap} r/min；导程 1 mm 时一个计数为 {count} mm，\
-                 螺纹与主轴角度之差不超过 {error} mm"
-            ),
-        }
+    fn text(&self) -> Both {
+        let beside = self.error.map_or(Both::default(), |error| {
+            let error = number::text::<6>(error.nm());
+            both!(
+                ", and a thread may be {error} mm beside the angle",
+                "，螺纹与主轴角度之差不超过 {error} mm"
+            )
+        });
+        both!(
+            "encoder of the spindle, {counts} counts: threads from {thread} rpm, ordinary taps from {tap} rpm; of a lead of 1 mm \
+             a count is {count} mm{beside_en}",
+            "主轴编码器，每转 {counts} 计数：螺纹最低 {thread} r/min，浮动攻丝最低 {tap} r/min；导程 1 mm 时一个计数为 \
+             {count} mm{beside_zh}",
+            counts = self.counts,
+            thread = self.thread.get(),
+            tap = self.tap.get(),
+            count = number::text::<6>(self.count.nm()),
+            beside_en = beside.en,
+            beside_zh = beside.zh,
+        )
     }
 }
