@@ -9,7 +9,7 @@ use leadscrew_tests::random::Random;
 
 /// Inputs at random for each door.
 fn random_inputs() -> u32 {
-    leadscrew_seed::amount(200, 3_000)
+    leadscrew_seed::amount(200, 1_500)
 }
 /// The longest of them.
 const LONGEST: usize = 4096;

@@ -88,7 +88,7 @@ fn a_stop_anywhere_breaks_no_limit_with_unequal_latencies() {
         for (x, z) in [(0, 9_000), (9_000, 0), (875, 3_500)] {
             let params = late(x, z);
             let led = led(program, &params);
-            let step = amount(led.len() / 40, led.len() / 400).max(1);
+            let step = amount(led.len() / 40, led.len() / 200).max(1);
             for tick in led.iter().step_by(step) {
                 let ran = run(program, &params, &PlantOptions::default(), |sim, ticks| {
                     if ticks == *tick {
@@ -172,7 +172,7 @@ fn the_way_out_of_a_thread_breaks_no_limit_with_unequal_latencies() {
     volume(527, |seed| {
         comes(
             seed,
-            amount(6, 20),
+            amount(6, 12),
             &[Comes::Reset, Comes::HoldThatRetracts],
             &[RUN_IN_TAPER_RUN_OUT, LONG_X],
             &[(0, 9_000), (9_000, 0), (20_000, 0), (0, 20_000)],
@@ -187,7 +187,7 @@ fn a_pass_that_has_begun_with_one_axis_has_begun() {
     volume(528, |seed| {
         comes(
             seed,
-            amount(5, 15),
+            amount(5, 9),
             &[
                 Comes::Stop,
                 Comes::Reset,

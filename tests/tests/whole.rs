@@ -70,7 +70,7 @@ fn program(random: &mut Random) -> (String, i64, i64) {
 fn random_programs_under_a_random_operator() {
     leadscrew_seed::volume(0, |first| {
         let params = Params::sheets();
-        let programs = leadscrew_seed::amount(12, 60);
+        let programs = leadscrew_seed::amount(12, 40);
         let mut ticks_in_all = 0;
         for seed in (0..programs).map(|program| first.wrapping_add(program)) {
             let mut random = Random(seed);

@@ -2,12 +2,65 @@
 
 use std::path::Path;
 
+use leadscrew_common::params::{difference, load_text};
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::{Params, Part};
 use leadscrew_web::{Session, answer};
 use serde_json::{Value, json};
 
 mod jobs;
 
 use jobs::{job, on_host};
+
+/// The module has the programs of the folders, and what their machine files say. `LEADSCREW_BLESS=1` writes the list anew.
+#[test]
+fn the_page_offers_the_programs_of_the_folders_on_their_machines() {
+    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/examples/list.rs");
+    let found = list_of_examples();
+    if std::env::var_os("LEADSCREW_BLESS").is_some() {
+        std::fs::write(&list, &found).expect("the list can be written");
+    }
+    let kept = std::fs::read_to_string(&list).expect("the list is there");
+    assert_eq!(kept, found, "`cargo xtask renew` writes it anew");
+}
+
+/// The list as Rust: of each folder what its machine file says otherwise than the built-in machine, and its programs.
+fn list_of_examples() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let mut out = String::from("&[\n");
+    for folder in ["", "shop"] {
+        let dir = root.join(folder);
+        let file = std::fs::read_to_string(dir.join("leadscrew.toml")).expect("a machine file");
+        let loaded = load_text("leadscrew.toml", &file, Lang::En);
+        assert!(loaded.is_good(), "the machine file of {folder} is right");
+        out += &format!("    Folder {{\n        name: {folder:?},\n        values: &[\n");
+        for change in difference::changes(&Params::slant_bed(), &loaded.params) {
+            let part = match change.entry.part {
+                Part::Whole => "Part::Whole".to_owned(),
+                Part::Bit(bit) => format!("Part::Bit({bit})"),
+                Part::Axis(axis) => format!("Part::Axis(Axis::{axis:?})"),
+            };
+            out += &format!(
+                "            ({}, {part}, {}),\n",
+                change.entry.no, change.new
+            );
+        }
+        out += "        ],\n        programs: &[\n";
+        let mut programs: Vec<_> = std::fs::read_dir(&dir)
+            .expect("a folder of examples")
+            .map(|entry| entry.expect("a file").file_name())
+            .filter_map(|name| name.into_string().ok())
+            .filter(|name| name.ends_with(".nc"))
+            .collect();
+        programs.sort();
+        for name in programs {
+            let path = Path::new("../../../examples").join(folder).join(&name);
+            out += &format!("            ({name:?}, include_str!({path:?})),\n");
+        }
+        out += "        ],\n    },\n";
+    }
+    out + "]\n"
+}
 
 /// The emulated board has read the same programs; its rows are under version control.
 #[test]

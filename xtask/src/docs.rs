@@ -14,15 +14,8 @@ pub fn check() -> Result<()> {
     pages::check()?;
     manual::whole()?;
     pictures::check()?;
-    let args = [
-        "doc",
-        "--workspace",
-        "--no-deps",
-        "--quiet",
-        "--message-format",
-        "json",
-    ];
-    let mut doc = run::cargo(&run::root(), &args);
+    let args = ["doc", "--no-deps", "--quiet", "--message-format", "json"];
+    let mut doc = run::cargo(&run::root(), &[&args[..], &run::WHOLE].concat());
     doc.env(
         "RUSTDOCFLAGS",
         "--force-warn rustdoc::broken-intra-doc-links",

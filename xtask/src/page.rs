@@ -11,8 +11,8 @@ use crate::{axe, run, setup, wasm};
 
 const MODULE: &str = "leadscrew.wasm";
 
-/// Both pages have tests that need a browser: with one set of features their libraries are built once.
-const FEATURES: &str = "leadscrew/browser,leadscrew-web/browser";
+/// The names of tests of the panel's page that need a browser begin like this.
+pub const IN_A_BROWSER: &str = "page::browser::";
 
 /// Writes the page.
 pub fn write() -> Result<()> {
@@ -55,7 +55,7 @@ pub fn check(counts: &mut Counts) -> Result<()> {
     let mut all = true;
     for which in [
         &["--test", "browser", "--", "--nocapture"][..],
-        &["--test", "desk", "page::browser::"],
+        &["--test", "desk", IN_A_BROWSER],
     ] {
         all &= run::watch(browser(which), |line| counts.take(line))?;
     }
@@ -65,11 +65,10 @@ pub fn check(counts: &mut Counts) -> Result<()> {
     Ok(())
 }
 
-/// Runs tests of the workspace with a browser. They are selected from the whole of it, for the reason that
-/// [`run::programs`] gives.
+/// Runs tests of the workspace with a browser.
 fn browser(which: &[&str]) -> Command {
-    let test = ["test", "--quiet", "--workspace", "--features", FEATURES];
-    run::cargo(&run::root(), &[&test[..], which].concat())
+    let test = ["test", "--quiet"];
+    run::cargo(&run::root(), &[&test[..], &run::WHOLE, which].concat())
 }
 
 /// The page of `leadscrew panel` watched for ten minutes, with a path of 100 000 pieces, and left in the middle of 500

@@ -55,19 +55,28 @@ pub fn give_way() {
     let _ = rustix::process::nice(10);
 }
 
-/// Builds programs of the workspace, given as `--bin` or `--example`; gives their folder. The build selects from the
-/// whole workspace, so the programs share all libraries with the tests. With `--package` some libraries would have
-/// other features and be built again.
+/// What cargo selects from: the whole workspace, with the features of all tests. Every step builds with the same selection,
+/// because a library is built again where another selection gives it other features.
+pub const WHOLE: [&str; 3] = [
+    "--workspace",
+    "--features",
+    "leadscrew-tests/vcan,leadscrew-tests/emulated,leadscrew-web/browser,leadscrew/browser",
+];
+
+/// An example that is quickly built: beside a target of this kind cargo selects the features as for tests.
+const AS_FOR_TESTS: [&str; 2] = ["--example", "tick"];
+
+/// Builds programs of the workspace, given as `--bin` or `--example`; gives their folder.
 pub fn programs(which: &[&str]) -> Result<PathBuf> {
-    let build = ["build", "--quiet", "--workspace"];
-    show(cargo(&root(), &[&build[..], which].concat()))?;
+    let build = ["build", "--quiet"];
+    let args = [&build[..], &WHOLE, &AS_FOR_TESTS, which].concat();
+    show(cargo(&root(), &args))?;
     Ok(root().join("target").join("debug"))
 }
 
-/// Builds the tests of the feature with this name; gives the path of the program.
+/// Builds the tests with this name; gives the path of the program.
 pub fn test_program(name: &str) -> Result<PathBuf> {
-    let feature = format!("leadscrew-tests/{name}");
-    built_tests(&["--quiet", "--test", name, "--features", &feature])?
+    built_tests(&["--quiet", "--test", name])?
         .iter()
         .find(|message| message["target"]["name"] == name && message["executable"].is_string())
         .and_then(|message| message["executable"].as_str().map(PathBuf::from))
@@ -76,9 +85,10 @@ pub fn test_program(name: &str) -> Result<PathBuf> {
 
 /// Builds tests of the workspace; gives what cargo tells of each part.
 pub fn built_tests(which: &[&str]) -> Result<Vec<serde_json::Value>> {
-    let build = ["test", "--workspace", "--no-run"];
+    let build = ["test", "--no-run"];
     let told = ["--message-format", "json-render-diagnostics"];
-    let told = answer(cargo(&root(), &[&build[..], &told, which].concat()))?;
+    let args = [&build[..], &WHOLE, &told, which].concat();
+    let told = answer(cargo(&root(), &args))?;
     let messages = told.lines().map(serde_json::from_str);
     messages
         .collect::<Result<_, _>>()

@@ -19,7 +19,7 @@ use crate::{
 /// Printed after a test that was not a full one.
 const NOT_RUN: &str = "\
 not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
-  the long volumes: a quarter of a million moves, cuts of power in writes of the flash, six million ticks of soak
+  the long volumes: 150 000 moves, cuts of power in writes of the flash, six million ticks of soak
   tests on a CAN bus, with processes that are killed and with other people's tools (alone: cargo xtask vcan)
   instructions per tick and the same bits on the emulated Cortex-M4F (alone: cargo xtask ticks, cargo xtask bits)
   the board on it, driven by `leadscrew`, its failures too (alone: cargo xtask emulated)
@@ -133,12 +133,8 @@ fn clippy() -> Result<()> {
         let args = [&["clippy", "--quiet"], what, &["--", "-D", "warnings"]].concat();
         run::show(run::cargo(dir, &args))
     };
-    let of_features =
-        "leadscrew-tests/vcan,leadscrew-tests/emulated,leadscrew-web/browser,leadscrew/browser";
-    check(
-        &run::root(),
-        &["--workspace", "--all-targets", "--features", of_features],
-    )?;
+    let whole = [&run::WHOLE[..], &["--all-targets"]].concat();
+    check(&run::root(), &whole)?;
     let firmware = run::firmware();
     check(&firmware, &["--release", "--workspace"])?;
     check(

@@ -193,17 +193,17 @@ fn lives(failures: &[[Option<u64>; 2]], chance: &mut Random, threads: u32) -> [u
 fn each_record_is_in_one_file_wherever_store_or_folder_fail() {
     leadscrew_seed::only_fresh(|seed| {
         let mut chance = Random(seed);
-        let threads = amount(6, 14);
+        let threads = amount(6, 8);
         let [of_disk, of_place] = lives(&[], &mut chance, threads);
         assert!(of_disk > 100 && of_place > 8, "{of_disk} {of_place}");
         for operation in 0..of_place {
             lives(&[[None, Some(operation)]], &mut chance, threads);
         }
-        let step = amount(5, 1);
+        let step = amount(5, 2);
         for operation in (0..of_disk).step_by(step) {
             lives(&[[Some(operation), None]], &mut chance, threads);
         }
-        for _ in 0..amount(30, 1000) {
+        for _ in 0..amount(30, 250) {
             let failures: Vec<[Option<u64>; 2]> = (0..4)
                 .map(|_| [Some(chance.below(of_disk)), Some(chance.below(of_place))])
                 .collect();

@@ -59,13 +59,13 @@ fn lives(failures: &[u64], chance: &mut Random, threads: u32) -> u64 {
 fn a_disk_that_fails_at_any_operation_loses_and_doubles_nothing() {
     leadscrew_seed::only_fresh(|seed| {
         let mut chance = Random(seed);
-        let threads = amount(4, 20);
+        let threads = amount(4, 8);
         let all = lives(&[], &mut chance, threads);
         assert!(all > 100, "{all}");
         for operation in 0..all {
             lives(&[operation], &mut chance, threads);
         }
-        for _ in 0..amount(40, 1000) {
+        for _ in 0..amount(40, 300) {
             let failures: Vec<u64> = (0..5).map(|_| chance.below(all)).collect();
             lives(&failures, &mut chance, threads);
         }

@@ -2,6 +2,9 @@
 
 use std::fs::File;
 use std::io::{self, BufReader, Write as _};
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use leadscrew_can::{Address, Can, LogReader, LogWriter, Received, Stamp};
@@ -113,7 +116,8 @@ fn of_bus(global: &Global, args: &cli::Doctor) -> Outcome<(Report, Vec<Both>)> {
     let base = if own || args.listen_only || interrupt::requested() {
         None
     } else {
-        match board::base(global, Answer::Parameters) {
+        let read = || board::base(global, Answer::Parameters);
+        match listen_beside(&mut *can, &mut packets, read)? {
             Ok(base) => base,
             Err(failure) => {
                 let why = failure.words().unwrap_or_default();
@@ -127,6 +131,7 @@ fn of_bus(global: &Global, args: &cli::Doctor) -> Outcome<(Report, Vec<Both>)> {
             }
         }
     };
+    let ended = Stamp::now();
     let told = own || base.is_some();
     if !told && notes.is_empty() {
         notes.push(both!(
@@ -148,13 +153,11 @@ fn of_bus(global: &Global, args: &cli::Doctor) -> Outcome<(Report, Vec<Both>)> {
     let machine = machine(global, args, params, &profiles, told, clock)?;
     let mut doctor = Doctor::new(machine.clone());
     doctor.until(began);
-    // What came while the parameters were read waits in the bus' own buffer.
-    packets.extend(listen(&mut *can, Duration::from_millis(1))?);
     for Received { time, packet } in &packets {
         doctor.push(*time, packet);
     }
     if args.listen_only || interrupt::requested() {
-        doctor.until(Stamp::now());
+        doctor.until(ended);
     } else {
         let read = ask::READ;
         tell(
@@ -180,6 +183,33 @@ fn listen(can: &mut dyn Can, time: Duration) -> Outcome<Vec<Received>> {
             .map_err(Failure::bus)?;
     }
     Ok(packets)
+}
+
+/// Listens while something else is done: what nobody takes waits in the buffer of the bus, which is full after a second or two.
+fn listen_beside<T>(
+    can: &mut dyn Can,
+    packets: &mut Vec<Received>,
+    what: impl FnOnce() -> T,
+) -> Outcome<T> {
+    let done = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let listener = scope.spawn(|| {
+            loop {
+                let is_last = done.load(Ordering::Acquire);
+                can.receive(packets, PATIENCE)?;
+                if is_last {
+                    return Ok(());
+                }
+            }
+        });
+        let result = what();
+        done.store(true, Ordering::Release);
+        let heard = listener.join();
+        heard
+            .unwrap_or_else(|panic| resume_unwind(panic))
+            .map_err(Failure::bus)?;
+        Ok(result)
+    })
 }
 
 /// What goes on, for people. A closed standard error leaves nobody to tell.

@@ -4,7 +4,6 @@ use std::os::fd::AsFd as _;
 use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
-use nix::pty::OpenptyResult;
 use nix::sys::signal::{Signal, kill};
 use nix::sys::termios::{LocalFlags, Termios, tcgetattr};
 use nix::unistd::Pid;
@@ -13,7 +12,7 @@ use crate::root;
 use crate::server::{Options, Server};
 
 struct View {
-    terminal: OpenptyResult,
+    terminal: crate::pty::Ends,
     before: Termios,
     child: Child,
     reader: std::thread::JoinHandle<Vec<u8>>,

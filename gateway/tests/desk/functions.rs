@@ -280,7 +280,8 @@ fn a_block_on_the_bus_has_its_names_and_is_missed() {
     // Three questions without an answer, also where the machine has little of this computer's time.
     let output = user.does(&["doctor", "--seconds", "5"]);
     let told = text(&output.stdout);
-    assert!(told.contains("does not answer (rule 49)"), "{told}");
+    let beside = text(&output.stderr);
+    assert!(told.contains("does not answer (rule 49)"), "{told}{beside}");
     good(&user.does(&["sim", "block", "well"]));
     good(&user.does(&[&["io", "wait", "door=1", "--timeout", "20"], &named[..]].concat()));
     good(&user.does(&["reset"]));

@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use nix::pty::{OpenptyResult, Winsize};
 use nix::sys::termios::{Termios, tcgetattr};
+use rustix::termios::Winsize;
 use serde_json::Value;
 
 use crate::{LIMIT, User, bad, good};
@@ -31,7 +31,7 @@ const SIZE: Winsize = Winsize {
 };
 
 struct Terminal {
-    ends: OpenptyResult,
+    ends: crate::pty::Ends,
     before: Termios,
     child: Child,
     keys: File,
@@ -42,7 +42,7 @@ struct Terminal {
 impl Terminal {
     /// A panel on a terminal that answers so to the question.
     fn start(user: &User, args: &[&str], answer: &'static [u8]) -> Self {
-        let ends = crate::pty::open(Some(&SIZE));
+        let ends = crate::pty::open(Some(SIZE));
         let before = tcgetattr(&ends.slave).unwrap();
         let end = || ends.slave.try_clone().unwrap();
         let child = user
@@ -293,7 +293,7 @@ fn a_panel_whose_terminal_is_gone_ends() {
     let user = User::with_machine();
     // Before its question is answered, and when it has drawn.
     for is_answered in [false, true] {
-        let ends = crate::pty::open(Some(&SIZE));
+        let ends = crate::pty::open(Some(SIZE));
         let end = || ends.slave.try_clone().unwrap();
         let mut child = user
             .command(&["monitor"])

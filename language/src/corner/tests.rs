@@ -179,7 +179,7 @@ fn corners_by_chance() {
     leadscrew_seed::volume(0x00c0_4e25, |seed| {
         let mut chance = Chance::new(seed);
         let mut done = [0; 2];
-        for case in 0..leadscrew_seed::amount(5_000, 100_000) {
+        for case in 0..leadscrew_seed::amount(5_000, 40_000) {
             let path = chance.path(2, 1e5, 3e7);
             let size = Length::from_nm(chance.size(1e4, 1e7) as i64);
             let corner = match chance.below(3) {

@@ -355,7 +355,7 @@ fn what_is_refused() {
 fn holes_by_chance() {
     leadscrew_seed::volume(83, |seed| {
         let mut chance = crate::figures::Chance::new(seed);
-        for _ in 0..leadscrew_seed::amount(20_000, 200_000) {
+        for _ in 0..leadscrew_seed::amount(20_000, 80_000) {
             let nm = |value: f64| Length::from_nm(value as i64);
             let sign = if chance.below(2) == 0 { 1 } else { -1 };
             let depth = nm(chance.size(1e3, 1e8));

@@ -240,7 +240,7 @@ fn arcs_with_rounded_centres_take_the_nose() {
     events(Control::FanucA, text);
     leadscrew_seed::volume(0x0041_0043, |seed| {
         let mut chance = Chance::new(seed);
-        for case in 0..leadscrew_seed::amount(60, 2_000) {
+        for case in 0..leadscrew_seed::amount(60, 800) {
             let inch = case % 2 == 0;
             let shaft = Written { inch }.shaft(&mut chance);
             let shaft = shaft.replacen("G1", "G42 G1", 1);
@@ -273,7 +273,7 @@ fn arcs_with_rounded_centres_do_not_turn_back() {
     );
     leadscrew_seed::volume(0x0064, |seed| {
         let mut chance = Chance::new(seed);
-        for case in 0..leadscrew_seed::amount(60, 2_000) {
+        for case in 0..leadscrew_seed::amount(60, 800) {
             let inch = case % 2 == 0;
             let shaft = Written { inch }.shaft(&mut chance);
             let unit = if inch { "G20" } else { "G21" };

@@ -74,7 +74,7 @@ fn the_drive_is_a_backlash_further_on_the_minus_side_and_keeps_the_limits() {
     let params = with(&[("1851.X", 12_300), ("1851.Z", 40_000)]);
     volume(0x1851, |seed| {
         let mut random = Random(seed);
-        for round in 0..amount(3, 250) {
+        for round in 0..amount(3, 120) {
             let mut hand = Hand::on(&params, OperatingMode::Manual);
             let mut seen = [(Axis::X, 12_300), (Axis::Z, 40_000)]
                 .map(|(axis, backlash)| Seen::new(axis, backlash, &hand));

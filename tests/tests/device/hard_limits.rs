@@ -135,7 +135,7 @@ fn way_to_rest(axis: Axis, mm_per_min: i64, moved: i64) -> f64 {
 fn an_axis_brakes_at_its_switch_and_moves_away_from_it_only() {
     volume(0x4542, |seed| {
         let mut random = Random(seed);
-        for round in 0..amount(8, 250) {
+        for round in 0..amount(8, 120) {
             let (axis, towards, input) = ENDS[round % 4];
             let what = format!("{round}: {axis:?} {towards:?}");
             let mut hand = Hand::on(&wired(), OperatingMode::Manual);

@@ -77,7 +77,7 @@ fn judge(hand: &mut Hand, params: &Params, tables: &[Table; 2], on_minus: bool, 
 fn the_drive_is_told_less_by_the_error_and_keeps_the_limits() {
     volume(0x1871, |seed| {
         let mut random = Random(seed);
-        let (rounds, mut taken) = (amount(20, 250), 0);
+        let (rounds, mut taken) = (amount(20, 120), 0);
         for round in 0..rounds {
             let tables = [(); 2].map(|()| Table::any(&mut random));
             let mut params = with(&[("1851.Z", BACKLASH)]);

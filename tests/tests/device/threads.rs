@@ -413,7 +413,7 @@ fn random_programs_add_up() {
     leadscrew_seed::volume(0x5041, |seed| {
         let mut r = Random(seed);
         let params = Params::sheets();
-        for program in 0..leadscrew_seed::amount(4, 20) {
+        for program in 0..leadscrew_seed::amount(4, 12) {
             let mut text = String::from("G98\nG0 X80 Z10\n");
             let mut expected = Vec::new();
             let mut line = 2;

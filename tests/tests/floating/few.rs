@@ -15,7 +15,7 @@ fn an_encoder_of_few_counts_does_not_shake_the_axis_where_the_spindle_turns_back
     leadscrew_seed::volume(0x00FE_3A11, |seed| {
         let mut random = Random(seed);
         let mut tapped = 0;
-        while tapped < leadscrew_seed::amount(40, 400) {
+        while tapped < leadscrew_seed::amount(40, 200) {
             let r = &mut random;
             let params = with(&[
                 ("3720", r.of(&[25, 60, 100, 150, 240, 360, 500, 700, 999])),

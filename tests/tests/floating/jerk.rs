@@ -70,7 +70,7 @@ fn no_tap_exceeds_the_jerk_by_more_than_a_count() {
         let random = &mut Random(seed);
         let params = with(&[("9006.0", 1)]);
         let mut tried = 0;
-        while tried < leadscrew_seed::amount(30, 400) {
+        while tried < leadscrew_seed::amount(30, 200) {
             let rpm = random.within(100, 1_500);
             let lead = random.within(400, (3_500_000 / rpm).min(4_000));
             let text = hole(rpm, lead, random.within(1_000, 8_000));

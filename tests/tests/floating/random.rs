@@ -13,7 +13,7 @@ use super::hole::Hole;
 use super::watch::{depth, judge, locked};
 
 fn holes() -> usize {
-    leadscrew_seed::amount(150, 500)
+    leadscrew_seed::amount(150, 300)
 }
 
 #[test]

@@ -18,7 +18,7 @@ use super::hole::Hole;
 use super::watch::{depth, judge_uneven};
 
 fn holes() -> u32 {
-    leadscrew_seed::amount(100, 1_200)
+    leadscrew_seed::amount(100, 600)
 }
 
 /// What reading counts without their edges' times is worth as acceleration of the axis, in m/s²: the bound that

@@ -47,7 +47,7 @@ fn expected(fault: Fault) -> &'static [Code] {
 fn at_any_tick() {
     volume(17, |seed| {
         let mut random = Random(seed);
-        for _ in 0..amount(150, 1_200) {
+        for _ in 0..amount(150, 600) {
             let fault = random.of(&FAULTS);
             let (method, mark) = random.of(&METHODS);
             let start = random.within(200_000, 500_000);

@@ -195,7 +195,7 @@ fn a_drive_that_does_not_tell_its_inputs_is_not_moved() {
 fn a_drive_that_stops_telling_on_the_way_is_stopped() {
     volume(0x1A01, |seed| {
         let mut random = Random(seed);
-        for _ in 0..amount(12, 80) {
+        for _ in 0..amount(12, 40) {
             let (input, towards) = random.of(&WIRED);
             let params = params(input, towards, &[]);
             let ticks = random.within(1, 2_800);

@@ -28,7 +28,7 @@ pub fn beside_mark(more: i64, place: i64) -> i64 {
 fn the_mark_of_a_drive_keeps_its_place() {
     volume(0x1880, |seed| {
         let mut random = Random(seed);
-        for round in 0..amount(12, 80) {
+        for round in 0..amount(12, 40) {
             let more = random.of(&[-37, 300, -450]);
             // The index above the home switch, from its lower side.
             let start = random.within(-300_000, 290_000);

@@ -76,7 +76,7 @@ pub fn judge_targets(bench: &Bench, what: &str) {
 fn the_mark_has_the_place_of_9058_from_anywhere_on_the_way() {
     leadscrew_seed::volume(0x0B5E_55ED, |seed| {
         let mut random = Random(seed);
-        for round in 0..leadscrew_seed::amount(20, 160) {
+        for round in 0..leadscrew_seed::amount(20, 80) {
             let side = random.sign();
             // 60 mm before the switch to 4 mm on it, and the drive counts from anywhere.
             let start = EDGE + side * random.within(-600_000, 40_000);

@@ -177,7 +177,7 @@ fn a_cut_at_any_byte_leaves_the_old_set_or_the_new_one() {
 fn cuts_upon_cuts_lose_nothing() {
     leadscrew_seed::volume(11, |seed| {
         let mut random = Random(seed);
-        let rounds = leadscrew_seed::amount(12, 60);
+        let rounds = leadscrew_seed::amount(12, 40);
         let mut cuts = 0;
         for round in 0..rounds {
             let mut flash = Flash::with_pages(PAGES);

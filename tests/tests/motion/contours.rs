@@ -18,7 +18,7 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 fn contours() -> u32 {
-    leadscrew_seed::amount(1_000, 4_000)
+    leadscrew_seed::amount(1_000, 2_500)
 }
 const CONTOURS_OF_A_MACHINE: u32 = 50;
 /// As many as on a board.

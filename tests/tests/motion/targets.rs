@@ -70,7 +70,7 @@ fn targets_keep_to_what_their_drive_takes() {
     volume(0x9077, |seed| {
         let mut random = Random(seed);
         let (mut run_through, mut lowered) = (0, 0);
-        for round in 0..amount(12, 300) {
+        for round in 0..amount(12, 150) {
             let axis = random.of(&[Axis::X, Axis::Z]);
             let Some(params) = machine(&mut random, axis) else {
                 continue;

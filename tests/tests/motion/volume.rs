@@ -12,7 +12,7 @@ use leadscrew_core::units::{Angle, Feed, FeedPerTurn, Length, Rpm};
 use std::f64::consts::TAU;
 
 fn moves() -> u32 {
-    leadscrew_seed::amount(20_000, 250_000)
+    leadscrew_seed::amount(20_000, 150_000)
 }
 const MOVES_OF_A_MACHINE: u32 = 500;
 

@@ -12,7 +12,7 @@ use super::hole::{bottom, deep, high_speed, nm, sheet};
 use super::watch::tap;
 
 fn holes() -> u32 {
-    leadscrew_seed::amount(60, 600)
+    leadscrew_seed::amount(60, 400)
 }
 
 fn random_hole(r: &mut Random) -> TapCall {

@@ -25,7 +25,7 @@ fn a_failing_drive_anywhere_and_the_next_program() {
         Trouble::Fault(0x3210),
         Trouble::TorqueOff,
     ];
-    for (turn, tick) in places(&calm, amount(293, 5)).enumerate() {
+    for (turn, tick) in places(&calm, amount(293, 11)).enumerate() {
         let trouble = troubles[turn % 4];
         let which = turn / 4 % 4;
         // A spindle has no position to be away from; a standing axis does not miss one.
@@ -71,7 +71,7 @@ fn a_failing_drive_anywhere_and_the_next_program() {
 fn a_second_failure_is_let_go_and_told_behind_the_reset() {
     let params = Params::sheets();
     let calm = calm(&params);
-    for tick in places(&calm, amount(601, 29)) {
+    for tick in places(&calm, amount(601, 59)) {
         // In the same tick, while it stops, and when it stands.
         for later in [0, 1, 7, 400] {
             let what = format!("X at {tick}, Z {later} later");

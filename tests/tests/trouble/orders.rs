@@ -16,7 +16,7 @@ fn a_reset_anywhere_and_the_next_program() {
     let calm = calm(&params);
     // The thread's crest is at X60 + 2 · 0.8 mm.
     let crest = 30_000_000 + 800_000;
-    for tick in drawn_places(&calm, amount(61, 2)) {
+    for tick in drawn_places(&calm, amount(61, 5)) {
         let what = format!("reset at {tick}");
         let mut bench = Lathe::new(&params);
         bench.load(WORK);
@@ -41,7 +41,7 @@ fn a_reset_anywhere_and_the_next_program() {
 fn an_emergency_stop_anywhere_and_the_next_program() {
     let params = Params::sheets();
     let calm = calm(&params);
-    for tick in drawn_places(&calm, amount(61, 2)) {
+    for tick in drawn_places(&calm, amount(61, 5)) {
         let what = format!("stop at {tick}");
         let mut bench = Lathe::new(&params);
         bench.load(WORK);
@@ -84,7 +84,7 @@ fn commands_one_after_another_in_any_order() {
     ];
     for params in [Params::sheets(), retracting()] {
         let calm = calm(&params);
-        for (index, tick) in places(&calm, amount(401, 7)).enumerate() {
+        for (index, tick) in places(&calm, amount(401, 13)).enumerate() {
             let order = orders[index % orders.len()];
             let gap = [0, 1, 3, 17, 60, 250][index / orders.len() % 6];
             let what = format!("{order:?} from {tick} on, {gap} ticks apart");
@@ -133,7 +133,7 @@ fn a_stop_while_a_reset_retracts_leaves_the_tool_where_it_stops() {
         .filter(|row| row.error.is_some())
         .map(|row| row.tick)
         .collect();
-    for tick in strokes.iter().step_by(amount(31, 3)).copied() {
+    for tick in strokes.iter().step_by(amount(31, 7)).copied() {
         for later in [1, 5, 20, 60, 120] {
             let what = format!("reset at {tick}, stop {later} later");
             let mut bench = Lathe::new(&params);
@@ -172,7 +172,7 @@ fn a_tapered_thread_is_left_outwards() {
         .filter(|row| row.error.is_some())
         .copied()
         .collect();
-    for row in strokes.iter().step_by(amount(97, 7)) {
+    for row in strokes.iter().step_by(amount(97, 13)) {
         let what = format!("reset at {}", row.tick);
         let mut bench = Lathe::new(&params);
         bench.load(text);
@@ -198,7 +198,7 @@ fn the_spindle_override_is_frozen_in_a_thread() {
     let text = WORK.replace("Q7000", "Q2000");
     let mut calm = Lathe::new(&params);
     calm.runs("calm", &text, 35_000_000, 8_000_000);
-    for tick in places(&calm.rows, amount(401, 41)) {
+    for tick in places(&calm.rows, amount(401, 83)) {
         for percent in [50, 80, 120] {
             let what = format!("{percent} % at {tick}");
             let mut bench = Lathe::new(&params);

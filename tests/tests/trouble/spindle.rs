@@ -41,7 +41,7 @@ fn brakes_at_once(rows: &[Row], params: &Params, what: &str) {
 fn spindle_trouble(percent: i16, alarm: u16, within: u64) {
     let params = Params::sheets();
     let calm = calm(&params);
-    for nth in (0..600).step_by(amount(199, 37)) {
+    for nth in (0..600).step_by(amount(199, 61)) {
         let tick = locked(&calm, nth);
         let what = format!("spindle at {percent} % from {tick} on");
         let mut bench = Lathe::new(&params);
@@ -139,7 +139,7 @@ fn a_spindle_far_too_fast_in_a_stroke() {
 fn an_encoder_that_slips_anywhere_and_the_next_program() {
     let params = Params::sheets();
     let calm = calm(&params);
-    for tick in places(&calm, amount(293, 11)) {
+    for tick in places(&calm, amount(293, 23)) {
         let what = format!("slip at {tick}");
         let mut bench = Lathe::new(&params);
         bench.load(WORK);

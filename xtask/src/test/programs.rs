@@ -16,28 +16,44 @@ use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
 use super::counts::Counts;
-use crate::run;
+use crate::{page, run};
 
 /// The number of tests of a program that run at once.
 const THREADS: &str = "RUST_TEST_THREADS";
 /// Tests with processes and time-outs mostly wait, so that a core has time for several of them.
 const THREADS_PER_PROGRAM: usize = 4;
-/// The same of the tests of machines, which have the computer for themselves.
-const THREADS_OF_MACHINES: usize = 8;
+/// The same of the tests of machines, which have the computer for themselves; those that take longest have threads of their
+/// own and begin at once.
+const THREADS_OF_MACHINES: usize = 6;
 
 /// The tests that start machines and wait for them most of their time. Beside programs that compute, a machine that runs
 /// in real time answers too late.
 const OF_MACHINES: &str = "leadscrew desk";
-/// Those that take longest in full volume, each with a tail in which one test runs alone.
-const LONG: [&str; 8] = [
+/// Those of them that take longest: pages whose commands run one after the other.
+const LONG_OF_MACHINES: [&str; 2] = [
+    "tutorial::the_page_of_the_first_hour_prints_what_it_shows",
+    "explain::every_script_raises_its_alarm_and_sets_it_right",
+];
+/// Those that have a step of their own: they need a bus, an image, a browser.
+const ELSEWHERE: [&str; 3] = [
+    "leadscrew-tests vcan",
+    "leadscrew-tests emulated",
+    "leadscrew-web browser",
+];
+/// The programs that take longest in full volume, each with a tail in which one test runs alone.
+const LONG: [&str; 12] = [
+    "leadscrew-tests trouble",
+    "leadscrew cli",
+    "leadscrew-agent kept",
     "leadscrew-tests kept",
     "leadscrew-tests motion",
     "leadscrew-tests zones",
     "leadscrew-tests threads",
     "leadscrew-tests whole",
-    "leadscrew-tests trouble",
-    "leadscrew-tests journal",
     "leadscrew-tests latency",
+    "leadscrew-tests journal",
+    "leadscrew-language leadscrew_language",
+    "leadscrew board",
 ];
 
 /// A program of tests.
@@ -63,6 +79,9 @@ struct Ran {
 pub fn run(counts: &mut Counts) -> Result<()> {
     let built = run::built_tests(&[])?;
     let mut programs: Vec<Program> = built.iter().filter_map(program).collect();
+    for name in ELSEWHERE {
+        take(&mut programs, name)?;
+    }
     let of_machines = take(&mut programs, OF_MACHINES)?;
     let mut queue = VecDeque::new();
     for name in LONG {
@@ -83,13 +102,23 @@ pub fn run(counts: &mut Counts) -> Result<()> {
         queue.pop_front()
     };
     let cores = thread::available_parallelism()?.get();
-    end(run_one(of_machines, THREADS_OF_MACHINES)?);
+    thread::scope(|scope| -> Result<()> {
+        let long = scope.spawn(|| long_of_machines(&of_machines));
+        let others: Vec<&str> = LONG_OF_MACHINES
+            .iter()
+            .flat_map(|name| ["--skip", name])
+            .collect();
+        end(run_one(&of_machines, &others, THREADS_OF_MACHINES)?);
+        let long = long.join();
+        end(long.unwrap_or_else(|_| bail!("what ran long tests has panicked"))?);
+        Ok(())
+    })?;
     thread::scope(|scope| -> Result<()> {
         let mut workers = Vec::new();
         for _ in 0..cores {
             workers.push(scope.spawn(|| {
                 while let Some(program) = next() {
-                    end(run_one(program, THREADS_PER_PROGRAM)?);
+                    end(run_one(&program, &[], THREADS_PER_PROGRAM)?);
                 }
                 Ok(())
             }));
@@ -166,18 +195,36 @@ fn package_name(identity: &str) -> &str {
     }
 }
 
-fn run_one(program: Program, threads: usize) -> Result<Ran> {
-    let mut command = run::command(&program.folder, &program.file.to_string_lossy(), &[]);
+/// Runs the tests of machines that take longest. It is an error where one has another name by now.
+fn long_of_machines(program: &Program) -> Result<Ran> {
+    let exact = [&["--exact"], &LONG_OF_MACHINES[..]].concat();
+    let ran = run_one(program, &exact, LONG_OF_MACHINES.len())?;
+    if !ran
+        .printed
+        .contains(&format!("running {} tests", LONG_OF_MACHINES.len()))
+    {
+        bail!(
+            "a long test of {OF_MACHINES} has another name: {}",
+            ran.printed
+        );
+    }
+    Ok(ran)
+}
+
+/// Runs the tests of a program that these arguments select, without those for a browser.
+fn run_one(program: &Program, which: &[&str], threads: usize) -> Result<Ran> {
+    let args = [&["--skip", page::IN_A_BROWSER], which].concat();
+    let mut command = run::command(&program.folder, &program.file.to_string_lossy(), &args);
     run::seed(&mut command);
     // As cargo does: the command that repeats a failure has it.
     command.env("CARGO_PKG_NAME", &program.package);
-    ran(program.name, command, threads)
+    ran(program.name.clone(), command, threads)
 }
 
 /// The examples in the documentation of all libraries. Rustdoc builds and runs them.
 fn examples_of_documentation() -> Result<Ran> {
-    let args = ["test", "--workspace", "--doc", "--no-fail-fast"];
-    let command = run::cargo(&run::root(), &[&args[..], &["--color", "never"]].concat());
+    let args = ["test", "--doc", "--no-fail-fast", "--color", "never"];
+    let command = run::cargo(&run::root(), &[&args[..], &run::WHOLE].concat());
     let name = "examples in the documentation".to_owned();
     ran(name, command, THREADS_PER_PROGRAM)
 }

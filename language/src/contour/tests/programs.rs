@@ -537,7 +537,7 @@ fn is_told(what: &str, wanted: &[Told], found: &[Told]) -> Result<(), String> {
 #[test]
 fn random_programs_rough_and_finish_what_they_say() {
     leadscrew_seed::volume(70, |seed| {
-        let many = leadscrew_seed::amount(1_000, 6_000);
+        let many = leadscrew_seed::amount(1_000, 3_000);
         let mut random = Random(seed);
         let mut tried = [[0; 2]; 3];
         for number in 0..many {

@@ -266,7 +266,7 @@ pub fn judge(
 #[test]
 fn random_contours_are_repeated_down_to_their_allowance() {
     leadscrew_seed::volume(73, |seed| {
-        let many = leadscrew_seed::amount(1_000, 6_000);
+        let many = leadscrew_seed::amount(1_000, 3_000);
         let away = Cell::new(0);
         let draw = |random: &mut Random| {
             let copies = Copies::random(random);
@@ -334,7 +334,7 @@ fn any_path(random: &mut Random) -> Contour {
 #[test]
 fn a_path_that_turns_as_it_likes_is_repeated_as_it_is() {
     leadscrew_seed::volume(7_300, |seed| {
-        let many = leadscrew_seed::amount(1_000, 6_000);
+        let many = leadscrew_seed::amount(1_000, 3_000);
         let mut random = Random(seed);
         for number in 0..many {
             let contour = any_path(&mut random);

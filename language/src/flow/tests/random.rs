@@ -173,7 +173,7 @@ impl Walker {
 
 #[test]
 fn random_programs_say_what_their_trees_say() {
-    let count = leadscrew_seed::amount(600, 20_000);
+    let count = leadscrew_seed::amount(600, 8_000);
     leadscrew_seed::volume(11, |seed| {
         let mut random = Random(seed);
         let (mut tried, mut words) = (0, 0);
