@@ -185,7 +185,8 @@ fn listen(can: &mut dyn Can, time: Duration) -> Outcome<Vec<Received>> {
     Ok(packets)
 }
 
-/// Listens while something else is done: what nobody takes waits in the buffer of the bus, which is full after a second or two.
+/// Listens while something else is done. What nobody takes waits in the buffer of the bus, which is full after a second or
+/// two.
 fn listen_beside<T>(
     can: &mut dyn Can,
     packets: &mut Vec<Received>,
