@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use crate::{emulator, run};
 
 /// The number of random programs from the seed of the commit.
-const FRESH: &str = "80";
+const FRESH: &str = "40";
 
 /// Runs the programs. Compares with the table or, with `write`, renews it.
 pub fn bits(write: bool) -> Result<()> {

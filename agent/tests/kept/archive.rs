@@ -203,7 +203,7 @@ fn each_record_is_in_one_file_wherever_store_or_folder_fail() {
         for operation in (0..of_disk).step_by(step) {
             lives(&[[Some(operation), None]], &mut chance, threads);
         }
-        for _ in 0..amount(30, 250) {
+        for _ in 0..amount(30, 120) {
             let failures: Vec<[Option<u64>; 2]> = (0..4)
                 .map(|_| [Some(chance.below(of_disk)), Some(chance.below(of_place))])
                 .collect();

@@ -65,7 +65,7 @@ fn a_disk_that_fails_at_any_operation_loses_and_doubles_nothing() {
         for operation in 0..all {
             lives(&[operation], &mut chance, threads);
         }
-        for _ in 0..amount(40, 300) {
+        for _ in 0..amount(40, 150) {
             let failures: Vec<u64> = (0..5).map(|_| chance.below(all)).collect();
             lives(&failures, &mut chance, threads);
         }

@@ -21,8 +21,8 @@ OBJECT, AXIS = 0x2000 + 1420, 1
 STATE = 0x5010, 2
 # 5043h: the number of this start.
 START = 0x5043, 0
-ROUNDS = 80 if os.environ.get("CHIP_ALL") else 12
-CUTS = int(os.environ.get("CHIP_CUTS", 10_500 if os.environ.get("CHIP_ALL") else 200))
+ROUNDS = 80 if os.environ.get("CHIP_ALL") else 8
+CUTS = int(os.environ.get("CHIP_CUTS", 10_500 if os.environ.get("CHIP_ALL") else 100))
 
 
 class Step:
