@@ -16,11 +16,11 @@ const PAGES: &[(&str, &[&str])] = &[
     ("docs/parameters.md", &["params", "docs", "--lang", "en"]),
 ];
 
-/// The tests that write what they compare where `BLESS` is set: package, target, and the beginning of the tests' names.
-const GOLDEN: &[(&str, &[&str], &str)] = &[
-    ("leadscrew", &["--lib"], "commands::board::monitor::draw::"),
-    ("leadscrew", &["--test", "cli"], ""),
-    ("leadscrew-web", &["--test", "host"], "the_page_offers_"),
+/// The tests that write what they compare where `BLESS` is set: the target, and the beginning of the tests' names.
+const GOLDEN: &[(&[&str], &str)] = &[
+    (&["--lib"], "commands::board::monitor::draw::"),
+    (&["--test", "cli"], ""),
+    (&["--test", "host"], "the_page_offers_"),
 ];
 const BLESS: &str = "LEADSCREW_BLESS";
 
@@ -32,9 +32,9 @@ pub fn all() -> Result<()> {
         println!("{page}");
     }
     pictures::write()?;
-    for (package, target, filter) in GOLDEN {
-        let test = ["test", "--quiet", "--package", package];
-        let mut golden = run::cargo(&root, &[&test[..], target, &[filter]].concat());
+    for (target, filter) in GOLDEN {
+        let test = ["test", "--quiet"];
+        let mut golden = run::cargo(&root, &[&test[..], &run::WHOLE, target, &[filter]].concat());
         golden.env(BLESS, "1");
         run::show(golden)?;
     }

@@ -67,6 +67,15 @@ struct Program {
     folder: PathBuf,
 }
 
+/// A program of tests to be run.
+struct Run<'a> {
+    program: &'a Program,
+    /// The arguments that select some of its tests.
+    which: Vec<&'static str>,
+    /// The number of tests that run at once.
+    threads: usize,
+}
+
 /// What a program printed, and whether it succeeded.
 struct Ran {
     name: String,
@@ -89,7 +98,6 @@ pub fn run(counts: &mut Counts) -> Result<()> {
     }
     queue.extend(programs);
 
-    let queue = Mutex::new(queue);
     let ended = Mutex::new(Vec::new());
     let end = |ran: Ran| {
         let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
@@ -97,38 +105,14 @@ pub fn run(counts: &mut Counts) -> Result<()> {
         println!("\n-- {}, {took:.1} s\n{printed}", ran.name);
         ended.push(ran);
     };
-    let next = || {
-        let mut queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
-        queue.pop_front()
+    beside(tests_of_machines(&of_machines)?.into(), 2, end)?;
+    let whole = |program| Run {
+        program,
+        which: Vec::new(),
+        threads: THREADS_PER_PROGRAM,
     };
     let cores = thread::available_parallelism()?.get();
-    thread::scope(|scope| -> Result<()> {
-        let long = scope.spawn(|| long_of_machines(&of_machines));
-        let others: Vec<&str> = LONG_OF_MACHINES
-            .iter()
-            .flat_map(|name| ["--skip", name])
-            .collect();
-        end(run_one(&of_machines, &others, THREADS_OF_MACHINES)?);
-        let long = long.join();
-        end(long.unwrap_or_else(|_| bail!("what ran long tests has panicked"))?);
-        Ok(())
-    })?;
-    thread::scope(|scope| -> Result<()> {
-        let mut workers = Vec::new();
-        for _ in 0..cores {
-            workers.push(scope.spawn(|| {
-                while let Some(program) = next() {
-                    end(run_one(&program, &[], THREADS_PER_PROGRAM)?);
-                }
-                Ok(())
-            }));
-        }
-        for worker in workers {
-            let done = worker.join();
-            done.unwrap_or_else(|_| bail!("what ran a program of tests has panicked"))?;
-        }
-        Ok(())
-    })?;
+    beside(queue.iter().map(whole).collect(), cores, end)?;
     end(examples_of_documentation()?);
     let ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
     judge(&ended, counts)
@@ -195,30 +179,61 @@ fn package_name(identity: &str) -> &str {
     }
 }
 
-/// Runs the tests of machines that take longest. It is an error where one has another name by now.
-fn long_of_machines(program: &Program) -> Result<Ran> {
-    let exact = [&["--exact"], &LONG_OF_MACHINES[..]].concat();
-    let ran = run_one(program, &exact, LONG_OF_MACHINES.len())?;
-    if !ran
-        .printed
-        .contains(&format!("running {} tests", LONG_OF_MACHINES.len()))
-    {
-        bail!(
-            "a long test of {OF_MACHINES} has another name: {}",
-            ran.printed
-        );
+/// The tests of machines that take longest, and the others.
+fn tests_of_machines(program: &Program) -> Result<[Run<'_>; 2]> {
+    let file = program.file.to_string_lossy();
+    let list = run::read(run::command(&program.folder, &file, &["--list"]))?;
+    let is_gone = |name: &&&str| run::listed(&list).all(|listed| listed != **name);
+    if let Some(gone) = LONG_OF_MACHINES.iter().find(is_gone) {
+        bail!("there is no test {gone} any more: renew the table in xtask/src/test/programs.rs");
     }
-    Ok(ran)
+    let skipped = LONG_OF_MACHINES.iter().flat_map(|name| ["--skip", name]);
+    Ok([
+        Run {
+            program,
+            which: [&["--exact"], &LONG_OF_MACHINES[..]].concat(),
+            threads: LONG_OF_MACHINES.len(),
+        },
+        Run {
+            program,
+            which: skipped.collect(),
+            threads: THREADS_OF_MACHINES,
+        },
+    ])
 }
 
-/// Runs the tests of a program that these arguments select, without those for a browser.
-fn run_one(program: &Program, which: &[&str], threads: usize) -> Result<Ran> {
-    let args = [&["--skip", page::IN_A_BROWSER], which].concat();
+/// Runs them in their order, as many beside each other as there are workers, and hands each that has ended to `end`.
+fn beside(runs: VecDeque<Run>, workers: usize, end: impl Fn(Ran) + Sync) -> Result<()> {
+    let queue = Mutex::new(runs);
+    let next = || {
+        let mut queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
+        queue.pop_front()
+    };
+    thread::scope(|scope| {
+        let work = || {
+            while let Some(run) = next() {
+                end(run_one(&run)?);
+            }
+            Ok(())
+        };
+        let workers: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        for worker in workers {
+            let done = worker.join();
+            done.unwrap_or_else(|_| bail!("what ran a program of tests has panicked"))?;
+        }
+        Ok(())
+    })
+}
+
+/// Runs tests of a program to their end, without those for a browser.
+fn run_one(run: &Run) -> Result<Ran> {
+    let Run { program, .. } = run;
+    let args = [&["--skip", page::IN_A_BROWSER], &run.which[..]].concat();
     let mut command = run::command(&program.folder, &program.file.to_string_lossy(), &args);
     run::seed(&mut command);
     // As cargo does: the command that repeats a failure has it.
     command.env("CARGO_PKG_NAME", &program.package);
-    ran(program.name.clone(), command, threads)
+    ran(program.name.clone(), command, run.threads)
 }
 
 /// The examples in the documentation of all libraries. Rustdoc builds and runs them.
