@@ -8,7 +8,7 @@
 //! of the angle that comes out. Turns, per tick, per tick² and per tick³, all 2⁻⁴⁸; the angle modulo 2¹⁶ turns.
 
 use crate::looks::exp_of_minus;
-use crate::wave::Differences;
+use crate::wave::{Differences, part};
 
 /// What the follower may do; none is negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,8 +23,8 @@ pub struct Limits {
     pub beside: i64,
 }
 
-/// Half a turn, 2⁻⁴⁸.
-const LARGEST: i64 = 1 << 47;
+/// Just below half a turn, 2⁻⁴⁸.
+const LARGEST: i64 = (1 << 47) - (1 << 16);
 
 /// The follower's state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,11 +121,8 @@ impl Follower {
     #[inline(never)]
     pub fn tick(&mut self, to: &Differences) -> i64 {
         let within = |value: i64, most: i64| value.min(most).max(most.wrapping_neg());
-        // Below half a turn; what is below 2⁻³² turns is left out.
-        let times = |gain: i32, value: i64| {
-            let value = within(value, LARGEST) >> 16;
-            value.wrapping_mul(gain.into()) >> 14
-        };
+        // Below half a turn.
+        let times = |gain: i32, value: i64| part(within(value, LARGEST), gain);
         // Where it was a tick ago, by what is known of it now.
         let acceleration = to.acceleration.wrapping_sub(to.jerk);
         let speed = to.speed.wrapping_sub(to.acceleration);

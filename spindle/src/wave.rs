@@ -62,9 +62,10 @@ const fn times(a: i32, b: i32) -> i32 {
     ((a as i64).wrapping_mul(b as i64) >> 30) as i32
 }
 
-/// `value`, below half a turn (2⁻⁴⁸), times a share of 2⁻³⁰; what is below 2⁻³² turns of the value is left out.
-const fn part(value: i64, share: i32) -> i64 {
-    ((value >> 16) as i32 as i64).wrapping_mul(share as i64) >> 14
+/// `value`, below half a turn (2⁻⁴⁸), rounded to 2⁻³² turns, times a share of 2⁻³⁰. Rounded down it would be wrong to one
+/// side in each tick, and whoever adds it up would be far off.
+pub(crate) const fn part(value: i64, share: i32) -> i64 {
+    ((value.wrapping_add(1 << 15) >> 16) as i32 as i64).wrapping_mul(share as i64) >> 14
 }
 
 /// The worth of something and its backward differences: turns, per tick, per tick², per tick³, all 2⁻⁴⁸.
@@ -141,33 +142,53 @@ impl Wave {
         cross.wrapping_mul(inverse.into()) >> more.wrapping_add(14)
     }
 
+    /// At `at`, and a quarter of its period after.
+    const fn worth(self, at: Unit) -> Around {
+        Around {
+            value: part(self.a, at.cos).wrapping_add(part(self.b, at.sin)),
+            aside: part(self.b, at.cos).wrapping_sub(part(self.a, at.sin)),
+        }
+    }
+
     /// At `at`, and a tick before, where each tick adds the angle `step`.
-    pub fn pair(self, at: Unit, step: Unit) -> [i64; 2] {
-        let value = part(self.a, at.cos).wrapping_add(part(self.b, at.sin));
-        // A quarter of a period on.
-        let aside = part(self.b, at.cos).wrapping_sub(part(self.a, at.sin));
+    pub const fn pair(self, at: Unit, step: Unit) -> [i64; 2] {
+        let now = self.worth(at);
         [
-            value,
-            part(value, step.cos).wrapping_sub(part(aside, step.sin)),
+            now.value,
+            now.value.wrapping_sub(now.difference(step).value),
         ]
     }
 
     /// At `at`, where each tick adds the angle `step`.
-    pub fn differences(self, at: Unit, step: Unit) -> Differences {
-        let [value, before] = self.pair(at, step);
-        // Two more by 2·cos(step)·x₁ − x₀.
-        let third = |one: i64, two: i64| (part(one, step.cos) << 1).wrapping_sub(two);
-        let x2 = third(before, value);
-        let x3 = third(x2, before);
-        let speed = value.wrapping_sub(before);
-        let speed_before = before.wrapping_sub(x2);
-        let acceleration = speed.wrapping_sub(speed_before);
-        let acceleration_before = speed_before.wrapping_sub(x2.wrapping_sub(x3));
+    pub const fn differences(self, at: Unit, step: Unit) -> Differences {
+        let now = self.worth(at);
+        let speed = now.difference(step);
+        let acceleration = speed.difference(step);
         Differences {
-            value,
-            speed,
-            acceleration,
-            jerk: acceleration.wrapping_sub(acceleration_before),
+            value: now.value,
+            speed: speed.value,
+            acceleration: acceleration.value,
+            jerk: acceleration.difference(step).value,
+        }
+    }
+}
+
+/// Something that swings, and what it is worth a quarter of its period after: turns, 2⁻⁴⁸.
+#[derive(Clone, Copy, Debug)]
+struct Around {
+    value: i64,
+    aside: i64,
+}
+
+impl Around {
+    /// By how much it is more than a tick before, where each tick adds the angle `step`. It is worked out of the step and
+    /// not of two values: where the spindle is slow, what two values differ by is lost in their rounding.
+    const fn difference(self, step: Unit) -> Self {
+        // 1 − cos(step).
+        let short = (1_i32 << 30).wrapping_sub(step.cos);
+        Self {
+            value: part(self.value, short).wrapping_add(part(self.aside, step.sin)),
+            aside: part(self.aside, short).wrapping_sub(part(self.value, step.sin)),
         }
     }
 }

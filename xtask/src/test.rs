@@ -69,8 +69,11 @@ pub fn test() -> Result<()> {
     if full {
         clock.try_step("core for the microcontroller", core_alone);
         clock.rows(
-            "tests on a CAN bus, and beside them what the microcontroller computes",
-            |row| row.try_beside("tests on a CAN bus", || on_a_bus(&mut counts, "")),
+            "tests on a CAN bus and in a browser, and beside them what the microcontroller computes",
+            |row| {
+                row.try_beside("tests on a CAN bus", || on_a_bus(&mut counts, ""));
+                row.try_beside("the page in a browser", || page::check(&mut counts));
+            },
             |row| {
                 row.try_beside("instructions per tick", || emulator::ticks(false));
                 row.try_beside("the same bits on the microcontroller", || bits::bits(false));
@@ -98,7 +101,6 @@ pub fn test() -> Result<()> {
             },
         );
         counts.passed += of_chip;
-        clock.try_step("the page in a browser", || page::check(&mut counts));
     } else {
         clock.try_step("the image that is flashed", image::image);
     }

@@ -131,6 +131,27 @@ fn a_node_that_is_reset_stops_first_and_begins_anew() {
     assert_eq!(gateway.heartbeats.last(), Some(&NmtState::BootUp));
 }
 
+/// A drive does later what it is told (9003). A board that began anew at once threw away the end of its stop.
+#[test]
+fn a_node_that_is_reset_begins_anew_when_its_drives_stand_where_it_stopped() {
+    let params = with(&[("9003.X", 20_000), ("9003.Z", 20_000)]);
+    let (mut sim, mut gateway) = running(&params);
+    let position = |sim: &Sim| sim.board().ticker().executor().position();
+    sim.receive(&NmtCommand::ResetNode.frame(Some(NODE)));
+    let mut farthest = position(&sim);
+    for _ in 0..1500 {
+        let events = steps(&mut sim, &mut gateway, 1);
+        if events.contains(&Event::Ready) {
+            // It takes its place from the drives.
+            assert_eq!(position(&sim), farthest);
+            return;
+        }
+        let now = position(&sim);
+        farthest = if now.z < farthest.z { now } else { farthest };
+    }
+    panic!("it does not begin anew");
+}
+
 /// A frame that was delayed for long is still the same order, and no new one.
 #[test]
 fn the_count_of_the_last_order_outlives_the_communication() {

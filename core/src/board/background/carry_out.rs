@@ -61,8 +61,8 @@ impl BackgroundSide<'_> {
             self.state.limits = Limits::from_params(&self.state.params);
             self.state.setup_waits = true;
         }
-        // What was let in before the set, and has begun to move since, comes to its end first.
-        let stands = self.state.snapshot.is_at_rest();
+        // What was let in before the set, and has begun to move since, comes to its end first, in the drives as well.
+        let stands = self.state.snapshot.is_at_rest() && self.state.device.drives_stand();
         let has_room = has_room(&self.ends) && !self.state.orders.begin_anew();
         if self.state.setup_waits && stands && has_room {
             self.state.setup_waits = false;

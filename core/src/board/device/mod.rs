@@ -78,7 +78,7 @@ use crate::offsets::image::Image;
 use crate::operating::OperatingMode;
 use crate::params::Params;
 use crate::signals::Signals;
-use crate::units::Length;
+use crate::units::{Axis, Length};
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.
 const URGENT: usize = 12;
@@ -102,6 +102,9 @@ pub struct Device {
     told: Option<Code>,
     /// A restart of the application is requested. It waits until the machine stands.
     restarts: bool,
+    /// How long the setpoints have stood, and how much later than them the drives do.
+    rested: Periods,
+    drives_lag: Periods,
     /// The CAN controller.
     controller: Controller,
     /// Late setpoints are counted from here: their number at that time, and the time since.
@@ -132,6 +135,8 @@ impl Device {
             answers: Deque::new(),
             told: None,
             restarts: false,
+            rested: Periods::new(0),
+            drives_lag: Periods::new(0),
             controller: Controller::default(),
             block: Block::default(),
             lateness: (0, Periods::new(0)),
@@ -394,7 +399,13 @@ impl Device {
         }
         // A set that is being stored comes into force while the machine stands.
         let worked = !self.is_changing() && self.values.program_buffer.hand_over(offer);
-        let stands = snapshot.is_at_rest() && !self.values.is_about_to_move();
+        if snapshot.is_at_rest() {
+            self.rested = self.rested.plus(elapsed);
+        } else {
+            self.rested = Periods::new(0);
+            self.drives_lag = drives_lag(params);
+        }
+        let stands = self.drives_stand() && !self.values.is_about_to_move();
         if self.restarts && stands && !self.is_changing() {
             self.restart(params);
         }
@@ -409,6 +420,13 @@ impl Device {
         self.serve_block(elapsed, params);
         self.tell_status(elapsed, params);
         worked
+    }
+
+    /// True where the drives stand like their setpoints. A drive does later by its latency what it is told (9003), and a
+    /// board that began anew at once would throw away the end of its stop.
+    #[must_use]
+    pub fn drives_stand(&self) -> bool {
+        self.rested > self.drives_lag
     }
 
     /// True where the program runs and its next part has not come: in lock-step, time waits for it.
@@ -479,4 +497,15 @@ impl Device {
     pub fn take_params(&mut self) -> Option<&Params> {
         self.values.take_params()
     }
+}
+
+/// How long after its setpoints the last drive stands, in whole ticks.
+fn drives_lag(params: &Params) -> Periods {
+    let latency = Axis::ALL
+        .map(|axis| params.latency_us(axis))
+        .into_iter()
+        .max();
+    let lag = latency.and_then(|us| Periods::from_ms(us.div_ceil(1000), params.tick_us()));
+    // Without a tick nothing has moved.
+    lag.unwrap_or_default()
 }

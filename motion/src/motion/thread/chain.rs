@@ -48,11 +48,13 @@ pub struct Chain {
     stop: Stop,
 }
 
-/// What a stop needs to know of the whole chain.
+/// What a stop and a follower need to know of the whole chain.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stop {
     /// The greatest speed of an axis, nm/s.
     speed: u64,
+    /// The greatest speed along a helix, nm/s: a run-out may be steeper.
+    helix: u64,
     /// The time of the longest corner, ns.
     corner: u64,
 }
@@ -75,8 +77,9 @@ pub(super) struct Joints {
     pub after: Option<Turns>,
     /// Ticks that a stop takes.
     pub stop: u32,
-    /// The greatest speed of an axis in the chain, nm/s.
+    /// The greatest speed of an axis in the chain, and along a helix, nm/s.
     pub speed: u64,
+    pub helix: u64,
 }
 
 impl Chain {
@@ -91,6 +94,7 @@ impl Chain {
             is_whole: false,
             stop: Stop {
                 speed: 0,
+                helix: 0,
                 corner: 0,
             },
         }
@@ -266,6 +270,7 @@ impl Chain {
         // Along its line an axis is at most as fast as the long one; within a run-out the short one may be faster.
         let steepest = machine.taper.max(run_out_slope(shape)).max(DIAGONAL);
         self.stop.speed = self.stop.speed.max(seen(machine.speed, steepest));
+        self.stop.helix = self.stop.helix.max(machine.speed);
         let before = match index.checked_sub(1) {
             Some(before) => corner(&self.shape_or_alarm(before)?, shape, &machine).ease,
             None => Ease::default(),
@@ -315,6 +320,7 @@ impl Chain {
             after,
             stop: self.stop.ticks(params),
             speed: self.stop.speed,
+            helix: self.stop.helix,
         };
         let mut plan = ThreadPlan::default();
         plan.fill(shape, params, Some(commanded), measured, Some(&joints))?;

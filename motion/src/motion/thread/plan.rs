@@ -211,16 +211,16 @@ impl ThreadPlan {
         self.speed_limit = pace.limit;
         if params.learns_spindle() {
             self.follower = match joints {
-                None => limits(
-                    params,
-                    &bounds(params, shape.axes().0),
-                    machine.speed,
-                    pace.limit,
-                ),
+                None => {
+                    let long = bounds(params, shape.axes().0);
+                    limits(params, &long, [machine.speed; 2], pace.limit)
+                }
                 // One follower goes through all strokes.
                 Some(joints) => {
                     let least = bounds(params, Axis::X).least(&bounds(params, Axis::Z));
-                    limits(params, &least, joints.speed.max(machine.speed), pace.limit)
+                    let fastest =
+                        [joints.speed, joints.helix].map(|speed| speed.max(machine.speed));
+                    limits(params, &least, fastest, pace.limit)
                 }
             };
         }

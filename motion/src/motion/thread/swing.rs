@@ -46,10 +46,15 @@ fn left(bounds: &Bounds, speed: u64, [acceleration, jerk]: [u64; 2]) -> Bounds {
     }
 }
 
-/// The limits of a follower on the helix of a pass, whose long axis has these bounds and moves with `speed` (nm/s) where
-/// the spindle turns with `limit`.
+/// The limits of a follower on the helix of a pass, where the spindle turns with `limit`: an axis with these bounds moves
+/// with `speed` (nm/s) there, and along the helix with `helix`. The error that is allowed (9035) is one along the helix.
 #[inline(never)]
-pub(super) fn limits(params: &Params, bounds: &Bounds, speed: u64, limit: TurnRate) -> Limits {
+pub(super) fn limits(
+    params: &Params,
+    bounds: &Bounds,
+    [speed, helix]: [u64; 2],
+    limit: TurnRate,
+) -> Limits {
     let Bounds { acceleration, jerk } = *bounds;
     let (acceleration, jerk) = (acceleration / ACCELERATION, jerk / JERK);
     let tick = u64::from(params.tick_us());
@@ -67,7 +72,7 @@ pub(super) fn limits(params: &Params, bounds: &Bounds, speed: u64, limit: TurnRa
     let beside = mul_div(
         turn,
         beside.saturating_mul(1_000_000),
-        speed.saturating_mul(tick),
+        helix.saturating_mul(tick),
     );
     // The follower has its whole acceleration up to the speed of the plan.
     let above = mul_div(acceleration, acceleration, jerk.max(1));

@@ -323,6 +323,43 @@ fn a_corner_stays_near_its_point() {
     }
 }
 
+/// What a follower may be beside the spindle is an error along the lead, however steep a run-out is: with the speed of a
+/// run-out of 45° it was half of what was promised, and a pass at a steady spindle ended with 4276.
+#[test]
+fn a_run_out_takes_nothing_of_the_error_along_the_lead() {
+    let with = |run_out| Case {
+        strokes: std::vec![
+            ((15_975_000, -5_000_000), 1_436_000),
+            ((15_975_000, -9_000_000), 3_329_000)
+        ],
+        from: (15_975_000, 9_000_000),
+        run_out,
+        rpm: 300,
+        params: std::vec![("3720", "35".into())],
+    };
+    let beside = |case: &Case| {
+        let params = case.params();
+        let mut chain = case.chain().unwrap();
+        for index in 0..2 {
+            chain.examine(index, &params, None, TurnRate::ZERO).unwrap();
+        }
+        let error = params.encoder_error().nm() as f64;
+        let plan = chain.plan(0, &params, None, TurnRate::ZERO).unwrap();
+        plan.follower().beside as f64 / 2_f64.powi(48) * 3_329_000.0 / error
+    };
+    for run_out in [
+        None,
+        Some((16_535_000, -9_560_000)),
+        Some((18_000_000, -9_560_000)),
+    ] {
+        let part = beside(&with(run_out));
+        assert!(
+            (part - 1.0).abs() < 1e-3,
+            "{run_out:?}: {part} of what 9035 allows"
+        );
+    }
+}
+
 #[test]
 fn what_a_chain_cannot_be_is_refused_at_its_stroke() {
     let mut case = four();
