@@ -62,10 +62,24 @@ const fn times(a: i32, b: i32) -> i32 {
     ((a as i64).wrapping_mul(b as i64) >> 30) as i32
 }
 
-/// `value`, below half a turn (2⁻⁴⁸), rounded to 2⁻³² turns, times a share of 2⁻³⁰. Rounded down it would be wrong to one
-/// side in each tick, and whoever adds it up would be far off.
+/// A value below half a turn (2⁻⁴⁸), rounded to 2⁻³² turns. Rounded down it would be wrong to one side in each tick, and
+/// whoever adds it up would be far off.
+#[inline(always)]
+const fn short(value: i64) -> i32 {
+    (value.wrapping_add(1 << 15) >> 16) as i32
+}
+
+/// Such a value times a share of 2⁻³⁰, 2⁻⁴⁸.
 pub(crate) const fn part(value: i64, share: i32) -> i64 {
-    ((value.wrapping_add(1 << 15) >> 16) as i32 as i64).wrapping_mul(share as i64) >> 14
+    (short(value) as i64).wrapping_mul(share as i64) >> 14
+}
+
+/// `x` and `y` (turns, 2⁻³²), each times its share of 2⁻³⁰, 2⁻⁴⁸.
+#[inline(always)]
+const fn parts([x, y]: [i32; 2], [of_x, of_y]: [i32; 2]) -> i64 {
+    let x = (x as i64).wrapping_mul(of_x as i64);
+    let y = (y as i64).wrapping_mul(of_y as i64);
+    x.wrapping_add(y) >> 14
 }
 
 /// The worth of something and its backward differences: turns, per tick, per tick², per tick³, all 2⁻⁴⁸.
@@ -143,11 +157,9 @@ impl Wave {
     }
 
     /// At `at`, and a quarter of its period after.
+    #[inline(always)]
     const fn worth(self, at: Unit) -> Around {
-        Around {
-            value: part(self.a, at.cos).wrapping_add(part(self.b, at.sin)),
-            aside: part(self.b, at.cos).wrapping_sub(part(self.a, at.sin)),
-        }
+        Around::turned([short(self.a), short(self.b)], [at.cos, at.sin])
     }
 
     /// At `at`, and a tick before, where each tick adds the angle `step`.
@@ -160,6 +172,7 @@ impl Wave {
     }
 
     /// At `at`, where each tick adds the angle `step`.
+    #[inline(never)]
     pub const fn differences(self, at: Unit, step: Unit) -> Differences {
         let now = self.worth(at);
         let speed = now.difference(step);
@@ -181,15 +194,21 @@ struct Around {
 }
 
 impl Around {
+    /// `x` and `y` (turns, 2⁻³²), turned back by an angle with this cosine and sine (2⁻³⁰), or that times a size.
+    #[inline(always)]
+    const fn turned([x, y]: [i32; 2], [cos, sin]: [i32; 2]) -> Self {
+        Self {
+            value: parts([x, y], [cos, sin]),
+            aside: parts([y, x], [cos, sin.wrapping_neg()]),
+        }
+    }
+
     /// By how much it is more than a tick before, where each tick adds the angle `step`. It is worked out of the step and
     /// not of two values: where the spindle is slow, what two values differ by is lost in their rounding.
+    #[inline(always)]
     const fn difference(self, step: Unit) -> Self {
-        // 1 − cos(step).
-        let short = (1_i32 << 30).wrapping_sub(step.cos);
-        Self {
-            value: part(self.value, short).wrapping_add(part(self.aside, step.sin)),
-            aside: part(self.aside, short).wrapping_sub(part(self.value, step.sin)),
-        }
+        let less = (1_i32 << 30).wrapping_sub(step.cos);
+        Self::turned([short(self.value), short(self.aside)], [less, step.sin])
     }
 }
 

@@ -285,7 +285,7 @@ def trial(folder, seed, agents, machines, period, threads, states, kills, restar
                 for disk in small:
                     disk.fill()
             elif what == "clear":
-                full.update(disk.folder for disk in small if disk.clear())
+                full.update(disk.folder for disk in small if disk.clear(LIMIT))
             else:
                 if saved:
                     broker.save()

@@ -5,6 +5,7 @@ import os
 import pathlib
 import socket
 import threading
+import time
 
 # Of mount(2) and umount2(2).
 DETACH = 2
@@ -119,8 +120,12 @@ class Disk:
                 except OSError:
                     size //= 2
 
-    def clear(self):
-        """Room again. Gives whether a store has met the full disk: it has given its reserve away then."""
+    def clear(self, limit):
+        """Room again, once a store has met the full disk: it has given its reserve away then. On a computer with much to do that
+        takes its time, up to `limit` seconds. Gives whether one has."""
+        end = time.monotonic() + limit
+        while list(self.folder.glob("*.reserve")) and time.monotonic() < end:
+            time.sleep(0.05)
         met = not list(self.folder.glob("*.reserve"))
         (self.folder / "filler").unlink()
         return met

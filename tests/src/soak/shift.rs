@@ -344,8 +344,10 @@ impl Shift {
             matches!(bench.state(), State::Idle | State::Alarm(_))
         });
         if matches!(bench.state(), State::Alarm(alarm) if alarm.code == Code::NetworkStop) {
-            // A node that is reset stops on this alarm first, and begins anew in the next tick.
-            bench.tick();
+            // A node that is reset stops on this alarm first, and begins anew once its drives stand (9003).
+            for _ in 0..=bench.drives_lag() {
+                bench.tick();
+            }
             bench.until("a stop", LONGEST, |bench| {
                 matches!(bench.state(), State::Idle | State::Alarm(_))
             });
