@@ -8,7 +8,7 @@
 //! of the angle that comes out. Turns, per tick, per tick² and per tick³, all 2⁻⁴⁸; the angle modulo 2¹⁶ turns.
 
 use crate::looks::exp_of_minus;
-use crate::wave::{Differences, part};
+use crate::wave::Differences;
 
 /// What the follower may do; none is negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,8 +23,8 @@ pub struct Limits {
     pub beside: i64,
 }
 
-/// Just below half a turn, 2⁻⁴⁸.
-const LARGEST: i64 = (1 << 47) - (1 << 16);
+/// Half a turn, 2⁻⁴⁸.
+const LARGEST: i64 = 1 << 47;
 
 /// The follower's state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,17 +54,13 @@ impl Follower {
         let one = 1_i64 << 30;
         let theta = (exp_of_minus(pole.min(1 << 31)).to_bits() >> 2) as i64;
         let square = theta.wrapping_mul(theta) >> 30;
-        let ka = one.wrapping_sub(square.wrapping_mul(theta) >> 30);
-        let over = |a: i64, b: i64| a.wrapping_shl(30).checked_div(b).unwrap_or(0);
-        let kv_ka = one
-            .wrapping_mul(3)
-            .wrapping_sub(ka.wrapping_mul(2))
-            .wrapping_sub(square.wrapping_mul(3));
-        let kz_kv_ka = one
-            .wrapping_mul(3)
-            .wrapping_sub(theta.wrapping_mul(3))
-            .wrapping_sub(ka)
-            .wrapping_sub(kv_ka);
+        // Three poles at θ = 1 − r. Nothing is subtracted but θ: of a slow pole, nothing else would be left.
+        let rest = one.wrapping_sub(theta);
+        let twice = one.wrapping_add(theta.wrapping_mul(2));
+        let sum = one.wrapping_add(theta).wrapping_add(square);
+        let ka = rest.wrapping_mul(sum) >> 30;
+        let kv = rest.wrapping_mul(twice).checked_div(sum).unwrap_or(0);
+        let kz = rest.wrapping_shl(30).checked_div(twice).unwrap_or(0);
         // What the pole takes off in a tick; a value has at most 45 bits.
         let over_pole = |value: i64, tenths: i64| {
             let pole = i64::from(pole >> 12).max(1).wrapping_mul(10);
@@ -81,8 +77,8 @@ impl Follower {
         Self {
             limits,
             kappa,
-            kz: short(over(kz_kv_ka, kv_ka)),
-            kv: short(over(kv_ka, ka)),
+            kz: short(kz),
+            kv: short(kv),
             ka: short(ka),
             dv: over_pole(da, 27),
             da,
@@ -121,8 +117,13 @@ impl Follower {
     #[inline(never)]
     pub fn tick(&mut self, to: &Differences) -> i64 {
         let within = |value: i64, most: i64| value.min(most).max(most.wrapping_neg());
-        // Below half a turn.
-        let times = |gain: i32, value: i64| part(within(value, LARGEST), gain);
+        // Below half a turn. To the last bit: what is too small to be taken in would swing to and fro.
+        let times = |gain: i32, value: i64| {
+            let (value, gain) = (within(value, LARGEST), i64::from(gain));
+            let below = (value & 0xFFFF).wrapping_mul(gain) >> 16;
+            let product = (value >> 16).wrapping_mul(gain).wrapping_add(below);
+            product.wrapping_add(1 << 13) >> 14
+        };
         // Where it was a tick ago, by what is known of it now.
         let acceleration = to.acceleration.wrapping_sub(to.jerk);
         let speed = to.speed.wrapping_sub(to.acceleration);

@@ -576,7 +576,7 @@ impl Tracker {
         let mean = Differences {
             value: angle.to_bits() << 16,
             speed: speed
-                .wrapping_add((acceleration >> 16).wrapping_mul(ticks))
+                .wrapping_add((acceleration >> 8).wrapping_mul(ticks) >> 8)
                 .wrapping_sub(acceleration >> 1),
             acceleration,
             jerk: 0,

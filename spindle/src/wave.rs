@@ -3,6 +3,9 @@
 //! A swing is `a·cos φ + b·sin φ`. This module learns `a` and `b` from what surprises, and says what the swing is
 //! worth at a phase and by how much it differs from its worth in the ticks before. It knows no encoder.
 
+#[cfg(test)]
+mod tests;
+
 /// An angle of the swing, 2⁻³² of its period.
 pub(crate) type Angle = u32;
 
@@ -67,11 +70,6 @@ const fn times(a: i32, b: i32) -> i32 {
 #[inline(always)]
 const fn short(value: i64) -> i32 {
     (value.wrapping_add(1 << 15) >> 16) as i32
-}
-
-/// Such a value times a share of 2⁻³⁰, 2⁻⁴⁸.
-pub(crate) const fn part(value: i64, share: i32) -> i64 {
-    (short(value) as i64).wrapping_mul(share as i64) >> 14
 }
 
 /// `x` and `y` (turns, 2⁻³²), each times its share of 2⁻³⁰, 2⁻⁴⁸.
@@ -207,7 +205,8 @@ impl Around {
     /// not of two values: where the spindle is slow, what two values differ by is lost in their rounding.
     #[inline(always)]
     const fn difference(self, step: Unit) -> Self {
-        let less = (1_i32 << 30).wrapping_sub(step.cos);
+        // Two at half a period, which does not fit.
+        let less = (1_i32 << 30).saturating_sub(step.cos);
         Self::turned([short(self.value), short(self.aside)], [less, step.sin])
     }
 }

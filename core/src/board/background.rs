@@ -203,6 +203,7 @@ impl Background {
             || is_storing
             || waits
             || self.orders.wait()
+            || self.device.will_restart()
             || self.snapshot.operator.reset_waits()
     }
 

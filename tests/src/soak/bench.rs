@@ -18,7 +18,6 @@ use leadscrew_core::bus::{
 use leadscrew_core::call::Position;
 use leadscrew_core::operating::OperatingMode;
 use leadscrew_core::params::Params;
-use leadscrew_core::units::Axis;
 
 use super::alarms::Latch;
 use super::drives;
@@ -221,14 +220,6 @@ impl Bench {
     /// The commanded position.
     pub fn position(&self) -> Position {
         self.sim.board().ticker().executor().position()
-    }
-
-    /// Ticks after which drives stand like their setpoints, as the machine is told (9003).
-    pub fn drives_lag(&self) -> u32 {
-        let latency = Axis::ALL.map(|axis| self.params.latency_us(axis));
-        let longest = latency.into_iter().max().unwrap_or_default();
-        let whole_ms = longest.div_ceil(1_000) * 1_000;
-        whole_ms.div_ceil(self.params.tick_us()) + 1
     }
 
     /// The state of the machine.

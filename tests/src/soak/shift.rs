@@ -345,11 +345,8 @@ impl Shift {
         });
         if matches!(bench.state(), State::Alarm(alarm) if alarm.code == Code::NetworkStop) {
             // A node that is reset stops on this alarm first, and begins anew once its drives stand (9003).
-            for _ in 0..=bench.drives_lag() {
-                bench.tick();
-            }
-            bench.until("a stop", LONGEST, |bench| {
-                matches!(bench.state(), State::Idle | State::Alarm(_))
+            bench.until("a node that begins anew", LONGEST, |bench| {
+                !bench.sim.is_busy()
             });
         }
         let pause = bench.random.within(20, 200) as u64;

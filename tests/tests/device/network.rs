@@ -12,6 +12,8 @@ use leadscrew_tests::gateway::{Gateway, NODE, Upload};
 use leadscrew_tests::machine::{calls, machine};
 use leadscrew_tests::params::with;
 
+use crate::parameters::{parameter, write};
+
 /// A long way at a slow feed.
 const PROGRAM: &str = "G98 F500\nG01 X40 Z-100\nG01 X20 Z0\nM30\n";
 
@@ -131,25 +133,48 @@ fn a_node_that_is_reset_stops_first_and_begins_anew() {
     assert_eq!(gateway.heartbeats.last(), Some(&NmtState::BootUp));
 }
 
-/// A drive does later what it is told (9003). A board that began anew at once threw away the end of its stop.
-#[test]
-fn a_node_that_is_reset_begins_anew_when_its_drives_stand_where_it_stopped() {
-    let params = with(&[("9003.X", 20_000), ("9003.Z", 20_000)]);
-    let (mut sim, mut gateway) = running(&params);
+/// A machine with these latencies of X and Z, in microseconds, that is stopped by `stop`; then `ask` asks for what
+/// lets it begin anew, until it is taken. It begins anew where it stopped: it takes its place from the drives then.
+fn begins_anew_where_it_stopped(
+    latency: [i64; 2],
+    stop: fn(&mut Sim, &mut Gateway),
+    ask: fn(&mut Sim, &mut Gateway) -> bool,
+) {
+    let [x, z] = latency;
+    let (mut sim, mut gateway) = running(&with(&[("9003.X", x), ("9003.Z", z)]));
     let position = |sim: &Sim| sim.board().ticker().executor().position();
-    sim.receive(&NmtCommand::ResetNode.frame(Some(NODE)));
+    stop(&mut sim, &mut gateway);
     let mut farthest = position(&sim);
+    let mut asked = false;
     for _ in 0..1500 {
         let events = steps(&mut sim, &mut gateway, 1);
         if events.contains(&Event::Ready) {
-            // It takes its place from the drives.
-            assert_eq!(position(&sim), farthest);
+            assert_eq!(position(&sim), farthest, "{latency:?}");
             return;
         }
         let now = position(&sim);
-        farthest = if now.z < farthest.z { now } else { farthest };
+        if now.z < farthest.z {
+            farthest = now;
+        } else if !asked {
+            asked = ask(&mut sim, &mut gateway);
+        }
     }
     panic!("it does not begin anew");
+}
+
+/// A drive does later what it is told (9003). A board that began anew at once threw away the end of its stop.
+#[test]
+fn a_board_begins_anew_when_its_drives_stand_where_it_stopped() {
+    for latency in [[20_000, 5_000], [5_000, 20_000], [20_000, 20_000], [0, 0]] {
+        let reset = |sim: &mut Sim, _: &mut Gateway| {
+            sim.receive(&NmtCommand::ResetNode.frame(Some(NODE)));
+        };
+        begins_anew_where_it_stopped(latency, reset, |_, _| true);
+        let stop = |sim: &mut Sim, gateway: &mut Gateway| gateway.order(sim, Order::Reset);
+        begins_anew_where_it_stopped(latency, stop, |sim, gateway| {
+            write(gateway, sim, parameter(9007, 0), 10, 1).is_ok()
+        });
+    }
 }
 
 /// A frame that was delayed for long is still the same order, and no new one.

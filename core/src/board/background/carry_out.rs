@@ -56,13 +56,18 @@ impl BackgroundSide<'_> {
             // Where this is not possible, the device has refused it already.
             self.state.orders.give(&mut self.ends, Order::DiscardTap);
         }
-        if let Some(params) = self.state.device.take_params() {
+        // As long as a set is not taken, nothing that moves is let in.
+        let at_rest = self.state.snapshot.is_at_rest();
+        let drives_stand = self.state.device.drives_stand();
+        if (drives_stand || !at_rest)
+            && let Some(params) = self.state.device.take_params()
+        {
             self.state.params.clone_from(params);
             self.state.limits = Limits::from_params(&self.state.params);
             self.state.setup_waits = true;
         }
         // What was let in before the set, and has begun to move since, comes to its end first, in the drives as well.
-        let stands = self.state.snapshot.is_at_rest() && self.state.device.drives_stand();
+        let stands = at_rest && drives_stand;
         let has_room = has_room(&self.ends) && !self.state.orders.begin_anew();
         if self.state.setup_waits && stands && has_room {
             self.state.setup_waits = false;

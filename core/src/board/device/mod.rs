@@ -102,8 +102,8 @@ pub struct Device {
     told: Option<Code>,
     /// A restart of the application is requested. It waits until the machine stands.
     restarts: bool,
-    /// How long the setpoints have stood, and how much later than them the drives do.
-    rested: Periods,
+    /// How long the setpoints have stood for certain, if they do, and how much later than them the drives do.
+    rested: Option<Periods>,
     drives_lag: Periods,
     /// The CAN controller.
     controller: Controller,
@@ -135,7 +135,8 @@ impl Device {
             answers: Deque::new(),
             told: None,
             restarts: false,
-            rested: Periods::new(0),
+            // Nothing has moved yet.
+            rested: Some(Periods::new(1)),
             drives_lag: Periods::new(0),
             controller: Controller::default(),
             block: Block::default(),
@@ -400,9 +401,11 @@ impl Device {
         // A set that is being stored comes into force while the machine stands.
         let worked = !self.is_changing() && self.values.program_buffer.hand_over(offer);
         if snapshot.is_at_rest() {
-            self.rested = self.rested.plus(elapsed);
+            // Of several periods at once only the last is known to be one of rest.
+            let rested = self.rested.map(|rested| rested.plus(elapsed));
+            self.rested = Some(rested.unwrap_or_default());
         } else {
-            self.rested = Periods::new(0);
+            self.rested = None;
             self.drives_lag = drives_lag(params);
         }
         let stands = self.drives_stand() && !self.values.is_about_to_move();
@@ -422,11 +425,18 @@ impl Device {
         worked
     }
 
-    /// True where the drives stand like their setpoints. A drive does later by its latency what it is told (9003), and a
-    /// board that began anew at once would throw away the end of its stop.
+    /// True where the drives have been told where they stand, and have had the dead time to do it: a drive does
+    /// later by its latency what it is told (9003), and a board that began anew at once would throw away the end
+    /// of its stop.
     #[must_use]
     pub fn drives_stand(&self) -> bool {
-        self.rested > self.drives_lag
+        self.rested.is_some_and(|rested| rested > self.drives_lag)
+    }
+
+    /// True where the node is to be reset, and waits until the machine stands.
+    #[must_use]
+    pub const fn will_restart(&self) -> bool {
+        self.restarts
     }
 
     /// True where the program runs and its next part has not come: in lock-step, time waits for it.
