@@ -46,6 +46,20 @@ pub struct Follower {
     beside: i64,
 }
 
+#[inline(always)]
+fn within(value: i64, most: i64) -> i64 {
+    value.min(most).max(most.wrapping_neg())
+}
+
+/// A gain (2⁻³⁰) times a value below half a turn, to the last bit: what is too small to be taken in would swing to and fro.
+#[inline(always)]
+fn times(gain: i32, value: i64) -> i64 {
+    let (value, gain) = (within(value, LARGEST), i64::from(gain));
+    let below = (value & 0xFFFF).wrapping_mul(gain) >> 16;
+    let product = (value >> 16).wrapping_mul(gain).wrapping_add(below);
+    product.wrapping_add(1 << 13) >> 14
+}
+
 impl Follower {
     /// A follower of nothing yet. `pole` is its bandwidth as an angle per tick, 2π·f·T, 2⁻³², at most 0.5.
     #[must_use]
@@ -116,14 +130,6 @@ impl Follower {
     /// Goes after `to`; the angle that comes out, seen from it.
     #[inline(never)]
     pub fn tick(&mut self, to: &Differences) -> i64 {
-        let within = |value: i64, most: i64| value.min(most).max(most.wrapping_neg());
-        // Below half a turn. To the last bit: what is too small to be taken in would swing to and fro.
-        let times = |gain: i32, value: i64| {
-            let (value, gain) = (within(value, LARGEST), i64::from(gain));
-            let below = (value & 0xFFFF).wrapping_mul(gain) >> 16;
-            let product = (value >> 16).wrapping_mul(gain).wrapping_add(below);
-            product.wrapping_add(1 << 13) >> 14
-        };
         // Where it was a tick ago, by what is known of it now.
         let acceleration = to.acceleration.wrapping_sub(to.jerk);
         let speed = to.speed.wrapping_sub(to.acceleration);
