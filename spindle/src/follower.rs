@@ -68,7 +68,7 @@ impl Follower {
         let one = 1_i64 << 30;
         let theta = (exp_of_minus(pole.min(1 << 31)).to_bits() >> 2) as i64;
         let square = theta.wrapping_mul(theta) >> 30;
-        // Three poles at θ = 1 − r. Nothing is subtracted but θ: of a slow pole, nothing else would be left.
+        // Three poles at θ. As differences of what is nearly equal, the gains of a slow pole would be all rounding.
         let rest = one.wrapping_sub(theta);
         let twice = one.wrapping_add(theta.wrapping_mul(2));
         let sum = one.wrapping_add(theta).wrapping_add(square);

@@ -14,7 +14,7 @@ use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_slcan::{Adapter, Heard, Lines, Reply, SlcanFrame};
 
 /// The most lines that wait for a client.
-pub const WAITING: usize = 4096;
+pub const WAITING: usize = 32_768;
 
 /// Bytes that are read from a client, or written to it, at a time.
 const CHUNK: usize = 4096;

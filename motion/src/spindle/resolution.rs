@@ -40,8 +40,8 @@ const FEW_UNTIMED_WITH_SWING: u32 = 10_000;
 /// Counts a second that a tracker needs: with fewer it learns for more than half a minute.
 const LEARNED: u32 = 8;
 
-/// Below this speed the speed that says whether the spindle has arrived is coarse, however many counts there are.
-/// (Simulated: an axis keeps to [`Resolution::uncertainty`] down to 10 rpm; below, the tracker is never ready.)
+/// Below this, the speed that says whether the spindle has arrived is coarse, however many counts there are. (Simulated at
+/// ticks of 500 µs: an axis keeps to [`Resolution::uncertainty`] down to 10 rpm.)
 const SLOWEST_LEARNED: i32 = 20;
 
 /// Counts by which the predicted angle jumps in a tick where the spindle turns back: edges come seldom there, so that the

@@ -230,3 +230,38 @@ fn a_spindle_that_comes_up_to_speed_or_swings_is_waited_for_and_followed() {
         cut(&case, calls(&case.text(), &params), &params);
     }
 }
+
+/// A swing that is not once a turn is not learned where 9034 does not tell its frequency. Where an axis of low limits
+/// cannot go after it, that is seen before the tool cuts.
+#[test]
+fn an_axis_that_is_not_on_the_thread_where_its_run_in_ends_does_not_cut() {
+    let set = [
+        ("1620.Z", 1_535_000_000),
+        ("1622.Z", 33_000_000_000),
+        ("3720", 167),
+        ("9006.0", 0),
+        ("9025", 1),
+    ];
+    let text = "G18 G40 G97 G98\nM3 S1338\nG0 X71.094 Z1.536\nG32 X51.778 Z1.536 F2.819 J0.847 K0.847 Q185440\n\
+        X23.804 Z1.536 F2.819\nG0 X85.2 Z20.575\nM30\n";
+    for (frequency, cuts) in [(0, false), (4883, true)] {
+        let params = with(&[&set[..], &[("9034", frequency)]].concat());
+        let calls = calls(text, &params);
+        for angle in 0..12_i64 {
+            let options = PlantOptions {
+                angle: Turns::from_raw(angle << 28),
+                ripple: Ripple::new(2_800, 4_883),
+                ..PlantOptions::default()
+            };
+            let ran = run_calls(calls.clone(), &params, &options, |_, _| ());
+            let alarm = ran.alarm.map(|alarm| alarm.code);
+            assert_eq!(alarm, (!cuts).then_some(Code::SpindleSwings), "{angle}");
+            // What 9035 allows, and for the milliseconds until it is seen, what a swing nobody knows does to the angle.
+            let most = if cuts { 50_000 } else { 80_000 };
+            let on_it = ran.rows.iter().filter_map(|row| row.error);
+            let worst = on_it.map(|error| error.nm().abs()).max();
+            assert!(worst.is_none_or(|nm| nm < most), "{angle}: {worst:?}");
+            assert!(worst.is_some() || !cuts, "{angle}");
+        }
+    }
+}

@@ -102,9 +102,8 @@ pub struct Device {
     told: Option<Code>,
     /// A restart of the application is requested. It waits until the machine stands.
     restarts: bool,
-    /// How long the setpoints have stood for certain, if they do, and how much later than them the drives do.
-    rested: Option<Periods>,
-    drives_lag: Periods,
+    /// How long the drives may still move, once the setpoints stand.
+    drives_move_for: Periods,
     /// The CAN controller.
     controller: Controller,
     /// Late setpoints are counted from here: their number at that time, and the time since.
@@ -135,9 +134,7 @@ impl Device {
             answers: Deque::new(),
             told: None,
             restarts: false,
-            // Nothing has moved yet.
-            rested: Some(Periods::new(1)),
-            drives_lag: Periods::new(0),
+            drives_move_for: Periods::new(0),
             controller: Controller::default(),
             block: Block::default(),
             lateness: (0, Periods::new(0)),
@@ -383,6 +380,12 @@ impl Device {
         // 64 bits of ticks do not overflow.
         self.values.tick = self.values.tick.wrapping_add(elapsed.get().into());
         self.values.forget_marks(snapshot.referenced);
+        if !snapshot.is_at_rest() {
+            self.drives_move_for = drives_lag(params).plus(Periods::new(1));
+        } else if self.values.snapshot.is_at_rest() {
+            // Not where rest has just begun: nobody knows in which of these periods.
+            self.drives_move_for = self.drives_move_for.minus(elapsed);
+        }
         self.values.snapshot = snapshot;
         self.values.elapse(elapsed, params);
         let (measured, late) = (self.values.measured.as_ref(), self.values.late);
@@ -400,14 +403,6 @@ impl Device {
         }
         // A set that is being stored comes into force while the machine stands.
         let worked = !self.is_changing() && self.values.program_buffer.hand_over(offer);
-        if snapshot.is_at_rest() {
-            // Of several periods at once only the last is known to be one of rest.
-            let rested = self.rested.map(|rested| rested.plus(elapsed));
-            self.rested = Some(rested.unwrap_or_default());
-        } else {
-            self.rested = None;
-            self.drives_lag = drives_lag(params);
-        }
         let stands = self.drives_stand() && !self.values.is_about_to_move();
         if self.restarts && stands && !self.is_changing() {
             self.restart(params);
@@ -429,8 +424,8 @@ impl Device {
     /// later by its latency what it is told (9003), and a board that began anew at once would throw away the end
     /// of its stop.
     #[must_use]
-    pub fn drives_stand(&self) -> bool {
-        self.rested.is_some_and(|rested| rested > self.drives_lag)
+    pub const fn drives_stand(&self) -> bool {
+        self.drives_move_for.get() == 0
     }
 
     /// True where the node is to be reset, and waits until the machine stands.

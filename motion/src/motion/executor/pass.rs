@@ -258,7 +258,13 @@ impl Executor {
                 lost: false,
             },
         };
-        let lost = lost && run.phase() == Phase::Locked;
+        // An axis that is not on the thread where its run-in ends does not begin to cut.
+        let (lost, patience) = match run.phase() {
+            Phase::Locked => (lost, 300),
+            Phase::Joining if plan.is_joined() => (lost, 300),
+            Phase::Joining => (lost && run.locks(plan, angle), u32::MAX),
+            Phase::Waiting | Phase::Braking | Phase::Done => (false, 0),
+        };
         let backwards = turning && speed.is_negative() != plan.is_reverse();
         let too_fast = speed.abs() > plan.speed_limit();
         let trouble = if !run.is_led() {
@@ -270,7 +276,7 @@ impl Executor {
         } else if !turning {
             Some((Code::SpindleStopped, 1))
         } else if lost {
-            Some((Code::SpindleSwings, 300))
+            Some((Code::SpindleSwings, patience))
         } else {
             None
         };

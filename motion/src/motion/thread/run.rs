@@ -143,6 +143,12 @@ impl ThreadRun {
         self.phase
     }
 
+    /// True where the run-in is over when the spindle is at `angle`.
+    #[must_use]
+    pub fn locks(&self, plan: &ThreadPlan, angle: Turns) -> bool {
+        plan.travel.at(plan.turned(angle) - self.base) >= plan.join.half()
+    }
+
     /// The exact helix of this pass.
     #[must_use]
     pub fn helix(&self, plan: &ThreadPlan) -> Helix {
