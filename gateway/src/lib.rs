@@ -32,6 +32,7 @@ pub mod features;
 pub mod feeder;
 pub mod in_force;
 pub mod inspection;
+mod itself;
 pub mod link;
 pub mod machine;
 pub mod movelist;

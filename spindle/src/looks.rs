@@ -6,7 +6,7 @@
 //! `θ = exp(−p·n·T)` for `n` ticks. The bandwidth is at most a twelfth of the looks a second, or a fortieth where only the
 //! tick of an edge is known.
 
-use fixed::types::{I32F32, U32F32};
+use fixed::types::{I16F48, I32F32, U32F32};
 
 /// The shares of the difference between the measured and the predicted angle that an observer adds to angle, speed and
 /// acceleration (turns, turns per tick, turns per tick²).
@@ -16,24 +16,37 @@ pub struct Gains {
     pub alpha: I32F32,
     /// Of the speed.
     pub beta: I32F32,
-    /// Of the acceleration.
-    pub gamma: I32F32,
+    /// Of the acceleration: a cube, which for a slow pole has nothing left in 2⁻³².
+    pub gamma: I16F48,
 }
 
 impl Gains {
     /// The gains of an observer with all poles at `theta`, whose samples are a tick apart.
     #[must_use]
     pub const fn of_theta(theta: U32F32) -> Self {
-        let rest = U32F32::ONE.wrapping_sub(theta);
+        // Below one, or its cube would not fit.
+        let above_zero = U32F32::from_bits(theta.to_bits() | 1);
+        let rest = U32F32::ONE.wrapping_sub(above_zero);
         let square = rest.wrapping_mul(rest);
         let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
         let beta = square.wrapping_mul(U32F32::ONE.wrapping_add(theta));
         let half = U32F32::from_bits(beta.to_bits() >> 1);
+        let gamma = square.to_bits().wrapping_mul(rest.to_bits()) >> 16;
         Self {
             alpha: signed(U32F32::ONE.wrapping_sub(cube)),
             beta: signed(beta.wrapping_add(half)),
-            gamma: signed(square.wrapping_mul(rest)),
+            gamma: I16F48::from_bits(gamma as i64),
         }
+    }
+
+    /// What a surprise, below half a turn, adds to the acceleration, rounded.
+    #[inline(always)]
+    #[must_use]
+    pub const fn of_acceleration(self, surprise: I32F32) -> I16F48 {
+        let (gamma, surprise) = (self.gamma.to_bits(), surprise.to_bits());
+        let below = (gamma & 0xFFFF).wrapping_mul(surprise) >> 16;
+        let sum = (gamma >> 16).wrapping_mul(surprise).wrapping_add(below);
+        I16F48::from_bits(sum.wrapping_add(1 << 15) >> 16)
     }
 }
 
@@ -61,15 +74,19 @@ pub(crate) fn gains(pole: u32, ticks: u32, is_timed: bool) -> Gains {
     let Gains { alpha, beta, gamma } = Gains::of_theta(exp_of_minus(angle as u32));
     let part = u64::from(u32::MAX.checked_div(ticks).unwrap_or(u32::MAX));
     // No gain is negative.
-    let per_tick = |value: I32F32| {
-        let bits = (value.to_bits() as u64).wrapping_mul(part) >> 32;
-        I32F32::from_bits(bits as i64)
-    };
+    let gamma = per_tick(per_tick(gamma.to_bits() as u64, part), part);
     Gains {
         alpha,
-        beta: per_tick(beta),
-        gamma: per_tick(per_tick(gamma)),
+        beta: I32F32::from_bits(per_tick(beta.to_bits() as u64, part) as i64),
+        gamma: I16F48::from_bits(gamma as i64),
     }
+}
+
+/// A value times a part (2⁻³²).
+#[inline(always)]
+const fn per_tick(value: u64, part: u64) -> u64 {
+    let below = (value & 0xFFFF_FFFF).wrapping_mul(part) >> 32;
+    (value >> 32).wrapping_mul(part).wrapping_add(below)
 }
 
 /// The angle by which poles of `bandwidth` (Hz, up to 1000) turn in a tick of `tick_us` (up to 10 000), 2⁻³²; at most 1.

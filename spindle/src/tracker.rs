@@ -488,7 +488,7 @@ impl Tracker {
         self.speed = self
             .speed
             .wrapping_add(I16F48::from_bits(by(gains.beta, 16)));
-        let acceleration = I16F48::from_bits(by(gains.gamma, 16));
+        let acceleration = gains.of_acceleration(I32F32::from_bits(surprise));
         self.acceleration = self.acceleration.wrapping_add(acceleration);
         if self.window.alike == 0 {
             // The speed changes, and would be taken for a swing.

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from block import DUMMY, INPUTS, OUTPUTS, Block
 from machine import BOARD_SIM, Machine
+from patience import PATIENCE
 
 NODE = 5
 BOARD = [*BOARD_SIM, "--block", "elsewhere", "--at", "X=60,Z=100"]
@@ -57,7 +58,7 @@ class BlockTest(Machine):
         # Output 20 is the safe one.
         self.until("the block has its outputs", lambda: block.outputs == 8)
         block.inputs = 1
-        self.does("io", "wait", "401:5:in0=1", "--timeout", "20")
+        self.does("io", "wait", "401:5:in0=1", "--timeout", str(PATIENCE))
 
         waits = self.begin("mdi", "M60")
         self.until("M60 switches", lambda: block.outputs == 9)
@@ -69,7 +70,7 @@ class BlockTest(Machine):
         self.until("its inputs are missed", lambda: self.number() == 4562)
         self.until("its outputs are safe", lambda: block.outputs == 8)
         block.mute = False
-        self.does("io", "wait", "401:5:in0=1", "--timeout", "20")
+        self.does("io", "wait", "401:5:in0=1", "--timeout", str(PATIENCE))
         self.does("reset")
         self.assertIsNone(self.number())
         # The board is lost: the block has been told what to do then.

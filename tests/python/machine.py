@@ -7,9 +7,9 @@ import sys
 import time
 import unittest
 
+from patience import PATIENCE
+
 BOARD_SIM = [os.environ["BOARD_SIM"], "--bus", "vcan0"]
-# How long anything is waited for before it counts as lost.
-PATIENCE = 120
 
 
 class Machine(unittest.TestCase):

@@ -12,11 +12,10 @@ import unittest
 import canopen
 
 from drive import Drive
+from patience import PATIENCE
 
 # A tick and statuses that a slow kernel keeps up with; late setpoints are only counted.
 BOARD = [os.environ["BOARD_SIM"], "--bus", "vcan0", "--set", "9000=5000", "--set", "9022=50", "--set", "9027=0"]
-# How long anything is waited for before it counts as lost.
-PATIENCE = 60
 # What the board says as a node. Python does not keep up with all that is on the bus: answers were lost with the rest.
 OF_THE_BOARD = [{"can_id": 0x001, "can_mask": 0x07F}]
 IMAGE = 0x5010

@@ -11,12 +11,11 @@ import unittest
 import canopen
 from canopen.objectdictionary import ODVariable, ObjectDictionary, datatypes
 
+from patience import PATIENCE
 from wire import Wire
 
 ANY, RANGED, LOSE, ALARM, COPY, COPIED = 0x2000, 0x2001, 0x2002, 0x2003, 0x2004, 0x2005
 LENGTHS = [1, 2, 3, 4, 5, 6, 7, 8, 13, 14, 15, 888, 889, 890, 1778, 5000]
-# How long anything is waited for before it counts as lost.
-PATIENCE = 60
 # How long disconnecting may take.
 canopen.Network.NOTIFIER_CYCLE = 0.05
 

@@ -18,7 +18,8 @@ from trouble import Disk, Network
 
 MANY = os.environ["MANY"]
 MOSQUITTO = os.environ["MOSQUITTO"]
-LIMIT = 120
+# Nothing takes so long on any computer.
+LIMIT = 300
 # Messages of an agent that a broker may give again.
 RECENT = 256
 # MB of a disk that is filled: a store with its reserve, and a little.
@@ -291,8 +292,7 @@ def trial(folder, seed, agents, machines, period, threads, states, kills, restar
                     broker.save()
                 broker.restart(how)
         time.sleep(max(0, end - time.time()) + 1)
-        # An agent tries again after a second, after two, after four.
-        quiet(listener, 2 + 2 ** (restarts + 1))
+        complete(listener, crowd)
         crowd.end()
         quiet(listener, 1)
         listener.end()
@@ -307,6 +307,22 @@ def trial(folder, seed, agents, machines, period, threads, states, kills, restar
         broker.stop(signal.SIGKILL)
         for disk in small:
             disk.end()
+
+
+def complete(listener, agents):
+    """Waits until all that the agents have made has come. An agent that has lost its broker, and a computer that is busy,
+    may be silent for long before that."""
+    end, counted = time.monotonic() + LIMIT, -1
+    while time.monotonic() < end:
+        quiet(listener, 1)
+        messages = list(listener.messages)
+        if len(messages) == counted:
+            continue
+        counted = len(messages)
+        count = Count(messages, agents)
+        if count.certificates + count.forgotten == len(agents.names) * agents.machines * agents.threads:
+            break
+    quiet(listener, 1)
 
 
 def quiet(listener, seconds):

@@ -19,6 +19,8 @@ use leadscrew_core::units::Axis;
 
 use super::{Link, LinkResult, Trouble};
 
+/// 5011h:02h: none since power-up.
+const NONE: u64 = 0;
 /// 5011h:02h: being stored.
 const UNDER_WAY: u64 = 1;
 /// 5011h:02h: stored and in force.
@@ -88,6 +90,7 @@ impl Link {
     ///
     /// # Errors
     /// [`Trouble::Offsets`] where the board refuses it or cannot store it: the old one is then in force.
+    /// [`Trouble::UnsettledOffsets`] where the board does not tell the result.
     pub fn commit_offsets(&mut self, table: &Offsets, last: Revision) -> LinkResult<Revision> {
         let table = Offsets {
             revision: last.next(),
@@ -121,12 +124,24 @@ impl Link {
         self.explained_offsets(staged)?;
         let committed = self.write(COMMIT_OFFSETS, &sum(image).to_le_bytes());
         self.explained_offsets(committed)?;
-        let end = Instant::now() + LONGEST;
+        self.wait_for_offsets(LONGEST)
+    }
+
+    /// Waits until the accepted table is stored.
+    pub(super) fn wait_for_offsets(&mut self, longest: Duration) -> LinkResult {
+        let end = Instant::now() + longest;
         loop {
             match self.read_number(OFFSETS_STATE)? {
                 DONE => return Ok(()),
                 UNDER_WAY if Instant::now() < end => self.idle(PAUSE)?,
                 REFUSED => return Err(self.refused_offsets()),
+                // Only a refusal means that the old table stays in force.
+                state @ (UNDER_WAY | NONE) => {
+                    return Err(Trouble::UnsettledOffsets {
+                        node: self.node().get(),
+                        restarted: state == NONE,
+                    });
+                }
                 _ => return Err(self.strange(OFFSETS_STATE)),
             }
         }

@@ -391,6 +391,30 @@ fn a_board_that_does_not_say_what_became_of_a_set_has_not_refused_it() {
     assert!(matches!(told(4), Err(Trouble::Strange { .. })));
 }
 
+/// The same of a table of offsets and tools.
+#[test]
+fn a_board_that_does_not_say_what_became_of_a_table_has_not_refused_it() {
+    let inside = machine(Flash::erased());
+    // Its 5011h:02h says something else than it is.
+    let told = |state| {
+        let tell = move |frame: Frame| match frame.payload() {
+            [0x4F, 0x11, 0x50, 2, ..] => {
+                Frame::new(frame.id(), &[0x4F, 0x11, 0x50, 2, state, 0, 0, 0]).unwrap()
+            }
+            _ => frame,
+        };
+        between(&inside, |_| Fate::Arrives, tell).wait_for_offsets(Duration::ZERO)
+    };
+    let unsettled = |state| match told(state) {
+        Err(Trouble::UnsettledOffsets { restarted, .. }) => Some(restarted),
+        _ => None,
+    };
+    assert_eq!((unsettled(0), unsettled(1)), (Some(true), Some(false)));
+    assert!(matches!(told(2), Ok(())));
+    assert!(matches!(told(3), Err(Trouble::Offsets { .. })));
+    assert!(matches!(told(4), Err(Trouble::Strange { .. })));
+}
+
 /// More values change than their list has room for: the set in force is read as a whole.
 #[test]
 fn a_set_that_changes_everywhere_is_told_whole() {

@@ -117,6 +117,13 @@ pub enum Trouble {
         /// It has started again meanwhile; otherwise it is still storing.
         restarted: bool,
     },
+    /// The same of its offsets and tools.
+    UnsettledOffsets {
+        /// The number.
+        node: u8,
+        /// It has started again meanwhile; otherwise it is still storing.
+        restarted: bool,
+    },
     /// The board does not confirm an order.
     Unconfirmed {
         /// The number.
@@ -454,6 +461,24 @@ impl Trouble {
                 "node {node} has not stored the parameters in time (object 5010h:02h): whether it has the new set or the old \
                  one is not known; push again",
                 "节点 {node} 未能按时保存参数（对象 5010h:02h）：其参数集是新的还是旧的不得而知；请重新写入"
+            ),
+            Self::UnsettledOffsets {
+                node,
+                restarted: true,
+            } => both!(
+                "node {node} has started again while it stored the offsets and tools: look at what it has \
+                 (`leadscrew offsets list`, `leadscrew tools list`), and make the change again where it is missing",
+                "节点 {node} 在保存偏置与刀具数据时重新启动：请查看现有数据（`leadscrew offsets list`、`leadscrew tools list`），\
+                 缺少的改动请重新写入"
+            ),
+            Self::UnsettledOffsets {
+                node,
+                restarted: false,
+            } => both!(
+                "node {node} has not stored the offsets and tools in time (object 5011h:02h): whether it has the new table \
+                 or the old one is not known; look at what it has (`leadscrew offsets list`, `leadscrew tools list`)",
+                "节点 {node} 未能按时保存偏置与刀具数据（对象 5011h:02h）：其数据是新的还是旧的不得而知；请查看现有数据\
+                 （`leadscrew offsets list`、`leadscrew tools list`）"
             ),
             Self::Unconfirmed {
                 node,

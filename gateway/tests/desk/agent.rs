@@ -459,6 +459,31 @@ fn a_board_that_goes_or_never_was_delays_none_of_the_others() {
     );
 }
 
+/// How an agent ends whose broker takes the connection and says nothing: TLS waits for its first word.
+fn ended_before_a_word() -> Option<i32> {
+    let user = User::with_machine();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let broker = format!("mqtts://{}", listener.local_addr().unwrap());
+    let tls = Path::new(env!("CARGO_MANIFEST_DIR")).join("../agent/tests/sent/tls");
+    let authority = tls.join("authority.pem");
+    let args = ["--broker", &broker, "--ca", authority.to_str().unwrap()];
+    let mut agent = start(&user, &args);
+    let _silent = listener.accept().unwrap();
+    let pid = Pid::from_raw(i32::try_from(agent.id()).unwrap());
+    kill(pid, Signal::SIGTERM).unwrap();
+    agent.wait().unwrap().code()
+}
+
+/// A computer that is busy may need the ten seconds that an agent has for its end; it is tried a few times.
+#[test]
+fn an_agent_whose_broker_does_not_answer_ends_well() {
+    let codes: Vec<_> = (0..3)
+        .map(|_| ended_before_a_word())
+        .take_while(|code| *code != Some(0))
+        .collect();
+    assert!(codes.len() < 3, "{codes:?}");
+}
+
 #[test]
 fn a_credential_of_the_service_manager_is_taken() {
     let user = User::new();

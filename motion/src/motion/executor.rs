@@ -281,10 +281,17 @@ impl Executor {
         matches!(self.active, Active::Free)
     }
 
-    /// The operator's stops that the segment under way, or the last one, allows.
+    /// The operator's stops that the segment under way, or the last one of the program, allows.
     #[must_use]
     pub const fn stops(&self) -> Stops {
         self.stops
+    }
+
+    /// Nothing that moved last counts any more: this is what the operator's stops may do now.
+    pub const fn tell_stops(&mut self, stops: Stops) {
+        if self.is_free() {
+            self.stops = stops;
+        }
     }
 
     /// The threading pass under way.

@@ -182,8 +182,9 @@ pub struct WaysOut {
     /// The short axis' coordinate that is clear of both crests, at C and at D; or the start level if that is nearer. Of a
     /// stroke (G32): beside its whole line, as far as its run-out goes.
     pub clear: Length,
-    /// False for a stroke without a run-out: nothing says on which side of it the work is.
-    pub has_side: bool,
+    /// The sign of the short axis' way from the work; 0 for a stroke without a run-out: nothing says on which side of it
+    /// the work is.
+    pub side: i64,
 }
 
 impl WaysOut {
@@ -196,16 +197,16 @@ impl WaysOut {
             start: plan.start(),
             home,
             clear: Length::ZERO,
-            has_side: true,
+            side: 0,
         };
         let up = ways.short_of(home);
         if ways.stays() {
             let out = plan.beyond_line();
-            let side = out.signum();
-            ways.has_side = side != 0;
-            ways.clear = plan.level_towards(Length::INPUT_LIMIT.times(side)) + out;
+            ways.side = out.signum();
+            ways.clear = plan.level_towards(Length::INPUT_LIMIT.times(ways.side)) + out;
             return ways;
         }
+        ways.side = (up - ways.short_of(ways.start)).signum();
         let level = plan.level_towards(up);
         let out = (depth + clearance).min((up - level).abs());
         ways.clear = level + out.times((up - level).signum());
@@ -216,16 +217,6 @@ impl WaysOut {
     #[must_use]
     pub fn stays(&self) -> bool {
         self.short_of(self.home) == self.short_of(self.start)
-    }
-
-    /// The short axis' coordinate to which a way out leads: away from the work.
-    #[must_use]
-    pub fn outside(&self) -> Length {
-        if self.stays() {
-            self.clear
-        } else {
-            self.short_of(self.home)
-        }
     }
 
     /// The short axis' coordinate.

@@ -325,14 +325,13 @@ impl Observer {
             }
             surprise = surprise.clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
         }
-        let Gains { alpha, beta, gamma } = gains;
         let by =
             |gain: I32F32, bits| rounded(gain.to_bits().wrapping_mul(surprise.to_bits()), bits);
-        self.angle = predicted.wrapping_add(I32F32::from_bits(by(alpha, 32)));
-        self.speed = speed.wrapping_add(I16F48::from_bits(by(beta, 16)));
+        self.angle = predicted.wrapping_add(I32F32::from_bits(by(gains.alpha, 32)));
+        self.speed = speed.wrapping_add(I16F48::from_bits(by(gains.beta, 16)));
         self.acceleration = self
             .acceleration
-            .wrapping_add(I16F48::from_bits(by(gamma, 16)));
+            .wrapping_add(gains.of_acceleration(surprise));
         if self.ticks > self.most {
             self.rest();
         } else if self.few.is_some() && moved == 0 {

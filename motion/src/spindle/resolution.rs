@@ -213,7 +213,7 @@ impl Resolution {
     /// The predicted angle's second differences after a single error of one: the sum of their magnitudes, in 2⁻³².
     fn second_difference(self, ahead: Ticks) -> u64 {
         let Gains { alpha, beta, gamma } = steady(self.bandwidth_hz, self.tick_us);
-        let (alpha, beta, gamma) = (alpha.to_bits(), beta.to_bits(), gamma.to_bits());
+        let (alpha, beta, gamma) = (alpha.to_bits(), beta.to_bits(), gamma.to_bits() >> 16);
         let one = 1_i64 << 32;
         let ahead = i64::from(ahead.raw());
         let half_square = ahead.wrapping_mul(ahead >> 1) >> 16;

@@ -7,7 +7,7 @@ use std::io::{Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use leadscrew_panel::{
     CONNECTIONS, Feed, Jog, Machine, Order, Programs, Refusal, STREAMS, Server, Sheet, Token,
@@ -379,14 +379,22 @@ fn hold_and_stop_come_through_where_all_connections_are_taken_and_nothing_else_d
     }
     // And far more are opened that say nothing.
     let open: Vec<_> = (0..CONNECTIONS).map(|_| bench.connect()).collect();
-    for (number, op) in ["hold", "stop", "hold"].into_iter().enumerate() {
-        let number = number + 1;
-        let body = format!("{{\"c\":\"a\",\"n\":{number},\"op\":\"{op}\"}}");
-        let answer = bench.post_as(&cookie, "/order", &body);
+    let mut number = 0;
+    for op in ["hold", "stop", "hold"] {
+        let end = Instant::now() + LIMIT;
+        let answer = loop {
+            number += 1;
+            let body = format!("{{\"c\":\"a\",\"n\":{number},\"op\":\"{op}\"}}");
+            let answer = bench.post_as(&cookie, "/order", &body);
+            // On a busy computer the seats for holds may all be taken for a moment: it is sent again.
+            if !answer.starts_with("HTTP/1.1 503 ") || Instant::now() > end {
+                break answer;
+            }
+        };
         assert!(answer.starts_with("HTTP/1.1 200 OK\r\n"), "{answer}");
     }
-    let start = "{\"c\":\"a\",\"n\":9,\"op\":\"start\"}";
-    refused(&bench.post_as(&cookie, "/order", start), Refusal::Busy);
+    let start = format!("{{\"c\":\"a\",\"n\":{},\"op\":\"start\"}}", number + 1);
+    refused(&bench.post_as(&cookie, "/order", &start), Refusal::Busy);
     refused(&bench.get("/", &[]), Refusal::Busy);
     let hold = "{\"c\":\"a\",\"n\":8,\"op\":\"hold\"}";
     refused(&bench.post("/order", hold), Refusal::Busy);

@@ -89,8 +89,9 @@ pub fn beside(params: &Params, swing_mhz: u32) -> i64 {
     match Class::of(params) {
         Class::Fine => FINE,
         _ if is_unknown(params, swing_mhz) => UNKNOWN_NM,
-        // What 9035 allows: the frequency is known within one per cent, and has to be learned.
-        _ if swing_mhz != 0 => params.encoder_error().nm(),
+        // The frequency is known within one per cent, and has to be learned. 9035 limits what the encoder does not tell
+        // (4277) and, apart from that, how far an axis is from what is learned (4276): both seldom come together.
+        _ if swing_mhz != 0 => params.encoder_error().nm() * 3 / 2,
         Class::FewTimed => FINE,
         // One and a half times the way in a tick.
         Class::Few => FASTEST_NM_PER_S * i64::from(params.tick_us()) * 3 / 2_000_000 + FINE,

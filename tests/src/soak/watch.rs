@@ -309,7 +309,7 @@ impl Watch {
         let lead = lead.unwrap_or(0);
         match self.class {
             // Where within a count a spindle comes to rest that nobody has stopped, no edge tells.
-            Class::Fine => self.beside.max(lead / self.counts),
+            Class::Fine => self.beside + lead / self.counts,
             // Few counts learn it no better than one whose swing nobody has told. One that is jammed is lost a sixteenth
             // of a turn and two counts later, and two ticks pass until the axis knows.
             Class::FewTimed | Class::Few => {

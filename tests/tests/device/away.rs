@@ -59,7 +59,7 @@ impl Hand {
         panic!("it is not held: {:?}", self.state());
     }
 
-    /// A step of a held program in mode step, in 0.1 µm of the slide.
+    /// A step in mode step, in 0.1 µm of the slide.
     fn goes(&mut self, on_z: bool, way: i32) {
         self.press = self.press.wrapping_add(1);
         for _ in 0..4_000 {
@@ -72,7 +72,7 @@ impl Hand {
                 "{}",
                 self.refused()
             );
-            if self.state() == State::Held && self.gateway.beat.state == PressState::Ended {
+            if self.state() != State::ByHand && self.gateway.beat.state == PressState::Ended {
                 return;
             }
         }
@@ -375,6 +375,41 @@ fn a_reset_moves_nothing_where_a_thread_was_left() {
         hand.order(Order::Reset);
         hand.run(400);
         assert_eq!((hand.state(), hand.at()), (State::Idle, at), "{ticks}");
+    }
+}
+
+/// Once the tool has left its thread, or a stop has left it there, its ways out are over. A later reset led it 48 mm
+/// inwards by itself, from where it had been moved to by hand.
+#[test]
+fn a_later_reset_moves_nothing_wherever_the_tool_was_moved() {
+    const THREAD: &str = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 X76 Z-30 P20000 Q15000 F3\nM30\n";
+    const STROKE: &str = "M3 S300\nG4 P500\nG0 X76 Z10\nG32 Z-30 F3 J2 K3\nM30\n";
+    let params = Params::sheets();
+    let stopped = Inputs {
+        stop: true,
+        ..Inputs::default()
+    };
+    for (text, way) in [(THREAD, 1), (THREAD, -1), (STROKE, 1), (STROKE, -1)] {
+        for ticks in [2_500, 4_000, 5_500] {
+            for by_reset in [true, false] {
+                let mut hand = Hand::begin(&params, text);
+                hand.run(ticks);
+                if !by_reset {
+                    hand.sim.set_pins(stopped);
+                    hand.run(400);
+                    hand.sim.set_pins(Inputs::default());
+                }
+                hand.order(Order::Reset);
+                hand.until(|hand| hand.gateway.status.state == BoardState::Idle);
+                hand.mode(OperatingMode::Step);
+                hand.goes(false, way * 300_000);
+                let at = hand.at();
+                hand.order(Order::Reset);
+                hand.run(600);
+                let now = (hand.state(), hand.at());
+                assert_eq!(now, (State::Idle, at), "{text} {way} {ticks} {by_reset}");
+            }
+        }
     }
 }
 

@@ -91,6 +91,34 @@ fn pressure_lost_in_a_thread_leaves_it_and_is_an_alarm() {
     }
 }
 
+/// On its way out behind a stroke the tool is in the thread still: it goes on until it is clear.
+#[test]
+fn pressure_lost_behind_a_stroke_lets_the_tool_out_of_the_thread() {
+    let params = guarded();
+    // Without a run-out: X moves when Z stands.
+    let text = &format!("M12\n{THREAD}").replace("P010560", "P010060");
+    let calm = with_inputs(text, &params, |_| WELL);
+    let ends = calm
+        .rows
+        .windows(2)
+        .filter(|two| two[0].error.is_some() && two[1].error.is_none());
+    let mut met = 0;
+    for end in ends.map(|two| two[1].tick) {
+        let rows = calm.rows.iter().skip_while(|row| row.tick < end);
+        let inside = rows.take_while(|row| row.position.x.nm() < 39_200_000);
+        for tick in inside.map(|row| row.tick).step_by(7) {
+            met += 1;
+            let levels = |now| if now < tick { WELL } else { WELL & !PINS[1].1 };
+            let (rows, alarm) = until_alarm(text, &params, levels);
+            assert_eq!(alarm.code.number(), 4555, "{tick}");
+            let last = rows.last().expect("rows").position;
+            assert!(last.x.nm() >= 39_200_000, "{tick} {last:?}");
+            assert_eq!(first_excess(&rows, &params), None, "{tick}");
+        }
+    }
+    assert!(met > 10, "{met}");
+}
+
 #[test]
 fn pressure_lost_in_a_cut_stops_it() {
     let params = guarded();

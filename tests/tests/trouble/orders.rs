@@ -212,6 +212,24 @@ fn the_spindle_override_is_frozen_in_a_thread() {
     }
 }
 
+/// D58 freezes it from the first move of a thread cycle to its last. In a stop of the program after that the operator's
+/// percentage holds again.
+#[test]
+fn the_spindle_override_acts_where_a_program_stops_after_a_thread() {
+    let params = Params::sheets();
+    let text = WORK.replace("Q7000", "Q2000");
+    let stopped = text.replace("M30", "M0\nM30");
+    assert_ne!(text, stopped);
+    let mut bench = Lathe::new(&params);
+    bench.load(&stopped);
+    bench.until("M00", 60_000, |bench| bench.state() == State::Held);
+    let commanded = |bench: &Lathe| bench.sim.spindle_command().get();
+    let whole = commanded(&bench);
+    bench.sim.command(Command::SpindleOverride(50));
+    bench.ticks(10);
+    assert_eq!((commanded(&bench), bench.state()), (whole / 2, State::Held));
+}
+
 /// A cycle of hundreds of moves is given up within as many ticks as it takes to stop.
 #[test]
 fn a_reset_does_not_wait_for_the_rest_of_the_cycle() {

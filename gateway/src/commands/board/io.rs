@@ -249,11 +249,17 @@ fn wait(global: &Global, names: &[Named], text: &str, timeout: Option<u32>) -> O
     link.greet()?;
     let begun = Instant::now();
     loop {
-        if is_on(&link.contacts()?, io) == Some(wanted) {
+        let is = is_on(&link.contacts()?, io);
+        if is == Some(wanted) {
             break;
         }
         if timeout.is_some_and(|seconds| begun.elapsed() >= Duration::from_secs(seconds.into())) {
-            let is = u8::from(!wanted);
+            let Some(is) = is.map(u8::from) else {
+                return Err(Failure::WrongBecause(both!(
+                    "nobody tells the level of `{name}`: look at the block of inputs and outputs with `leadscrew doctor`",
+                    "没有设备报告 `{name}` 的电平：请用 `leadscrew doctor` 检查输入输出模块"
+                )));
+            };
             return Err(Failure::WrongBecause(both!(
                 "`{name}` is {is} still",
                 "`{name}` 仍为 {is}"

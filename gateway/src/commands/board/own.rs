@@ -7,7 +7,7 @@
 use std::ffi::OsString;
 use std::io::{self, Read as _};
 use std::os::unix::process::CommandExt as _;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -17,6 +17,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
 use crate::cli::Global;
+use crate::itself;
 use crate::words::pick;
 
 /// A command under way.
@@ -38,7 +39,7 @@ impl Own {
     /// # Errors
     /// No process is to be had.
     pub fn begin(global: &Global, name: &str, typed: &[OsString], lang: Lang) -> io::Result<Self> {
-        let mut child = Command::new(std::env::current_exe()?)
+        let mut child = itself::command()
             .args([name, "--json", "--lang", pick(lang, "en", "zh")])
             .args(passed_on(global, name))
             .args(typed)

@@ -9,7 +9,7 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use leadscrew_can::{Address, Desk, MachineName};
 use leadscrew_core::call::Position;
@@ -26,6 +26,7 @@ use super::{json, name, runs_already};
 use crate::cli::{BUS, Global, Up};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt::{self, UnderWay};
+use crate::itself;
 use crate::machine::ripple;
 use crate::output;
 use crate::params;
@@ -172,8 +173,7 @@ fn start(global: &Global, desk: &Desk, name: &MachineName, home: &Home) -> Outco
             zh = why.zh
         ))
     };
-    let program = std::env::current_exe().map_err(|error| failed(&error))?;
-    let mut command = Command::new(program);
+    let mut command = itself::command();
     command
         .args(std::env::args_os().skip(1))
         .args(["--foreground", "--detached"])

@@ -383,7 +383,8 @@ impl ThreadRun {
             Phase::Joining => None,
             Phase::Locked => self.stop_from(plan, self.way),
         };
-        if (plan.is_joined() || plan.goes_on()) && from != Some(self.way) {
+        let in_corner = (plan.is_joined() || plan.goes_on()) && from != Some(self.way);
+        if in_corner || self.turns_back(plan) {
             self.slow_down(plan);
             return;
         }
@@ -502,21 +503,28 @@ impl ThreadRun {
         plan.travel.over(self.angle, Turns::from_raw(self.step))
     }
 
-    /// Lets the angle run on at its present pace. If the spindle hardly moves, the axes rest where they are; where one is
-    /// ahead, the angle slows down, and they come to rest together.
+    /// The spindle turns back, and more than hardly.
+    fn turns_back(&self, plan: &ThreadPlan) -> bool {
+        self.pace(plan) <= (plan.speed >> 6).wrapping_neg()
+    }
+
+    /// Lets the angle run on at its present pace. If the spindle hardly moves, the axes rest where they are. Where one is
+    /// ahead, or the spindle turns back, the angle slows down, and they come to rest together.
     // Rare, and called in three places.
     #[inline(never)]
     fn coast(&mut self, plan: &ThreadPlan) {
-        let pace = self.pace(plan);
-        self.master = if pace >= plan.speed >> 6 {
+        let turns_back = self.turns_back(plan);
+        self.master = if self.pace(plan) >= plan.speed >> 6 {
             Master::Coasting(self.step)
-        } else if self.lead == 0 {
+        } else if self.lead == 0 && !turns_back {
             Master::Rest(self.way)
         } else {
-            Master::Slowing {
-                step: self.step.max(0),
-                ticks: 0,
-            }
+            let step = if turns_back {
+                self.step
+            } else {
+                self.step.max(0)
+            };
+            Master::Slowing { step, ticks: 0 }
         };
     }
 

@@ -74,6 +74,11 @@ impl Away {
         self.clearing = false;
     }
 
+    /// The last pass is over, and no way leads out of it any more.
+    pub(super) const fn forget_pass(&mut self) {
+        self.pass = None;
+    }
+
     /// A reset has left a stroke: the tool moves on until it is clear of the crests.
     pub(super) const fn clear_crests(&mut self) {
         self.clearing = true;

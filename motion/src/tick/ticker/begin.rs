@@ -165,6 +165,7 @@ impl Ticker {
             }
         };
         ends.segments.take();
+        self.executor.tell_stops(stops);
         emit(&mut ends.events, Event::Started { number, line });
         emit(&mut ends.events, instant);
         self.course.pause_after(stops, self.operator.single_block);

@@ -108,7 +108,7 @@ impl Ticker {
             State::Idle | State::Running | State::Held | State::ByHand | State::Homing => {}
             State::Starting | State::Stopping(_) | State::Alarm(_) => return,
         }
-        if self.executor.thread().is_none() {
+        if self.executor.thread().is_none() && (self.has_left() || !self.in_thread()) {
             return self.raise(alarm, ends);
         }
         self.transition_to_stopping_out_of_thread(alarm, ends);

@@ -4,7 +4,6 @@ use super::{Ends, Outcome, State, Ticker};
 use crate::alarm::Alarm;
 use crate::call::Position;
 use crate::motion::Phase;
-use crate::units::Length;
 
 impl Ticker {
     /// An alarm. The first one stays.
@@ -48,10 +47,8 @@ impl Ticker {
         let here = ways.short_of(target);
         ways.set_short(&mut target, ways.clear);
         // Only outwards.
-        let way = ways.clear - here;
-        let outwards = ways.outside() - here;
-        let leads_out = way != Length::ZERO && way.signum() == outwards.signum();
-        (leads_out && ways.has_side).then_some(target)
+        let way = (ways.clear - here).signum();
+        (way != 0 && way == ways.side).then_some(target)
     }
 
     /// What is wrong with the bus is an alarm; drives that nothing reaches any more are let go.

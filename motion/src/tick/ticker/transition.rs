@@ -13,6 +13,7 @@
 use super::{Ends, Notice, Outcome, State, Ticker, emit};
 use crate::alarm::Alarm;
 use crate::call::Position;
+use crate::motion::Stops;
 use crate::tick::Event;
 use crate::tick::command::Switching;
 use crate::tick::queue::EventIn;
@@ -32,6 +33,7 @@ impl Ticker {
     /// The drives are enabled, and the machine stands at `position`.
     pub(super) fn transition_to_ready(&mut self, position: Position) {
         self.executor.set_position(position);
+        self.leave_cycle();
         self.restart(position);
         self.state = State::Idle;
     }
@@ -39,6 +41,7 @@ impl Ticker {
     /// The program is over. Whether the spindle stops is for the caller.
     pub(super) fn transition_to_idle(&mut self, events: &mut EventIn<'_>) {
         self.course.end_program();
+        self.leave_cycle();
         self.handwheel.set(false);
         self.state = State::Idle;
         emit(events, Event::Finished);
@@ -120,7 +123,7 @@ impl Ticker {
         let current = self.course.current(ends);
         match self.away.pass() {
             // Elsewhere the ways out of the pass do not count.
-            Some(pass) if self.in_thread() && pass.ways.has_side && !self.has_left() => {
+            Some(pass) if self.in_thread() && pass.ways.side != 0 && !self.has_left() => {
                 self.executor.retract(current, pass.ways.clear);
                 self.away.clear_crests();
             }
@@ -148,6 +151,7 @@ impl Ticker {
     pub(super) fn transition_from_stopping(&mut self, events: &mut EventIn<'_>) {
         self.note_stop();
         self.course.end_program();
+        self.leave_cycle();
         if self.left.take().is_some() {
             self.executor.give_up_aside();
         }
@@ -165,6 +169,13 @@ impl Ticker {
             }
         }
         self.restart(self.executor.position());
+    }
+
+    /// The axes stand, and the program is over. Whatever moves them next is in no cycle: it may bring the tool anywhere,
+    /// and a later reset has no thread to lead it out of.
+    fn leave_cycle(&mut self) {
+        self.executor.tell_stops(Stops::NONE);
+        self.away.forget_pass();
     }
 
     /// What a reset has for the board's switches.

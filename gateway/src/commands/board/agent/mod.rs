@@ -24,7 +24,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use leadscrew_agent::archive::{Folder, Origin};
 use leadscrew_agent::metrics::{Metrics, Server};
@@ -47,6 +47,8 @@ use crate::words::{Both, both, pick};
 
 /// Between two looks at the end.
 const NAP: Duration = Duration::from_millis(50);
+/// What is on its way to the broker has come by then: a broker that answers takes a farewell within two seconds.
+const FAREWELL: Duration = Duration::from_secs(4);
 /// Bytes in a MiB.
 const MIB: u64 = 1 << 20;
 
@@ -260,8 +262,15 @@ impl Agent<'_> {
         }
         let sender = self.sender.as_mut();
         if let Some(thread) = sender.and_then(|sender| sender.thread.take()) {
-            // What is on its way to the broker has a moment.
-            let _ = thread.join();
+            // What is on its way to the broker has a moment. One that does not answer is not waited for: what it has not
+            // taken stays in the store.
+            let end = Instant::now() + FAREWELL;
+            while !thread.is_finished() && Instant::now() < end {
+                thread::sleep(NAP);
+            }
+            if thread.is_finished() {
+                let _ = thread.join();
+            }
         }
         self.turn();
         ended

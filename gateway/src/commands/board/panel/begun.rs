@@ -49,6 +49,9 @@ impl<'a> Begun<'a> {
 
     /// Begins a line or the way out of a hole, asked for after so many holds and stops.
     pub fn begin_line(&mut self, Line { ticket, what, zh }: Line, halts: u64) {
+        if !self.desk.is_awaited(ticket) {
+            return;
+        }
         let lang = if zh { Lang::Zh } else { Lang::En };
         let begun = if self.is_busy() {
             Err(keys::under_way())
@@ -59,16 +62,21 @@ impl<'a> Begun<'a> {
             };
             begun.map_err(|error| typed::not_begun(&error).0)
         };
-        let done = begun.map(|typed| {
-            self.desk.note_begun(typed.handle(), halts);
-            self.typed = Some(typed);
-        });
-        self.desk.answer(ticket, done);
+        match begun {
+            Ok(typed) => {
+                self.desk.note_begun(ticket, typed.handle(), halts);
+                self.typed = Some(typed);
+            }
+            Err(why) => self.desk.answer(ticket, Err(why)),
+        }
     }
 
     /// The same of a program, which begins with the axes there.
     pub fn begin_program(&mut self, program: Program, from: Option<Position>, halts: u64) {
         let ticket = program.ticket;
+        if !self.desk.is_awaited(ticket) {
+            return;
+        }
         let begun = if self.is_busy() {
             // Whoever hears of it may order the next one at once.
             drop(program);
@@ -77,12 +85,14 @@ impl<'a> Begun<'a> {
             let of = (self.views.tag(), from);
             Sent::begin(self.global, program, of).inspect(|_| self.views.begin(from))
         };
-        let done = begun.map(|sent| {
-            self.desk.note_begun(sent.handle(), halts);
-            self.feed.tell("program", sent.told(None));
-            self.sent = Some(sent);
-        });
-        self.desk.answer(ticket, done);
+        match begun {
+            Ok(sent) => {
+                self.feed.tell("program", sent.told(None));
+                self.desk.note_begun(ticket, sent.handle(), halts);
+                self.sent = Some(sent);
+            }
+            Err(why) => self.desk.answer(ticket, Err(why)),
+        }
     }
 
     /// One command of its own is under way at a time.

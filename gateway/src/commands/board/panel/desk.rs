@@ -10,7 +10,7 @@
 
 mod asks;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -65,6 +65,9 @@ struct Shared {
     homing: Homing,
     presses: VecDeque<Frame>,
     asks: Asks,
+    /// Tickets whose pages still wait for an answer. What no page waits for must not begin.
+    awaited: BTreeSet<u64>,
+    /// Answers that are on the way to those pages.
     done: BTreeMap<u64, Done>,
     tickets: u64,
     /// The number of statuses heard, and when the last one came.
@@ -105,6 +108,8 @@ pub struct Desk {
     tables: Tables,
     views: Arc<Views>,
     programs: Option<Arc<Programs>>,
+    /// How long a page waits for its answer.
+    patience: Duration,
 }
 
 impl Desk {
@@ -128,6 +133,7 @@ impl Desk {
                 homing: Homing::default(),
                 presses: VecDeque::new(),
                 asks: Asks::default(),
+                awaited: BTreeSet::new(),
                 done: BTreeMap::new(),
                 tickets: 0,
                 statuses: (0, None),
@@ -143,6 +149,7 @@ impl Desk {
             tables: Tables::new(Arc::clone(&views)),
             views,
             programs,
+            patience: ANSWERED,
         }
     }
 
@@ -222,18 +229,27 @@ impl Desk {
 
     /// Answers one of those.
     pub fn answer(&self, ticket: u64, done: Done) {
-        self.shared().done.insert(ticket, done);
+        self.shared().answer(ticket, done);
         self.news.notify_all();
     }
 
-    /// A line or a program has begun, which was asked for after so many holds and stops. One that has come meanwhile ends
-    /// it.
-    pub fn note_begun(&self, handle: Handle, halts: u64) {
+    /// Whether a page still waits for the answer to this.
+    pub fn is_awaited(&self, ticket: u64) -> bool {
+        self.shared().awaited.contains(&ticket)
+    }
+
+    /// A line or a program has begun, which was asked for with this ticket after so many holds and stops. One that has come
+    /// meanwhile ends it, and so does a page that was told meanwhile that nobody has answered. Any other page is told here:
+    /// from now on it cannot be told otherwise.
+    pub fn note_begun(&self, ticket: u64, handle: Handle, halts: u64) {
         let mut shared = self.shared();
-        if shared.halts != halts {
+        if shared.halts != halts || !shared.awaited.contains(&ticket) {
             handle.interrupt();
         }
         shared.own = Some(handle);
+        shared.answer(ticket, Ok(()));
+        drop(shared);
+        self.news.notify_all();
     }
 
     /// No line and no program is under way any more.
@@ -306,6 +322,7 @@ impl Desk {
             halts,
             claim,
         };
+        shared.awaited.insert(ticket);
         // Hold and stop are not behind what others have ordered in the same moment.
         if asked.wish.halts() {
             shared.waiting.push_front(asked);
@@ -317,10 +334,9 @@ impl Desk {
         };
         let (mut shared, _) = self
             .news
-            .wait_timeout_while(shared, ANSWERED, unanswered)
+            .wait_timeout_while(shared, self.patience, unanswered)
             .unwrap_or_else(PoisonError::into_inner);
-        // What is not begun yet must not begin when nobody waits for it any more.
-        shared.waiting.retain(|asked| asked.ticket != ticket);
+        shared.forsake(ticket);
         let done = shared.done.remove(&ticket);
         done.unwrap_or_else(|| match &shared.taken_back {
             (count, why) if *count != before => Err(why.clone()),
@@ -349,6 +365,34 @@ impl Shared {
             let refused = self.pressed.map(|press| (press, PressState::Refused));
             self.asks.press |=
                 self.told.press != before && refused.is_some() && self.told.press == refused;
+        }
+    }
+
+    /// Answers a page that still waits.
+    fn answer(&mut self, ticket: u64, done: Done) {
+        if self.awaited.contains(&ticket) {
+            self.done.insert(ticket, done);
+        }
+    }
+
+    /// Has the board asked whether it has refused this, for a page that still waits.
+    fn ask_reason(&mut self, ticket: u64) {
+        if self.awaited.contains(&ticket) {
+            self.asks.reasons.push(ticket);
+        }
+    }
+
+    /// Nobody waits for this any more: what is not begun yet must not begin.
+    fn forsake(&mut self, ticket: u64) {
+        self.awaited.remove(&ticket);
+        self.waiting.retain(|asked| asked.ticket != ticket);
+        let asks = &mut self.asks;
+        let before = asks.lines.len() + asks.programs.len();
+        asks.lines.retain(|line| line.ticket != ticket);
+        asks.programs.retain(|program| program.ticket != ticket);
+        asks.reasons.retain(|asked| *asked != ticket);
+        if asks.lines.len() + asks.programs.len() < before {
+            self.typed = false;
         }
     }
 
@@ -395,7 +439,7 @@ impl Shared {
         let programs = self.asks.programs.drain(..).map(|program| program.ticket);
         let waiting: Vec<u64> = lines.chain(programs).collect();
         for ticket in waiting {
-            self.done.insert(ticket, Err(halted()));
+            self.answer(ticket, Err(halted()));
             self.typed = false;
         }
         let status = self.told.status;
@@ -408,7 +452,7 @@ impl Shared {
     /// Asks it of the panel's own thread, where nothing keeps it from that.
     fn ask(&mut self, ticket: u64, why: Option<Both>, put: impl FnOnce(&mut Asks)) {
         if let Some(why) = why {
-            self.done.insert(ticket, Err(why));
+            self.answer(ticket, Err(why));
             return;
         }
         self.typed = true;
@@ -428,22 +472,22 @@ impl Shared {
         }
         // What a hold or a stop has overtaken would begin after it.
         if wish.begins() && halts != self.halts {
-            self.done.insert(ticket, Err(halted()));
+            self.answer(ticket, Err(halted()));
             return;
         }
         if wish.needs_fresh() && self.is_old(echo, now) {
-            self.done.insert(ticket, Err(keys::old()));
+            self.answer(ticket, Err(keys::old()));
             return;
         }
         match wish {
             Wish::Order(order) => self.give(order, ticket, echo, seen, now),
             Wish::Levels(levels) => {
                 self.orders.set(levels, now);
-                self.done.insert(ticket, Ok(()));
+                self.answer(ticket, Ok(()));
             }
             Wish::Step(way, length) => match length.of_slide(way) {
                 _ if self.step.is_some() => {
-                    self.done.insert(ticket, Err(orders::on_its_way()));
+                    self.answer(ticket, Err(orders::on_its_way()));
                 }
                 Ok(slide) => {
                     self.hand.step(way.on_z, slide, seen, now);
@@ -452,7 +496,7 @@ impl Shared {
                     self.step = Some(ticket);
                 }
                 Err(mistake) => {
-                    self.done.insert(ticket, Err(mistake.0));
+                    self.answer(ticket, Err(mistake.0));
                 }
             },
             Wish::Line { text, zh } => {
@@ -504,12 +548,12 @@ impl Shared {
             return;
         }
         if !self.orders.give(order, seen, now) {
-            self.done.insert(ticket, Err(orders::on_its_way()));
+            self.answer(ticket, Err(orders::on_its_way()));
             return;
         }
         if let Some((_, replaced, _)) = self.ordered.replace((order, vec![ticket], echo)) {
             for ticket in replaced {
-                self.done.insert(ticket, Err(halted()));
+                self.answer(ticket, Err(halted()));
             }
         }
         if matches!(order, Order::Home(_)) {
@@ -524,12 +568,12 @@ impl Shared {
         {
             for ticket in tickets {
                 match outcome.words() {
-                    None if order.needs_echo() => self.asks.reasons.push(ticket),
+                    None if order.needs_echo() => self.ask_reason(ticket),
                     None => {
-                        self.done.insert(ticket, Ok(()));
+                        self.answer(ticket, Ok(()));
                     }
                     Some(words) => {
-                        self.done.insert(ticket, Err(words));
+                        self.answer(ticket, Err(words));
                     }
                 }
             }
@@ -537,12 +581,12 @@ impl Shared {
         if let Some(ticket) = self.step.take_if(|_| self.hand.is_idle()) {
             match self.hand.ended().map(|end| end.words()) {
                 None => {
-                    self.done.insert(ticket, Ok(()));
+                    self.answer(ticket, Ok(()));
                 }
                 Some(Some(words)) => {
-                    self.done.insert(ticket, Err(words));
+                    self.answer(ticket, Err(words));
                 }
-                Some(None) => self.asks.reasons.push(ticket),
+                Some(None) => self.ask_reason(ticket),
             }
         }
     }

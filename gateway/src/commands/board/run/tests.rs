@@ -1,16 +1,141 @@
 //! What a program has written is kept when it has ended, on a board in this process.
 
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use clap::Parser as _;
 use leadscrew_board_sim::plant::Flash;
-use leadscrew_core::bus::{BoardCommand, BoardState, Frame, Order};
+use leadscrew_core::bus::{BoardCommand, BoardState, Frame, Object, Order};
 use leadscrew_core::offsets::{Offsets, Revision};
 
 use super::super::Greeted;
 use super::*;
 use crate::cli::Cli;
+use crate::link::Inside;
 use crate::link::bench::{self, Fate};
+
+/// A board that has started, and a client of it.
+fn machine() -> (Inside, Link) {
+    let inside = bench::machine(Flash::erased());
+    let mut other = bench::link(&inside);
+    other.hear_status().unwrap();
+    wait_for_start(&mut other);
+    (inside, other)
+}
+
+fn wait_for_start(other: &mut Link) {
+    while other.status().unwrap().state == BoardState::Starting {
+        other.idle(Duration::from_millis(5)).unwrap();
+    }
+}
+
+/// Another set is in force, and the drives are on with it.
+fn other_parameters(other: &mut Link) {
+    let before = other.parameters_identity().unwrap();
+    other.write(Object::new(0x2000 + 9007, 0), &[13]).unwrap();
+    while other.parameters_identity().unwrap() == before {
+        other.idle(Duration::from_millis(5)).unwrap();
+    }
+    wait_for_start(other);
+}
+
+/// Runs a program by this link. Behind its check another client acts.
+fn does(text: &str, own: Link, behind_check: impl FnOnce()) -> Result<(), String> {
+    let typed = ["leadscrew", "run", "part.nc", "--bus", "sim:desk"];
+    let global = Cli::try_parse_from(typed).unwrap().global;
+    let source = SourceFile::text("part.nc", text.to_owned());
+    let (mut own, mut behind_check) = (Some(own), Some(behind_check));
+    let done = perform_on(
+        &global,
+        &source,
+        &Run::default(),
+        Work::Program,
+        &mut |_| Greeted::on(own.take().unwrap())?.read(),
+        &mut |_, _| {
+            behind_check.take().unwrap()();
+            Ok(())
+        },
+    );
+    let told = done.and_then(|done| done.verdict);
+    told.map_err(|failure| failure.words().unwrap_or_default().en)
+}
+
+#[test]
+fn a_program_that_was_checked_for_other_parameters_does_not_begin() {
+    let (inside, mut other) = machine();
+    let own = bench::link(&inside);
+    let told = does("G0 X4 Z5\nM30\n", own, || other_parameters(&mut other));
+    let why = told.unwrap_err();
+    assert!(
+        why.contains("have changed since this program was checked"),
+        "{why}"
+    );
+    assert_eq!(other.status().unwrap().program, 0);
+    let own = bench::link(&inside);
+    assert_eq!(does("G0 X4 Z5\nM30\n", own, || {}), Ok(()));
+}
+
+/// It is checked once more when all of it is on the board: somebody may have changed them while it was sent.
+#[test]
+fn a_program_that_was_sent_for_other_parameters_does_not_begin() {
+    let (inside, mut other) = machine();
+    let (shared, mut acts) = (inside.clone(), true);
+    let fate = move |frame: &Frame| {
+        // The calls are written to 5020h:01h.
+        if acts && let [0x21 | 0xC2 | 0xC6, 0x20, 0x50, 1, ..] = frame.payload() {
+            acts = false;
+            other_parameters(&mut bench::link(&shared));
+        }
+        Fate::Arrives
+    };
+    let own = bench::between(&inside, fate, |frame| frame);
+    let before = other.status().unwrap().position;
+    let why = does("G0 X4 Z5\nM30\n", own, || {}).unwrap_err();
+    assert!(
+        why.contains("have changed since this program was checked"),
+        "{why}"
+    );
+    assert_eq!(other.status().unwrap().position, before);
+}
+
+/// A stroke that lasts longer than anybody waits goes on to its end.
+#[test]
+fn a_machine_that_has_not_come_to_rest_is_not_reset() {
+    let (inside, _) = machine();
+    let seen = Arc::new(Mutex::new(None));
+    let (shared, told, mut begun) = (inside.clone(), Arc::clone(&seen), false);
+    let fate = move |frame: &Frame| {
+        let order = BoardCommand::decode(frame).and_then(|(_, told)| told.order);
+        begun |= order == Some(Order::Run);
+        // Something is asked again when the order is confirmed.
+        let asks = begun && order.is_none() && matches!(frame.payload(), [_, _, 0x50, ..]);
+        let mut told = told.lock().unwrap();
+        if !asks || told.is_some() {
+            return Fate::Arrives;
+        }
+        let mut other = bench::link(&shared);
+        if other.status().unwrap().state != BoardState::Run {
+            return Fate::Arrives;
+        }
+        other.hear_status().unwrap();
+        let stands = work::bring_to_rest(&mut other, Duration::ZERO).unwrap();
+        let state = loop {
+            let state = other.status().unwrap().state;
+            if matches!(state, BoardState::Hold | BoardState::Idle) {
+                break state;
+            }
+            other.idle(Duration::from_millis(5)).unwrap();
+        };
+        *told = Some((stands, state));
+        // The run has its end by somebody else's reset.
+        other.order(Order::Reset).unwrap();
+        Fate::Arrives
+    };
+    let own = bench::between(&inside, fate, |frame| frame);
+    let why = does("G98 G1 X4 Z-5 F60\nM30\n", own, || {}).unwrap_err();
+    assert!(why.contains("reset by somebody else"), "{why}");
+    assert_eq!(*seen.lock().unwrap(), Some((false, BoardState::Hold)));
+}
 
 /// Runs a program that writes a work offset and a variable. What happens `behind` its end, before anything is kept, another
 /// client does. Gives the revision that it was kept under, or why it was not, and the table of the board.
@@ -26,12 +151,7 @@ fn runs(variables: &str, behind: fn(&mut Link)) -> (Result<Option<Revision>, Str
     ];
     let global = Cli::try_parse_from(typed).unwrap().global;
     let source = SourceFile::text("g10.nc", "#500 = 1\nG10 L2 P2 X4\nM30\n".to_owned());
-    let inside = bench::machine(Flash::erased());
-    let mut other = bench::link(&inside);
-    other.hear_status().unwrap();
-    while other.status().unwrap().state == BoardState::Starting {
-        other.idle(Duration::from_millis(5)).unwrap();
-    }
+    let (inside, mut other) = machine();
     let (shared, mut begun, mut acts) = (inside.clone(), false, Some(behind));
     let fate = move |frame: &Frame| {
         let order = BoardCommand::decode(frame).and_then(|(_, told)| told.order);

@@ -9,7 +9,7 @@ use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, BoardStatus, NodeId, Order};
 use leadscrew_core::call::{Aux, Position};
-use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
+use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate, identity};
 use leadscrew_core::offsets::{Offsets, Revision};
 use leadscrew_core::program::Carried;
 
@@ -38,7 +38,7 @@ const LOG: Duration = Duration::from_millis(250);
 const THREADS: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(250)];
 /// A cut under way when an alarm comes is at rest after this time.
 const REST: Duration = Duration::from_secs(5);
-/// A controlled stop ends a stroke first. After this time the present state is reported.
+/// A controlled stop ends a stroke first. After this time it is only told that the stroke is still under way.
 const STOP: Duration = Duration::from_secs(120);
 /// A spindle comes to its speed within this time.
 const ARRIVAL: Duration = Duration::from_secs(60);
@@ -275,7 +275,9 @@ impl Runner<'_> {
         } = under_way;
         if interrupt::requested() {
             self.ran.interrupted = true;
-            self.bring_to_rest()?;
+            if !bring_to_rest(self.link, STOP)? {
+                self.tell_stroke();
+            }
             // Reads the faults on the way.
             self.read_log(feeder)?;
             return self.conclude(feed);
@@ -293,10 +295,18 @@ impl Runner<'_> {
             self.link.take_threads(self.ran.threads.whole())?;
             self.link.set_by_wheel(self.by_wheel)?;
             // *Run* names no program: it begins the one that was loaded last.
-            self.still_loaded(feed)?;
+            let now = self.still_loaded(feed)?;
+            self.same_parameters(&now)?;
             self.link.order(Order::Run)?;
             *started = true;
-            self.still_loaded(feed)?;
+            let now = self.still_loaded(feed)?;
+            if let Err(changed) = self.same_parameters(&now) {
+                // They have changed between the two looks: it must not go on.
+                if now.in_program && !bring_to_rest(self.link, STOP)? {
+                    self.tell_stroke();
+                }
+                return Err(changed);
+            }
         }
         if !fed {
             self.link.idle(LOOK)?;
@@ -367,8 +377,9 @@ impl Runner<'_> {
     }
 
     /// Another client may have begun a program while this one was checked. Its board is left alone, above all the node
-    /// number that the board supervises. A program that has ended meanwhile has left the machine at another position. An
-    /// operator who has changed the mode wants no program to begin [D534].
+    /// number that the board supervises. A program that has ended meanwhile has left the machine at another position, and
+    /// under other parameters it would be another machine. An operator who has changed the mode wants no program to begin
+    /// [D534].
     fn still_ready(&mut self) -> Outcome {
         let now = self.link.status()?;
         ready(&now, self.link, self.setup.global)?;
@@ -379,16 +390,30 @@ impl Runner<'_> {
                 "检查本程序期间，节点 {node} 收到了另一个程序：请重新运行"
             )));
         }
+        self.same_parameters(&now)?;
         self.link.ready_to_run()?;
         (self.last_event, self.late) = (now.newest_event, now.late);
         Ok(())
     }
 
-    /// Another command may have loaded a program at the same moment: then that one runs, or is about to, and this one
-    /// does not.
-    fn still_loaded(&mut self, feed: &Feed) -> Outcome {
-        if self.link.status()?.program == feed.program() {
+    /// Refuses a board whose parameters are not those that the program was checked with.
+    fn same_parameters(&self, now: &Status) -> Outcome {
+        if now.parameters == identity(&self.setup.params) {
             return Ok(());
+        }
+        let node = self.link.node().get();
+        Err(Failure::Bus(both!(
+            "the parameters of node {node} have changed since this program was checked: run it again",
+            "检查本程序之后，节点 {node} 的参数已改变：请重新运行"
+        )))
+    }
+
+    /// Another command may have loaded a program at the same moment: then that one runs, or is about to, and this one
+    /// does not. Gives the board's status.
+    fn still_loaded(&mut self, feed: &Feed) -> Outcome<Status> {
+        let now = self.link.status()?;
+        if now.program == feed.program() {
+            return Ok(now);
         }
         let node = self.link.node().get();
         Err(Failure::Bus(both!(
@@ -610,40 +635,49 @@ impl Runner<'_> {
         }
     }
 
-    /// A controlled stop: feed hold until the machine stands, then a reset drops the rest of the program.
-    fn bring_to_rest(&mut self) -> Outcome {
-        self.link.order(Order::Hold)?;
-        let end = Instant::now() + STOP;
-        let mut boots = self.link.seen.boots;
-        let rests = |state| {
-            matches!(
-                state,
-                BoardState::Hold | BoardState::Idle | BoardState::Alarm
-            )
-        };
-        while Instant::now() < end {
-            self.link.idle(LOOK)?;
-            self.link.check_alive()?;
-            if self.link.seen.boots != boots {
-                // Until the node is started, the last status is an old one.
-                boots = self.link.seen.boots;
-                self.link.start_node()?;
-            }
-            if self
-                .link
-                .seen
-                .status
-                .is_some_and(|status| rests(status.state))
-            {
-                break;
-            }
-        }
-        let alarm = self.link.seen.status.and_then(|status| status.alarm);
-        if alarm.is_none() {
-            self.link.order(Order::Reset)?;
-        }
-        Ok(())
+    /// Reports that the machine goes on with its stroke though the run ends here.
+    fn tell_stroke(&self) {
+        let told = both!(
+            "the stroke is still under way after {seconds} s (line {line}), and the machine holds at its end: \
+             `leadscrew reset` then drops the rest of the program; `leadscrew stop` ends the stroke at once\n",
+            "行程在 {seconds} s 后仍未结束（第 {line} 行），机床将在其末端保持：届时用 `leadscrew reset` 放弃程序的其余部分；\
+             `leadscrew stop` 可立即停止\n",
+            seconds = STOP.as_secs(),
+            line = SourceLine(self.ran.line)
+        );
+        self.bar
+            .suspend(|| diagnostics::say(told.get(self.setup.lang)));
     }
+}
+
+/// A controlled stop: feed hold until the machine stands, then a reset drops the rest of the program. False where it does
+/// not stand within this time: a reset would then act on a machine that moves, and only the hold has been ordered.
+pub fn bring_to_rest(link: &mut Link, limit: Duration) -> Outcome<bool> {
+    link.order(Order::Hold)?;
+    let end = Instant::now() + limit;
+    let mut boots = link.seen.boots;
+    let rests = |state| {
+        matches!(
+            state,
+            BoardState::Hold | BoardState::Idle | BoardState::Alarm
+        )
+    };
+    let mut stands = false;
+    while !stands && Instant::now() < end {
+        link.idle(LOOK)?;
+        link.check_alive()?;
+        if link.seen.boots != boots {
+            // Until the node is started, the last status is an old one.
+            boots = link.seen.boots;
+            link.start_node()?;
+        }
+        stands = link.seen.status.is_some_and(|status| rests(status.state));
+    }
+    let alarm = link.seen.status.and_then(|status| status.alarm);
+    if stands && alarm.is_none() {
+        link.order(Order::Reset)?;
+    }
+    Ok(stands)
 }
 
 /// A machine in hold stands so for single block, as far as nobody holds it as well.

@@ -401,6 +401,56 @@ fn nothing_that_was_on_its_way_is_sent_when_the_board_is_heard_again() {
     assert!(desk.asks().programs.is_empty());
 }
 
+/// The bus or the panel's own thread has stood still for longer than a page waits: what the page was told to have had no
+/// answer does not begin behind it.
+#[test]
+fn what_no_page_waits_for_any_more_does_not_begin() {
+    let folder = Folder::new();
+    let mut desk = with(Some(Arc::clone(&folder.programs)));
+    desk.patience = Duration::from_millis(300);
+    let (desk, now) = (Arc::new(desk), Instant::now());
+    let seen = automatic(4, 1_000);
+    desk.turn(&seen, now);
+    let program = || orders_with(&desk, "program", folder.args.clone(), Some(1_000));
+    // A computer that is busy may come to it too late itself: then it is ordered once more.
+    let asked = || loop {
+        let page = program();
+        desk.turn(&seen, now);
+        if !desk.shared().asks.programs.is_empty() {
+            return page;
+        }
+        page.join().unwrap();
+    };
+    let page = asked();
+    let told = page.join().unwrap();
+    assert!(
+        told["en"].as_str().unwrap().contains("has not answered"),
+        "{told}"
+    );
+    assert!(desk.asks().programs.is_empty() && !folder.is_claimed());
+    assert!(!desk.shared().typed, "the next one may be ordered");
+    // One that was taken to be begun, and is begun too late.
+    let (page, ticket) = loop {
+        let page = asked();
+        if let [program] = &desk.asks().programs[..] {
+            break (page, program.ticket);
+        }
+    };
+    assert_eq!(page.join().unwrap()["ok"], false);
+    assert!(!desk.is_awaited(ticket));
+    let mut command = std::process::Command::new("env");
+    let child = command.args(["--default-signal=INT", "sleep", "300"]);
+    let own = Handle::of(child.spawn().unwrap());
+    desk.note_begun(ticket, own.clone(), 0);
+    let signal = std::os::unix::process::ExitStatusExt::signal(&own.status());
+    assert_eq!(signal, Some(2));
+    desk.note_ended();
+    // Answers that nobody takes are not kept.
+    desk.answer(ticket, Ok(()));
+    let shared = desk.shared();
+    assert!(shared.done.is_empty() && shared.awaited.is_empty());
+}
+
 /// A command in a process of its own: what is checked would begin on a machine that nobody watches from here any more.
 #[test]
 fn a_panel_that_ends_ends_what_has_not_begun_and_nothing_else() {
@@ -425,7 +475,9 @@ fn a_panel_that_ends_ends_what_has_not_begun_and_nothing_else() {
         let _ = child.stdout.as_mut().unwrap().read(&mut [0]).unwrap();
         let number = nix::unistd::Pid::from_raw(child.id() as i32);
         let own = Handle::of(child);
-        desk.note_begun(own.clone(), 0);
+        // A page waits for it.
+        desk.shared().awaited.insert(1);
+        desk.note_begun(1, own.clone(), 0);
         if lost {
             desk.lose(both!("gone", "断开"));
         }
