@@ -24,9 +24,14 @@ impl Gains {
     /// The gains of an observer with all poles at `theta`, whose samples are a tick apart.
     #[must_use]
     pub const fn of_theta(theta: U32F32) -> Self {
-        // Below one, or its cube would not fit.
-        let above_zero = U32F32::from_bits(theta.to_bits() | 1);
-        let rest = U32F32::ONE.wrapping_sub(above_zero);
+        // The cube of one would not fit.
+        const BELOW_ONE: U32F32 = U32F32::from_bits(0xFFFF_FFFF);
+        let rest = U32F32::ONE.wrapping_sub(theta);
+        let rest = if rest.to_bits() > BELOW_ONE.to_bits() {
+            BELOW_ONE
+        } else {
+            rest
+        };
         let square = rest.wrapping_mul(rest);
         let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
         let beta = square.wrapping_mul(U32F32::ONE.wrapping_add(theta));
@@ -112,4 +117,62 @@ pub const fn exp_of_minus(x: u32) -> U32F32 {
     sum = ONE.wrapping_sub((x.wrapping_mul(sum) >> 32).wrapping_mul(1_431_655_765) >> 32);
     sum = ONE.wrapping_sub(x.wrapping_mul(sum) >> 33);
     U32F32::from_bits(ONE.wrapping_sub(x.wrapping_mul(sum) >> 32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gains_are_nothing_where_the_poles_stand_and_all_where_they_are_fastest() {
+        let gains = Gains::of_theta(U32F32::ONE);
+        let bits = [
+            gains.alpha.to_bits(),
+            gains.beta.to_bits(),
+            gains.gamma.to_bits(),
+        ];
+        assert_eq!(bits, [0; 3]);
+        // The first look of an encoder that has stood.
+        assert_eq!(super::gains(0, 5, true), gains);
+        let Gains { alpha, beta, gamma } = Gains::of_theta(U32F32::ZERO);
+        assert_eq!(alpha, I32F32::ONE);
+        assert!((beta.to_num::<f64>() - 1.5).abs() < 1e-8);
+        assert!((gamma.to_num::<f64>() - 1.0).abs() < 1e-8);
+    }
+
+    #[test]
+    fn the_gains_of_slow_poles_are_those_of_three_equal_poles() {
+        for (pole, ticks) in [
+            (0.000_6, 1_u32),
+            (0.001, 1),
+            (0.001, 7),
+            (0.02, 3),
+            (0.05, 1),
+        ] {
+            let pole = (pole * 2_f64.powi(32)) as u32;
+            let told = super::gains(pole, ticks, true);
+            let (p, n) = (
+                f64::from(pole) * f64::from(ticks) / 2_f64.powi(32),
+                f64::from(ticks),
+            );
+            let theta = (-p).exp();
+            let is = |told: f64, wanted: f64, within: f64| {
+                assert!(
+                    (told / wanted - 1.0).abs() < within,
+                    "{pole} {ticks}: {told} {wanted}"
+                );
+            };
+            is(told.alpha.to_num(), 1.0 - theta.powi(3), 1e-3);
+            is(
+                told.beta.to_num(),
+                1.5 * (1.0 - theta).powi(2) * (1.0 + theta) / n,
+                1e-3,
+            );
+            is(told.gamma.to_num(), (1.0 - theta).powi(3) / (n * n), 1e-3);
+            // A surprise of a thousandth of a turn.
+            let surprise = I32F32::from_bits(1 << 22);
+            let by = told.of_acceleration(surprise).to_num::<f64>();
+            assert!((by - told.gamma.to_num::<f64>() / 1024.0).abs() < 3e-15);
+        }
+    }
 }

@@ -134,6 +134,7 @@ impl Ticker {
             Action::TapOut => {
                 self.tap_is_out();
                 ends.segments.take();
+                self.executor.tell_stops(stops);
                 emit(&mut ends.events, Event::Started { number, line });
                 return Some((number, line, Motion::Run));
             }

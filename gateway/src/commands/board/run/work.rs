@@ -301,8 +301,8 @@ impl Runner<'_> {
             *started = true;
             let now = self.still_loaded(feed)?;
             if let Err(changed) = self.same_parameters(&now) {
-                // They have changed between the two looks: it must not go on.
-                if now.in_program && !bring_to_rest(self.link, STOP)? {
+                // They have changed between the two looks: it must not go on, if it has begun.
+                if !bring_to_rest(self.link, STOP)? {
                     self.tell_stroke();
                 }
                 return Err(changed);

@@ -438,9 +438,15 @@ fn what_no_page_waits_for_any_more_does_not_begin() {
     };
     assert_eq!(page.join().unwrap()["ok"], false);
     assert!(!desk.is_awaited(ticket));
+    // Behind its first line it is a process that a signal ends.
     let mut command = std::process::Command::new("env");
-    let child = command.args(["--default-signal=INT", "sleep", "300"]);
-    let own = Handle::of(child.spawn().unwrap());
+    command.args(["--default-signal=INT", "sh", "-c", "echo; exec sleep 300"]);
+    let mut child = command
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let _ = std::io::Read::read(child.stdout.as_mut().unwrap(), &mut [0]).unwrap();
+    let own = Handle::of(child);
     desk.note_begun(ticket, own.clone(), 0);
     let signal = std::os::unix::process::ExitStatusExt::signal(&own.status());
     assert_eq!(signal, Some(2));
