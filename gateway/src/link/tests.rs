@@ -805,3 +805,24 @@ fn a_machine_that_is_to_be_held_is_not_told_to_run() {
         assert_eq!(hold.count, if before { 1 } else { 3 });
     }
 }
+
+/// Whether a node is a board is told where it says so, not where a question or its answer gets lost.
+#[test]
+fn a_board_whose_answers_get_lost_is_not_told_as_another_device() {
+    // 1018h:02h, the product code.
+    let asks = |frame: &Frame| frame.payload().get(..4) == Some(&[0x40, 0x18, 0x10, 2]);
+    let reply = CobId::of(Service::SdoReply, NodeId::BOARD);
+    let absent = Frame::new(reply, &[0x80, 0x18, 0x10, 2, 0, 0, 2, 6]);
+    for (heard, is_another) in [(None, false), (absent, true)] {
+        let inside = machine(Flash::erased());
+        let fate = move |frame: &Frame| match asks(frame) {
+            true => Fate::Lost(heard),
+            false => Fate::Arrives,
+        };
+        let mut link = between(&inside, fate, |frame| frame);
+        link.set_patience(Duration::from_millis(20));
+        let told = link.greet().unwrap_err();
+        let another = matches!(told, Trouble::NotABoard { product: None, .. });
+        assert_eq!(another, is_another, "{told:?}");
+    }
+}
