@@ -32,7 +32,7 @@ const NAP: Duration = Duration::from_millis(50);
 /// What a broker retains of the primary host has come by then.
 const RETAINED: Duration = Duration::from_secs(2);
 /// For the last messages of an agent that ends.
-const FAREWELL: Duration = Duration::from_secs(2);
+pub const FAREWELL: Duration = Duration::from_secs(2);
 
 /// Where to send, and as whom.
 #[derive(Clone, Debug)]

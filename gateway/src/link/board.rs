@@ -10,9 +10,7 @@ use leadscrew_core::board::device::objects::{
     MACHINE_INPUTS, MACHINE_OUTPUTS, NEWEST_EVENT, PRODUCT_CODE, SERIAL_NUMBER, SET_CHECKSUM,
     SIGNALS, SOFTWARE_VERSION, START, STATUS_RECORD, TAP_DISCARD, TAP_RECORD, THREADS_TAKEN,
 };
-use leadscrew_core::bus::{
-    Abort, BoardCommand, BoardStatus, Frame, NodeId, Object, Order, SdoError,
-};
+use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, NodeId, Object, Order};
 use leadscrew_core::link::{
     Certificate, EventReader, ImageReader, Logged, Status, ThreadCertificate, ThreadReader,
     VERSION, Version, identity,
@@ -80,13 +78,8 @@ impl Link {
         let product = match self.read_number(PRODUCT_CODE) {
             Ok(product) => u32::try_from(product).ok(),
             // Where the question or the answer gets lost, nobody knows what it is.
-            Err(Trouble::Transfer {
-                error: SdoError::Refused(code),
-                ..
-            }) if matches!(
-                Abort::from_code(code),
-                Some(Abort::NoObject | Abort::NoSubIndex)
-            ) =>
+            Err(trouble)
+                if trouble.is_abort(Abort::NoObject) || trouble.is_abort(Abort::NoSubIndex) =>
             {
                 None
             }

@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 
 use leadscrew_agent::archive::{Folder, Origin};
 use leadscrew_agent::metrics::{Metrics, Server};
-use leadscrew_agent::sender::{Broker, News, Shared, now, send};
+use leadscrew_agent::sender::{Broker, FAREWELL, News, Shared, now, send};
 use leadscrew_agent::sparkplug::{Host, Names};
 use leadscrew_agent::store::Readers;
 use leadscrew_agent::{Keeper, Store, StoreError};
@@ -47,8 +47,8 @@ use crate::words::{Both, both, pick};
 
 /// Between two looks at the end.
 const NAP: Duration = Duration::from_millis(50);
-/// What is on its way to the broker has come by then: a broker that answers takes a farewell within two seconds.
-const FAREWELL: Duration = Duration::from_secs(4);
+/// A sender with a broker that answers has ended by then.
+const ENDED: Duration = FAREWELL.saturating_mul(2);
 /// Bytes in a MiB.
 const MIB: u64 = 1 << 20;
 
@@ -264,7 +264,7 @@ impl Agent<'_> {
         if let Some(thread) = sender.and_then(|sender| sender.thread.take()) {
             // What is on its way to the broker has a moment. One that does not answer is not waited for: what it has not
             // taken stays in the store.
-            let end = Instant::now() + FAREWELL;
+            let end = Instant::now() + ENDED;
             while !thread.is_finished() && Instant::now() < end {
                 thread::sleep(NAP);
             }

@@ -10,7 +10,7 @@
 
 mod asks;
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -65,10 +65,8 @@ struct Shared {
     homing: Homing,
     presses: VecDeque<Frame>,
     asks: Asks,
-    /// Tickets whose pages still wait for an answer. What no page waits for must not begin.
-    awaited: BTreeSet<u64>,
-    /// Answers that are on the way to those pages.
-    done: BTreeMap<u64, Done>,
+    /// Tickets whose pages still wait, with the answers that are on their way there. What no page waits for must not begin.
+    answers: BTreeMap<u64, Option<Done>>,
     tickets: u64,
     /// The number of statuses heard, and when the last one came.
     statuses: (u64, Option<Instant>),
@@ -133,8 +131,7 @@ impl Desk {
                 homing: Homing::default(),
                 presses: VecDeque::new(),
                 asks: Asks::default(),
-                awaited: BTreeSet::new(),
-                done: BTreeMap::new(),
+                answers: BTreeMap::new(),
                 tickets: 0,
                 statuses: (0, None),
                 told: Told::default(),
@@ -235,7 +232,7 @@ impl Desk {
 
     /// Whether a page still waits for the answer to this.
     pub fn is_awaited(&self, ticket: u64) -> bool {
-        self.shared().awaited.contains(&ticket)
+        self.shared().answers.contains_key(&ticket)
     }
 
     /// A line or a program has begun, which was asked for with this ticket after so many holds and stops. One that has come
@@ -243,7 +240,7 @@ impl Desk {
     /// from now on it cannot be told otherwise.
     pub fn note_begun(&self, ticket: u64, handle: Handle, halts: u64) {
         let mut shared = self.shared();
-        if shared.halts != halts || !shared.awaited.contains(&ticket) {
+        if shared.halts != halts || !shared.answers.contains_key(&ticket) {
             handle.interrupt();
         }
         shared.own = Some(handle);
@@ -322,7 +319,7 @@ impl Desk {
             halts,
             claim,
         };
-        shared.awaited.insert(ticket);
+        shared.answers.insert(ticket, None);
         // Hold and stop are not behind what others have ordered in the same moment.
         if asked.wish.halts() {
             shared.waiting.push_front(asked);
@@ -330,14 +327,14 @@ impl Desk {
             shared.waiting.push_back(asked);
         }
         let unanswered = |shared: &mut Shared| {
-            !shared.done.contains_key(&ticket) && shared.taken_back.0 == before
+            let answered = shared.answers.get(&ticket).is_some_and(Option::is_some);
+            !answered && shared.taken_back.0 == before
         };
         let (mut shared, _) = self
             .news
             .wait_timeout_while(shared, self.patience, unanswered)
             .unwrap_or_else(PoisonError::into_inner);
-        shared.forsake(ticket);
-        let done = shared.done.remove(&ticket);
+        let done = shared.forsake(ticket);
         done.unwrap_or_else(|| match &shared.taken_back {
             (count, why) if *count != before => Err(why.clone()),
             _ => Err(both!(
@@ -370,21 +367,20 @@ impl Shared {
 
     /// Answers a page that still waits.
     fn answer(&mut self, ticket: u64, done: Done) {
-        if self.awaited.contains(&ticket) {
-            self.done.insert(ticket, done);
+        if let Some(answer) = self.answers.get_mut(&ticket) {
+            *answer = Some(done);
         }
     }
 
     /// Has the board asked whether it has refused this, for a page that still waits.
     fn ask_reason(&mut self, ticket: u64) {
-        if self.awaited.contains(&ticket) {
+        if self.answers.contains_key(&ticket) {
             self.asks.reasons.push(ticket);
         }
     }
 
-    /// Nobody waits for this any more: what is not begun yet must not begin.
-    fn forsake(&mut self, ticket: u64) {
-        self.awaited.remove(&ticket);
+    /// Nobody waits for this any more: what is not begun yet must not begin. Gives the answer, if it has come.
+    fn forsake(&mut self, ticket: u64) -> Option<Done> {
         self.waiting.retain(|asked| asked.ticket != ticket);
         let asks = &mut self.asks;
         let before = asks.lines.len() + asks.programs.len();
@@ -394,6 +390,7 @@ impl Shared {
         if asks.lines.len() + asks.programs.len() < before {
             self.typed = false;
         }
+        self.answers.remove(&ticket).flatten()
     }
 
     fn situation(&self, now: Instant) -> Situation {

@@ -1,4 +1,4 @@
-//! What a program has written is kept when it has ended, on a board in this process.
+//! Programs on a board in this process: what others do meanwhile, and what is kept when they have ended.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -39,10 +39,16 @@ fn other_parameters(other: &mut Link) {
     wait_for_start(other);
 }
 
+/// The options of a run that is typed like this.
+fn global(more: &[&str]) -> Global {
+    let typed = ["leadscrew", "run", "part.nc", "--bus", "sim:desk"];
+    let typed = typed.iter().chain(more);
+    Cli::try_parse_from(typed).unwrap().global
+}
+
 /// Runs a program by this link. Behind its check another client acts.
 fn does(text: &str, own: Link, behind_check: impl FnOnce()) -> Result<(), String> {
-    let typed = ["leadscrew", "run", "part.nc", "--bus", "sim:desk"];
-    let global = Cli::try_parse_from(typed).unwrap().global;
+    let global = global(&[]);
     let source = SourceFile::text("part.nc", text.to_owned());
     let (mut own, mut behind_check) = (Some(own), Some(behind_check));
     let done = perform_on(
@@ -140,16 +146,7 @@ fn a_machine_that_has_not_come_to_rest_is_not_reset() {
 /// Runs a program that writes a work offset and a variable. What happens `behind` its end, before anything is kept, another
 /// client does. Gives the revision that it was kept under, or why it was not, and the table of the board.
 fn runs(variables: &str, behind: fn(&mut Link)) -> (Result<Option<Revision>, String>, Offsets) {
-    let typed = [
-        "leadscrew",
-        "run",
-        "g10.nc",
-        "--bus",
-        "sim:desk",
-        "--variables",
-        variables,
-    ];
-    let global = Cli::try_parse_from(typed).unwrap().global;
+    let global = global(&["--variables", variables]);
     let source = SourceFile::text("g10.nc", "#500 = 1\nG10 L2 P2 X4\nM30\n".to_owned());
     let (inside, mut other) = machine();
     let (shared, mut begun, mut acts) = (inside.clone(), false, Some(behind));

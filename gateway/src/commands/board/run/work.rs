@@ -275,9 +275,7 @@ impl Runner<'_> {
         } = under_way;
         if interrupt::requested() {
             self.ran.interrupted = true;
-            if !bring_to_rest(self.link, STOP)? {
-                self.tell_stroke();
-            }
+            self.end_by_hold()?;
             // Reads the faults on the way.
             self.read_log(feeder)?;
             return self.conclude(feed);
@@ -302,9 +300,7 @@ impl Runner<'_> {
             let now = self.still_loaded(feed)?;
             if let Err(changed) = self.same_parameters(&now) {
                 // They have changed between the two looks: it must not go on, if it has begun.
-                if !bring_to_rest(self.link, STOP)? {
-                    self.tell_stroke();
-                }
+                self.end_by_hold()?;
                 return Err(changed);
             }
         }
@@ -635,8 +631,12 @@ impl Runner<'_> {
         }
     }
 
-    /// Reports that the machine goes on with its stroke though the run ends here.
-    fn tell_stroke(&self) {
+    /// A controlled stop. Where a stroke takes longer than that is waited for, the machine goes on with it though the run
+    /// ends here, and that is told.
+    fn end_by_hold(&mut self) -> Outcome {
+        if bring_to_rest(self.link, STOP)? {
+            return Ok(());
+        }
         let told = both!(
             "the stroke is still under way after {seconds} s (line {line}), and the machine holds at its end: \
              `leadscrew reset` then drops the rest of the program; `leadscrew stop` ends the stroke at once\n",
@@ -647,11 +647,15 @@ impl Runner<'_> {
         );
         self.bar
             .suspend(|| diagnostics::say(told.get(self.setup.lang)));
+        Ok(())
     }
 }
 
 /// A controlled stop: feed hold until the machine stands, then a reset drops the rest of the program. False where it does
 /// not stand within this time: a reset would then act on a machine that moves, and only the hold has been ordered.
+///
+/// # Errors
+/// The board does not answer.
 pub fn bring_to_rest(link: &mut Link, limit: Duration) -> Outcome<bool> {
     link.order(Order::Hold)?;
     let end = Instant::now() + limit;

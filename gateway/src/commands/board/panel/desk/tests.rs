@@ -1,6 +1,8 @@
 //! Orders between pages and the bus, without either: time and what was heard are given.
 
+use std::io::Read as _;
 use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::JoinHandle;
@@ -401,6 +403,15 @@ fn nothing_that_was_on_its_way_is_sent_when_the_board_is_heard_again() {
     assert!(desk.asks().programs.is_empty());
 }
 
+/// A shell that has written its first line: from then on it takes signals as this script says.
+fn shell(script: &str) -> Child {
+    let mut command = Command::new("env");
+    command.args(["--default-signal=INT", "sh", "-c", script]);
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    let _ = child.stdout.as_mut().unwrap().read(&mut [0]).unwrap();
+    child
+}
+
 /// The bus or the panel's own thread has stood still for longer than a page waits: what the page was told to have had no
 /// answer does not begin behind it.
 #[test]
@@ -438,15 +449,7 @@ fn what_no_page_waits_for_any_more_does_not_begin() {
     };
     assert_eq!(page.join().unwrap()["ok"], false);
     assert!(!desk.is_awaited(ticket));
-    // Behind its first line it is a process that a signal ends.
-    let mut command = std::process::Command::new("env");
-    command.args(["--default-signal=INT", "sh", "-c", "echo; exec sleep 300"]);
-    let mut child = command
-        .stdout(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    let _ = std::io::Read::read(child.stdout.as_mut().unwrap(), &mut [0]).unwrap();
-    let own = Handle::of(child);
+    let own = Handle::of(shell("echo; exec sleep 300"));
     desk.note_begun(ticket, own.clone(), 0);
     let signal = std::os::unix::process::ExitStatusExt::signal(&own.status());
     assert_eq!(signal, Some(2));
@@ -454,14 +457,12 @@ fn what_no_page_waits_for_any_more_does_not_begin() {
     // Answers that nobody takes are not kept.
     desk.answer(ticket, Ok(()));
     let shared = desk.shared();
-    assert!(shared.done.is_empty() && shared.awaited.is_empty());
+    assert!(shared.answers.is_empty());
 }
 
 /// A command in a process of its own: what is checked would begin on a machine that nobody watches from here any more.
 #[test]
 fn a_panel_that_ends_ends_what_has_not_begun_and_nothing_else() {
-    use std::io::Read as _;
-    use std::process::{Command, Stdio};
     // Which signal came first, whatever the tests were begun with.
     const WAITS: &str = "trap 'exit 7' INT; trap 'exit 8' TERM; echo; while :; do sleep 0.02; done";
     for (begun, lost, code) in [
@@ -475,14 +476,11 @@ fn a_panel_that_ends_ends_what_has_not_begun_and_nothing_else() {
         let mut seen = heard(0, 10);
         seen.status.as_mut().unwrap().flags.program = begun;
         desk.turn(&seen, now);
-        let mut command = Command::new("env");
-        command.args(["--default-signal=INT", "sh", "-c", WAITS]);
-        let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
-        let _ = child.stdout.as_mut().unwrap().read(&mut [0]).unwrap();
+        let child = shell(WAITS);
         let number = nix::unistd::Pid::from_raw(child.id() as i32);
         let own = Handle::of(child);
         // A page waits for it.
-        desk.shared().awaited.insert(1);
+        desk.shared().answers.insert(1, None);
         desk.note_begun(1, own.clone(), 0);
         if lost {
             desk.lose(both!("gone", "断开"));
